@@ -1,7 +1,7 @@
 import { svelte } from '@sveltejs/vite-plugin-svelte';
 import { defineConfig } from 'vitest/config';
 
-/** The server that `npm run dev` asks for data: `apex serve FILE.apex`. */
+/** The server from which `npm run dev` gets data: `apex serve FILE.apex`. */
 const api = process.env.APEX_URL ?? 'http://127.0.0.1:8040';
 
 export default defineConfig({

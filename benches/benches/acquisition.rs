@@ -12,7 +12,7 @@ use std::path::Path;
 
 const TARGETS: usize = 40;
 
-/// Pixels of 10 cm of the mission's area, and of places around it.
+/// Goals for pixels of 10 cm: of the mission's area, and of places around it.
 fn goals() -> Vec<Value> {
     let place = |index: usize| {
         let (north, east) = ((index / 8) as f64, (index % 8) as f64);

@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Program of competitors with rising priorities, of which one holds the resource; an alarm outranks all of them.
+/// Program of competitors with rising priorities; one holds the resource, and an alarm outranks all of them.
 const COMPETITORS: &str = "
 (procedure (index (do-domain))
   (step all (compete ?n) (forall ?n in (range COUNT)))
@@ -23,7 +23,7 @@ const COMPETITORS: &str = "
 (primitive (index (look)) (profile camera) (on-start (command (look))))
 ";
 
-/// Program of families with ranks and rising urgency: a member inherits the urgency of others, so any pair of priorities may cross.
+/// Program of families with ranks and rising urgency: a member inherits the urgency of others, so the priorities of any pair may cross.
 const FAMILIES: &str = "
 (procedure :ranked (index (do-domain))
   (step alarm (look) (waitfor (alarm)) (responding) (priority :urgency 9 :importance 10))
@@ -66,7 +66,7 @@ fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String
     )
 }
 
-/// Returns the same as steps of one ranked procedure, with these clauses.
+/// Returns the same program as steps of one ranked procedure, with these clauses.
 fn ranked(count: usize, clauses: &str) -> String {
     let step = |number| format!("  (step s{number} (use {number}) {clauses})\n");
     let steps: String = (0..count).map(step).collect();
@@ -118,11 +118,11 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Returns the time of so many hand-offs from a holder that ends to the next of `count` competitors.
+/// Returns the time of `iterations` hand-offs, each from a holder that ends to the next of `count` competitors.
 fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration {
     let (mut total, mut done) = (Duration::ZERO, 0);
     while done < iterations {
-        // A hand-off uses up one competitor, so all competitors are created again after half of them.
+        // Each hand-off ends one competitor, so all competitors are created again after half of them have ended.
         let (mut driven, effects) = Driven::begun(library);
         let mut command = command_in(&effects).expect("one works");
         // The first hand-offs run with cold caches and would dominate the measurement.

@@ -1,6 +1,6 @@
 //! Time to diagnose the change of one test outcome in models of 200 components and 300 tests: a usual case and hard cases.
 //!
-//! Every case alternates the outcome of one test, so that each iteration diagnoses two changes; figures are halved by `Throughput`.
+//! Every case alternates the outcome of one test, so each iteration diagnoses two changes; `Throughput` halves the figures.
 
 #![allow(clippy::panic, clippy::indexing_slicing, reason = "a measurement stops where it is surprised")]
 
@@ -26,7 +26,7 @@ impl Numbers {
     }
 }
 
-/// Returns a model in which each test needs `width` random components; one test in `redundant` also needs one of two others (0: none
+/// Returns a model in which each test needs `width` random components; one test in `redundant` also needs one of two others (0: no test
 /// does).
 fn model(width: usize, redundant: usize) -> Arc<Model> {
     let mut numbers = Numbers(7);

@@ -1,4 +1,4 @@
-//! From a sample to a command, with many tasks waiting; the life of a task.
+//! The time from a sample to a command with many waiting tasks, and the time of a task's life.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that did not happen must stop at once")]
 
@@ -24,7 +24,7 @@ fn to_command(driven: &mut Driven, kind: EventKind) -> Duration {
     taken
 }
 
-/// A sample that satisfies one of `count` waiting tasks, each with its own variable, until its command is there.
+/// A sample satisfies one of `count` waiting tasks, each with a separate variable; measured until the task's command.
 fn event_to_command(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to command");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -38,7 +38,7 @@ fn event_to_command(criterion: &mut Criterion) {
                     if used == count {
                         (driven, used) = (armed.clone(), 0);
                     }
-                    // A prime stride: the next task is never next to the last one in memory.
+                    // A prime stride, so that the next task is not adjacent to the last one in memory.
                     total += to_command(&mut driven, level(used * 7_919 % count, 11));
                     used += 1;
                 }
@@ -87,7 +87,7 @@ fn event_to_nothing(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// One variable, as many bounds as tasks: a sample just above the least bound that is left.
+/// One variable and as many bounds as tasks; each sample is just above the least remaining bound.
 fn one_of_many_bounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one of many bounds");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -132,7 +132,7 @@ fn task_life(criterion: &mut Criterion) {
             assert!(effects.iter().filter(created).count() >= count, "not all tasks were made");
             assert!(matches!(effects.last(), Some(Effect::EndApplication { .. })), "the plan did not come to its end");
             group.bench_function(BenchmarkId::new(shape, count), |bencher| {
-                // Effects are dropped outside of the measurement: the code that takes them decides their cost.
+                // Effects are dropped outside the measurement, because their cost depends on the code that receives them.
                 bencher.iter_batched(|| Driven::ready(&library), |driven| driven.begin(), BatchSize::PerIteration);
             });
         }

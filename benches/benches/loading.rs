@@ -1,4 +1,4 @@
-//! From text to an agent that could begin: reading, checking, indexing.
+//! Loading an agent from text up to its first step: reading, checking, indexing.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 
 use apex_benches::{MEASUREMENT, WARM_UP, agent, check, library, programs};

@@ -1,4 +1,4 @@
-//! Running, recording and replaying ten thousand seconds with a fire every twenty.
+//! Running, recording and replaying ten thousand seconds with a fire every twenty seconds.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 

@@ -1,8 +1,8 @@
-//! Across threads: another thread puts an event into the inbox, the executive's thread steps, and the command comes out of
-//! the outbox to yet another place. The row is the time from putting the event to holding the command.
+//! Latency across threads: one thread puts an event into the inbox, the executive's thread steps, and a third place takes the command
+//! from the outbox. The row is the time from putting the event to receiving the command.
 //!
-//! The loop is the one of real-time applications: bounded inbox, wall clock, parked while nothing comes. Figures are
-//! taken by hand rather than by criterion: what counts is the median of many single journeys on a busy machine.
+//! The loop is that of real-time applications: a bounded inbox and a wall clock, parked while nothing arrives. The figures are measured
+//! here instead of by criterion, because the wanted figure is the median of many single passes on a busy machine.
 #![allow(
     clippy::expect_used,
     clippy::indexing_slicing,

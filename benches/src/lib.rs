@@ -1,4 +1,4 @@
-//! Programs and agents that the measurements share.
+//! Programs and agents shared by the measurements.
 #![allow(clippy::panic, reason = "a measurement that cannot be set up must stop at once")]
 
 pub mod monitoring;
@@ -19,7 +19,7 @@ use apex_pdl::{CheckOptions, Checked, SourceText};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time for which a row runs before it is measured, and about that for which it is measured: all rows take minutes.
+/// Time for which a row runs before its measurement, and roughly the time of the measurement; all rows together take minutes.
 pub const WARM_UP: Duration = Duration::from_millis(500);
 /// See [`WARM_UP`].
 pub const MEASUREMENT: Duration = Duration::from_secs(2);
@@ -91,14 +91,14 @@ impl Driven {
         Driven { agent: agent(library), now: Time::ZERO, sequence: 0 }
     }
 
-    /// Begins at mission time 0: the agent and what it wanted done.
+    /// Begins at mission time 0; returns the agent and its first effects.
     #[inline(never)]
     pub fn begin(mut self) -> (Driven, Vec<Effect>) {
         let effects = step(&mut self.agent, &Batch { now: Time::ZERO, events: Vec::new() });
         (self, effects)
     }
 
-    /// Returns a new agent that has begun, and what it wanted done.
+    /// Returns a new agent that has begun, and its first effects.
     pub fn begun(library: &Arc<Library>) -> (Driven, Vec<Effect>) {
         Driven::ready(library).begin()
     }
@@ -121,14 +121,14 @@ impl Driven {
         step(&mut self.agent, batch)
     }
 
-    /// The same, by another name for profilers: what is not measured.
+    /// Like `step`, under another name, so that profilers can exclude it.
     #[inline(never)]
     pub fn answer(&mut self, batch: &Batch) {
         step(&mut self.agent, batch);
     }
 }
 
-/// Returns true if a task has moved from the one state to the other.
+/// Returns true if a task has changed from one state to the other.
 pub fn moved(effects: &[Effect], from: TaskState, to: TaskState) -> bool {
     effects.iter().any(|effect| match effect {
         Effect::Decided(decision) => {

@@ -1,4 +1,4 @@
-//! Monitors of one session to measure, and the traces that they and the peers watch.
+//! Monitors of one session to measure, and the traces watched by them and by the peers.
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
 
 use apex_executive::MonitorSession;
@@ -69,7 +69,7 @@ impl Numbers {
     }
 }
 
-/// Returns a signal as an aircraft's roll angle is: slow turns with some noise on top, from -30 to 30.
+/// Returns a signal like an aircraft's roll angle: slow turns with some noise, from -30 to 30.
 pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
     let mut numbers = Numbers::new(seed);
     (0..samples)

@@ -1,8 +1,8 @@
-//! Long programs, made of as many steps as a measurement asks for.
+//! Long programs with any required number of steps.
 
 use std::fmt::Write as _;
 
-/// One procedure of `kind`, whose steps `step` writes by number, and the primitive that serves them.
+/// One procedure of `kind`, with steps made by `step` from their numbers, and the primitive that serves them.
 fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: &str) -> String {
     let mut text = format!("(procedure {kind} (index (do-domain))\n");
     for number in 0..steps {
@@ -18,7 +18,7 @@ pub fn waiting(steps: usize) -> String {
     written("", steps, step, "(on-start (command (act ?n)))")
 }
 
-/// Steps that each wait for one variable to exceed a separate bound, from 1,000 on, and command.
+/// Steps that each wait for one variable to exceed a separate bound, from 1,000 on, and then send a command.
 pub fn bounds(steps: usize) -> String {
     let step = |number| format!("(step s{number} (work on {number}) (waitfor (level 0 > {})))", 1_000 + number);
     written("", steps, step, "(on-start (command (act ?n)))")
@@ -32,7 +32,7 @@ pub fn flat(tasks: usize) -> String {
     )
 }
 
-/// `tasks` tasks in towers of fifty, each task with one below it.
+/// `tasks` tasks in towers of fifty: each task has one child.
 pub fn nested(tasks: usize) -> String {
     const HEIGHT: usize = 50;
     let towers = (tasks / HEIGHT).max(1);
@@ -64,7 +64,7 @@ pub fn sequence(steps: usize) -> String {
     text
 }
 
-/// One concurrent procedure of `steps` steps, each of which waits for the one before.
+/// One concurrent procedure of `steps` steps, each of which waits for the previous one.
 pub fn chain(steps: usize) -> String {
     let mut text = String::from("(procedure (index (do-domain))\n  (step s0 (work on 0))\n");
     for number in 1..steps {

@@ -1,5 +1,5 @@
-//! Makes sure that the folder of the built web page exists, so that the crate builds without it, and is built
-//! again when the page changes.
+//! Creates the folder of the built web page if it is missing, so that the crate builds without the page, and rebuilds the crate when the
+//! page changes.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Fuzz targets: functions from arbitrary bytes that must neither panic nor hang, each with the properties that it checks.
 //!
-//! The functions do not depend on a fuzzer. The tests run them over the corpora, `main.rs` runs one of them under libFuzzer.
+//! The functions do not depend on a fuzzer. The tests run them on the corpora, and `main.rs` runs one of them under libFuzzer.
 
 #![allow(clippy::panic, reason = "a target reports a violated property by a panic, which the fuzzer catches")]
 

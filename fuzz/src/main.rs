@@ -1,4 +1,4 @@
-//! `apex-fuzz TARGET FILE..`: runs a target on files, to repeat what the fuzzer found. With the feature `libfuzzer` the program is
+//! `apex-fuzz TARGET FILE..` runs a target on files, to reproduce a finding of the fuzzer. With the feature `libfuzzer` the program is
 //! libFuzzer, and the environment variable `APEX_FUZZ_TARGET` names the target.
 
 #![cfg_attr(feature = "libfuzzer", no_main)]

@@ -45,7 +45,7 @@ pub(crate) fn record_path() -> std::path::PathBuf {
     }
 }
 
-/// Makes a folder in memory, if the system has one there: the fuzzer writes thousands of files.
+/// Makes a folder in memory, if the system supports that, because the fuzzer writes thousands of files.
 pub(crate) fn folder() -> Result<tempfile::TempDir, String> {
     let memory = std::path::Path::new("/dev/shm");
     let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };

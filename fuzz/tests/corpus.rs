@@ -1,8 +1,8 @@
-//! Every target runs over its corpus without a violation, also in a build with planted bugs: the fuzzer has to find these alone.
+//! Every target runs over its corpus without a violation, also in a build with planted bugs, so that only the fuzzer can find these.
 
 use std::path::PathBuf;
 
-/// Largest corpus of a target: it is committed.
+/// Largest permitted corpus of a target, because it is committed.
 const CORPUS_BYTES_MAX: u64 = 65_536;
 
 fn files(target: &str) -> Vec<PathBuf> {

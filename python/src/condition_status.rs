@@ -1,4 +1,4 @@
-//! Status of a condition with its reasons.
+//! Status of a condition, with its reasons.
 
 use apex_executive::Judgement;
 use apex_executive::state::monitors::monitor::{Unmet, Verdict};
@@ -28,7 +28,7 @@ impl ConditionStatus {
         }
     }
 
-    /// list of Reason: The parts of the condition that do not hold; empty when it is satisfied.
+    /// list of Reason: The parts of the condition that do not hold; empty if it is satisfied.
     #[getter]
     fn because(&self) -> Vec<Reason> {
         self.judgement.because.iter().cloned().map(|unmet| Reason { unmet }).collect()
@@ -53,7 +53,7 @@ impl ConditionStatus {
     }
 }
 
-/// A part of a condition that does not hold, and what is known about it.
+/// A part of a condition that does not hold, with the present knowledge about it.
 #[pyclass(frozen, module = "apex_autonomy")]
 pub(crate) struct Reason {
     unmet: Unmet,
@@ -67,19 +67,19 @@ impl Reason {
         &self.unmet.what
     }
 
-    /// str: What is known about it now.
+    /// str: The present knowledge about the part.
     #[getter]
     fn now(&self) -> &str {
         &self.unmet.now
     }
 
-    /// int or None: Since when that is so, in nanoseconds.
+    /// int or None: The instant since which this is so, in nanoseconds.
     #[getter]
     fn since_ns(&self) -> Option<i64> {
         self.unmet.since.map(|since| since.0)
     }
 
-    /// int or None: When it comes true by time alone, if nothing changes before, in nanoseconds.
+    /// int or None: The instant at which the part becomes true by time alone, if nothing changes before, in nanoseconds.
     #[getter]
     fn until_ns(&self) -> Option<i64> {
         self.unmet.until.map(|until| until.0)

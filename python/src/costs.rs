@@ -1,4 +1,4 @@
-//! Costs of ignorance written in Python: asked by the metrics, which know what a cost must be.
+//! Costs of ignorance written in Python: called by the metrics, which check the rules of costs.
 
 use crate::errors::{InputError, input, planning};
 use apex_metrics::eci::Likelihoods;
@@ -26,7 +26,8 @@ fn asking<'a>(cost: &'a Bound<'_, PyAny>, raised: &'a Raised) -> impl FnMut(f64)
     }
 }
 
-/// An `InputError` with what was raised as its cause; an exception that is not an error, as an interrupt by the keyboard, stays what it is.
+/// An `InputError` with the raised exception as its cause; an exception that is not an error, such as a keyboard interrupt, stays
+/// unchanged.
 fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
     match raised.take() {
         Some(error) if !error.is_instance_of::<PyException>(python) => error,
@@ -41,7 +42,7 @@ fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
 /// Name, expected cost, number of observations and longest gap in seconds of each target.
 type TargetCosts = Vec<(String, f64, usize, f64)>;
 
-/// Returns the score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps;
+/// Returns the score of visits, each a target and the end of its observation. Costs have the name of their target and the ages of jumps;
 /// with `survival` only the first event after an observation counts.
 #[pyfunction]
 pub(crate) fn expected_cost_of(

@@ -1,4 +1,4 @@
-//! Exceptions, all in one place.
+//! The exceptions of the package.
 
 use apex_mission::error::MissionError as Failure;
 use pyo3::create_exception;
@@ -33,14 +33,14 @@ create_exception!(
     "There is no plan: the problem cannot be read or is invalid, nothing can be visited, or the planner's plan was refused."
 );
 
-/// Makes the exceptions known.
+/// Registers the exceptions in the module.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let python = module.py();
     module.add("ApexError", python.get_type::<ApexError>())?;
     module.add("ConditionError", python.get_type::<ConditionError>())?;
     module.add("InputError", python.get_type::<InputError>())?;
     let mission = python.get_type::<MissionError>();
-    // Instances of failures have their own; the class has these so that the attributes are always there.
+    // Instances of failures have separate values; the class has these so that the attributes always exist.
     mission.setattr("message", "")?;
     for attribute in ["place", "reason", "help"] {
         mission.setattr(attribute, python.None())?;
@@ -54,7 +54,7 @@ pub(crate) fn input(message: impl Into<String>) -> PyErr {
     InputError::new_err(message.into())
 }
 
-/// Returns a `ValueError`, for arguments that Python's own conventions name so.
+/// Returns a `ValueError`, for arguments for which Python's conventions require it.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
 }
@@ -84,6 +84,6 @@ fn exception(python: Python<'_>, new: impl FnOnce(String) -> PyErr, failure: Fai
         ("help", failure.help),
     ];
     let set = attributes.into_iter().try_for_each(|(name, text)| value.setattr(name, text));
-    // An exception whose attributes cannot be set is a failure of Python itself, which says more.
+    // If the attributes of an exception cannot be set, Python itself has failed, and that error is more informative.
     set.err().unwrap_or(error)
 }

@@ -1,4 +1,4 @@
-//! Flights of missions in the built-in simulator. Other threads of Python run while one is flown.
+//! Flights of missions in the built-in simulator. Other Python threads run during a flight.
 
 use crate::errors::mission as failed;
 use crate::planning::{LoadedMission, Means, positive};
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Interval at which a flight lets Python handle signals such as Ctrl-C.
 const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 
-/// Flies a mission and records it: the end and the report as JSON. An exception of `on_progress`, or Ctrl-C, stops the flight
+/// Flies a mission and records it; returns the end and the report as JSON. An exception of `on_progress`, or Ctrl-C, stops the flight
 /// cleanly, and is raised after the record is closed.
 #[pyfunction]
 pub(crate) fn fly_json(
@@ -40,11 +40,11 @@ pub(crate) fn fly_json(
     let (mission, means) = (Arc::clone(&mission.inner), means.inner.clone());
     let flown = python.detach(|| -> MissionResult<FlightOutcome> {
         let pace = apex_simulation::pace_of(&mission, pace)?;
-        // A mission that cannot be simulated leaves an older record as it is.
+        // If the mission cannot be simulated, an older record is left unchanged.
         apex_simulation::world(&mission, seed)?;
         let mut recorder = apex_simulation::create_record(&record, &mission, seed)?;
         if pace.is_some() {
-            // Nothing but a stop will be said: the flight does not wait for inputs from operators.
+            // The only later command is a stop, so the flight does not wait for inputs from operators.
             let _ = watch.stop.send(Control::Quiet);
         }
         let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
@@ -117,7 +117,7 @@ impl Observer for Watch {
         self.minutes = self.minutes.max(minutes);
         if let Err(error) = self.ask(progress) {
             self.raised = Some(error);
-            // A flight that is over already has nothing left to stop.
+            // A flight that has already ended need not be stopped.
             let _ = self.stop.send(Control::Stop);
         }
         self.asked = Instant::now();

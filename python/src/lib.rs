@@ -1,5 +1,5 @@
-//! The native half of the Python package `apex_autonomy`: translation only. What is said about arguments and results to
-//! Python's users is in the package; what a condition means is decided in the executive.
+//! The native half of the Python package `apex_autonomy`: translation only. The documentation of arguments and results for Python users
+//! is in the package; the executive determines the meaning of conditions.
 
 mod condition_status;
 mod costs;

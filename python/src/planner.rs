@@ -1,7 +1,7 @@
-//! Planners written in Python: their problem and plan cross the border as the JSON of `docs/reference/planning-problems.md`.
+//! Planners written in Python: problems and plans are passed as the JSON of `docs/reference/planning-problems.md`.
 //!
-//! A planner works on a separate thread. What it asks of its environment is sent to the thread of the solver, which serves it
-//! under the limits of every solver; so a planner that does not stop is interrupted there.
+//! A planner works on a separate thread. Its requests are sent to the solver's thread, which serves them under the limits of every
+//! solver; so a planner that does not stop is interrupted there.
 
 use crate::errors::input;
 use apex_model::problem::{Plan, Problem};
@@ -14,11 +14,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Interval at which a planner that sends no request is checked, and the time that one may take to stop.
+/// Interval at which a planner that sends no request is checked, and the time allowed for stopping.
 const LOOK: Duration = Duration::from_millis(20);
 const GRACE: Duration = Duration::from_millis(500);
 
-/// Request of a planner; `Ended` is its last one.
+/// Request of a planner; `Ended` is the last one.
 enum PlannerRequest {
     Charge(u64),
     Report(String),
@@ -128,7 +128,7 @@ impl Solver for PythonSolver {
     }
 }
 
-/// Serves a planner until it ends, or does not end when it should.
+/// Serves a planner until it ends, or fails to end when it should.
 fn serve(
     solver: &PythonSolver,
     problem: &Problem,
@@ -142,7 +142,7 @@ fn serve(
         match asked.recv_timeout(LOOK) {
             Ok(PlannerRequest::Charge(units)) => environment.budget.charge(units),
             Ok(PlannerRequest::Report(text)) => {
-                // A report that is not a plan is the planner's mistake, reported where it made it: it ends there.
+                // A report that is not a plan is the planner's mistake, so the planner gets the error at that call and ends there.
                 let plan = read(&solver.name, problem, &text)?;
                 (environment.report)(&plan);
             }
@@ -159,12 +159,12 @@ fn serve(
             Err(RecvTimeoutError::Disconnected) => return Err("its thread ended".to_string()),
         }
         let told = PlannerReply { exhausted: environment.budget.exhausted(), used: environment.budget.used() };
-        // Who does not wait for the answer has been interrupted.
+        // If nothing waits for the answer, the planner has been interrupted.
         let _ = tell.send(told);
     }
 }
 
-/// Interrupts the planner's thread when it is abandoned, whatever the reason.
+/// Interrupts the planner's thread when it is abandoned, for any reason.
 struct Interrupt {
     identity: Receiver<Option<u64>>,
     interrupt: Arc<Py<PyAny>>,
@@ -177,7 +177,7 @@ impl Drop for Interrupt {
             return;
         }
         let Ok(Some(identity)) = self.identity.recv_timeout(GRACE) else { return };
-        // What cannot be interrupted is left behind; no caller can be informed.
+        // A thread that cannot be interrupted is abandoned; no caller can be informed.
         let _ = Python::attach(|python| self.interrupt.bind(python).call1((identity,)).map(|_| ()));
     }
 }
@@ -201,7 +201,7 @@ fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
     serde_json::from_str(text).map_err(|error| wrong(error.to_string()))
 }
 
-/// Name, kinds of problems it serves, what calls it, what interrupts its thread.
+/// Name, kinds of problems served, the function that calls the planner, and the function that interrupts its thread.
 pub(crate) type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
 
 /// Returns the planners that ship, and these.

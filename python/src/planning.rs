@@ -1,4 +1,4 @@
-//! Missions and problems that Python plans for; answers cross the border as the JSON of `docs/reference/schema/plan.schema.json`.
+//! Planning of missions and problems for Python; answers are passed as the JSON of `docs/reference/schema/plan.schema.json`.
 
 use crate::errors::{mission as failed, planning, value};
 use crate::planner::{Planners, registry};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// The longest time that a caller may state, in seconds: a hundred years.
 const TIME_S_MAX: f64 = 3.2e9;
 
-/// Planners, the table that chooses among them, and the limits of one request.
+/// Planners, the table that selects among them, and the limits of one request.
 #[pyclass(module = "apex_autonomy", frozen)]
 pub(crate) struct Means {
     pub(crate) inner: PlanningResources,

@@ -1,4 +1,4 @@
-//! The profile of planners: measured on test missions, merged, and concluded as the table by which planners are chosen.
+//! The profile of planners: measured on test missions, merged, and turned into the table by which planners are selected.
 
 use crate::errors::mission as failed;
 use crate::planning::{Means, positive};
@@ -65,7 +65,7 @@ fn empty(cells: &[String], missions: u64, budgets_s: &[f64]) -> Result<Profile, 
     Ok(Profile::empty(&cells, missions, &named::rising(units, &texts)?))
 }
 
-/// Parts that were measured apart become one profile.
+/// Merges parts that were measured separately into one profile.
 #[pyfunction]
 pub(crate) fn merged_profile(python: Python<'_>, parts: Vec<String>) -> PyResult<String> {
     let merged = || -> MissionResult<String> {

@@ -58,7 +58,7 @@ pub(crate) fn trace_json(python: Python<'_>, record: PathBuf) -> PyResult<String
 /// Changes after the instant: factor of the wind, seed, lines of inputs, order of visits.
 type Differences = (Option<f64>, Option<u64>, Option<String>, Vec<String>);
 
-/// Continues a recorded flight from `at_s` on with changes and records it: both reports as JSON. Ctrl-C stops the flight; the
+/// Continues a recorded flight from `at_s` on with changes and records it; returns both reports as JSON. Ctrl-C stops the flight; the
 /// exception is raised after the record is closed.
 #[pyfunction]
 pub(crate) fn fork_json(

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 
-/// The results of one call, in order of recognition. A sequence of :class:`Result`; nothing is copied until it is asked for.
+/// The results of one call, in order of recognition. A sequence of :class:`Result`; entries are copied only on access.
 #[pyclass(frozen, sequence, module = "apex_autonomy")]
 pub(crate) struct Results {
     results: Arc<[MonitorResult]>,
@@ -46,12 +46,12 @@ impl Results {
     /// Parameters
     /// ----------
     /// name : {"start_ns", "end_ns", "recognised_at_ns", "open", "closed"}
-    ///     Which one; instants are int64 nanoseconds, the others bool.
+    ///     The column; instants are int64 nanoseconds, the others bool.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray
-    ///     One entry a result.
+    ///     One entry for each result.
     ///
     /// Raises
     /// ------
@@ -89,7 +89,7 @@ impl Results {
     }
 }
 
-/// One way in which a condition came true.
+/// One way in which a condition became true.
 #[pyclass(frozen, module = "apex_autonomy")]
 pub(crate) struct Result {
     results: Arc<[MonitorResult]>,
@@ -120,7 +120,7 @@ impl Result {
         Ok(self.instant(|told| told.result.interval.1)?.0)
     }
 
-    /// int: Instant at which it was known, in nanoseconds.
+    /// int: Instant at which the result was recognised, in nanoseconds.
     #[getter]
     fn recognised_at_ns(&self) -> PyResult<i64> {
         Ok(self.instant(|told| told.result.recognised_at)?.0)
@@ -138,13 +138,13 @@ impl Result {
         Ok(self.instant(|told| told.result.interval.1)?.seconds())
     }
 
-    /// float: Instant at which it was known, in seconds.
+    /// float: Instant at which the result was recognised, in seconds.
     #[getter]
     fn recognised_at_s(&self) -> PyResult<f64> {
         Ok(self.instant(|told| told.result.recognised_at)?.seconds())
     }
 
-    /// bool: The interval may still grow; the result comes once more when it is final.
+    /// bool: The interval may still grow; the result is then returned once more when it is final.
     #[getter]
     fn open(&self) -> PyResult<bool> {
         Ok(is_open(&self.told()?.telling))
@@ -156,15 +156,15 @@ impl Result {
         Ok(is_closed(&self.told()?.telling))
     }
 
-    /// float or None: The largest time without a sample within the runs that the result rests on, in seconds; None without
-    /// ``gaps=True``, and where no run of more than one sample came in order.
+    /// float or None: The largest time between samples within the runs that the result is based on, in seconds; None without
+    /// ``gaps=True``, and if no run has more than one sample that arrived in order.
     #[getter]
     fn gap_s_max(&self) -> PyResult<Option<f64>> {
         let gaps = self.told()?.gaps.iter().map(|gap| (gap.end - gap.start).seconds());
         Ok(gaps.max_by(f64::total_cmp))
     }
 
-    /// dict: What variables and tags of the condition are bound to, by name without ``?``.
+    /// dict: Values of the condition's variables and tags, by name without ``?``.
     #[getter]
     fn bindings<'py>(&self, python: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let bindings = PyDict::new(python);
@@ -174,7 +174,7 @@ impl Result {
         Ok(bindings)
     }
 
-    /// list of Evidence: What was seen.
+    /// list of Evidence: The facts that the result is based on.
     #[getter]
     fn evidence(&self) -> PyResult<Vec<Evidence>> {
         Ok(self.told()?.result.evidence.iter().cloned().map(|fact| Evidence { fact }).collect())
@@ -191,7 +191,7 @@ impl Result {
     }
 }
 
-/// A fact that a result rests on; ``str()`` puts it into words.
+/// A fact that a result is based on; ``str()`` gives it as text.
 #[pyclass(frozen, module = "apex_autonomy")]
 pub(crate) struct Evidence {
     fact: because::Evidence,
@@ -217,7 +217,7 @@ impl Evidence {
         }
     }
 
-    /// str or None: The state variable, where the fact is about one.
+    /// str or None: The state variable, if the fact is about one.
     #[getter]
     fn variable(&self) -> Option<String> {
         match &self.fact {
@@ -243,7 +243,7 @@ impl Evidence {
         }
     }
 
-    /// int or None: How many samples the fact rests on; None where it is not about samples.
+    /// int or None: Number of samples that the fact is based on; None if it is not about samples.
     #[getter]
     fn samples(&self) -> Option<u64> {
         match &self.fact {
@@ -267,7 +267,7 @@ impl Evidence {
         span(&self.fact).1.0
     }
 
-    /// str or None: The estimator, as PDL names it, where one was used.
+    /// str or None: The estimator, by its name in PDL, if one was used.
     #[getter]
     fn estimator(&self) -> Option<String> {
         match &self.fact {

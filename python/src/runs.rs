@@ -1,4 +1,4 @@
-//! Series of flights in the built-in simulator. Other threads of Python run meanwhile.
+//! Series of flights in the built-in simulator. Other Python threads run meanwhile.
 
 use crate::errors::mission as failed;
 use crate::planning::{LoadedMission, Means, positive};
@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
 
-/// Flies a mission in the worlds of `runs` seeds: the rows and the summary as JSON. An exception of `on_progress`, or Ctrl-C,
-/// ends the series after the flights under way, and is raised then.
+/// Flies a mission in the worlds of `runs` seeds; returns the rows and the summary as JSON. An exception of `on_progress`, or Ctrl-C,
+/// ends the series after the flights in progress, and is then raised.
 #[pyfunction]
 pub(crate) fn fly_runs_json(
     python: Python<'_>,

@@ -13,7 +13,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// A condition with the samples and messages that it has seen. `apex_autonomy.Monitor` stands before it.
+/// A condition with its samples and messages so far. `apex_autonomy.Monitor` is the public class around it.
 #[pyclass(module = "apex_autonomy")]
 pub(crate) struct Session {
     session: MonitorSession,
@@ -80,7 +80,7 @@ impl Session {
     }
 
     fn event(&mut self, form: &Bound<'_, PyAny>, at: &Bound<'_, PyAny>) -> PyResult<()> {
-        // A message is written as PDL: as a string it would be a value that no pattern waits for.
+        // A message is parsed as PDL, because as a string it would be a value that matches no pattern.
         let form: Value = match form.extract::<String>() {
             Ok(text) => apex_pdl::read_value(&text).map_err(|diagnostic| {
                 input(format!("{text:?} is not a message: {}; write (WORD ..)", diagnostic.message))
@@ -122,7 +122,7 @@ impl Session {
         }
     }
 
-    /// Samples kept, late, replaced and missing, of one variable.
+    /// Numbers of samples kept, late, replaced and missing, for one variable.
     fn counts(&self, variable: &Variable) -> (usize, u64, u64, u64) {
         match self.session.histories().get(&variable.0) {
             Some(history) => {

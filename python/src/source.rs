@@ -1,4 +1,4 @@
-//! The condition's text, and the library in whose terms it is read.
+//! The condition's text, and the library with its declarations.
 
 use crate::errors::ConditionError;
 use apex_model::condition::Condition;
@@ -22,7 +22,7 @@ pub(crate) struct Ready {
 /// `folder`.
 ///
 /// # Errors
-/// `ConditionError` with the messages as `apex check` prints them.
+/// `ConditionError` with the messages as printed by `apex check`.
 pub(crate) fn read(condition: &str, library: Option<(String, String)>, folder: Option<PathBuf>) -> PyResult<Ready> {
     let signatures: Vec<HostSignature> =
         apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect();

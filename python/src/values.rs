@@ -1,4 +1,4 @@
-//! Values of PDL as values of Python, and back.
+//! Conversion between values of PDL and values of Python.
 
 use crate::errors::input;
 use apex_model::event::StateVariable;
@@ -29,7 +29,7 @@ impl Symbol {
         Symbol(symbol::Symbol::new(name))
     }
 
-    /// str: The name as it was written.
+    /// str: The name as written.
     #[getter]
     fn name(&self) -> String {
         self.0.to_string()
@@ -56,7 +56,7 @@ impl Symbol {
 /// Raises
 /// ------
 /// InputError
-///     There is no such unit, or it is one of time: use ``numpy.timedelta64``.
+///     The unit is unknown, or is a unit of time: use ``numpy.timedelta64``.
 #[pyclass(frozen, from_py_object, module = "apex_autonomy")]
 #[derive(Clone)]
 pub(crate) struct Quantity(quantity::Quantity);
@@ -157,7 +157,7 @@ impl Interval {
     }
 }
 
-/// A state variable: what is measured, of what.
+/// A state variable: an attribute and its object.
 ///
 /// Parameters
 /// ----------
@@ -202,7 +202,7 @@ impl Variable {
     }
 }
 
-/// As Python knows it: numbers, strings and lists as they are, durations and instants as ``numpy.timedelta64``.
+/// Converts to Python: numbers, strings and lists unchanged, durations and instants as ``numpy.timedelta64``.
 pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     match value {
         Value::Integer(integer) => integer.into_bound_py_any(python),
@@ -225,7 +225,7 @@ pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bou
 /// As PDL knows it.
 ///
 /// # Errors
-/// `InputError` when there is nothing like it in PDL.
+/// `InputError` if PDL has no corresponding value.
 pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         // A missing measurement.
@@ -256,7 +256,7 @@ pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.get_type().name()?.to_cow()? == "timedelta64" {
         return nanoseconds_of(value).map(|nanoseconds| Value::Duration(Duration(nanoseconds)));
     }
-    // Numbers of other libraries, NumPy's scalars among them.
+    // Numbers of other libraries, such as NumPy's scalars.
     if value.hasattr("__index__")? {
         return value.call_method0("__index__")?.extract().map(Value::Integer);
     }
@@ -272,7 +272,7 @@ pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
 /// Whole nanoseconds of seconds as a number, or of a ``numpy.timedelta64``, ``numpy.datetime64`` or ``datetime.timedelta``.
 ///
 /// # Errors
-/// `InputError` when it is none of these, not a time, or further from zero than 292 years.
+/// `InputError` if it is none of these, not a time, or further from zero than 292 years.
 pub(crate) fn nanoseconds_of(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
     let wrong = |why: &str| input(format!("{instant} is not an instant: {why}"));
     let name = instant.get_type().name()?.to_cow()?.into_owned();

@@ -1,10 +1,10 @@
-//! The table of every construct and the page that shows it (`docs/reference/pdl-coverage.md`), and what is wrong with it.
+//! The table of every construct and the page that shows it (`docs/reference/pdl-coverage.md`), and the checks of that table.
 
 use crate::page;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A row: a construct as it is written, and a page on which it stands so.
+/// A row: a construct as written, and a page with a program that contains it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
     /// The text to be found in a program of the page; `..` matches anything.
@@ -41,12 +41,12 @@ pub fn fault(row: &Row) -> Option<String> {
     (!shown).then(|| format!("`{}`: no program on page {} has it", row.construct, row.page))
 }
 
-/// One blank between words, in small letters: how programs and constructs are compared.
+/// The text in lower case with single spaces between words; programs and constructs are compared in this form.
 fn plain(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase()
 }
 
-/// Does the program contain the construct? A bare name must stand alone, as `#'name` or behind an opening parenthesis.
+/// Whether the program contains the construct. A bare name must be separate, written as `#'name` or after an opening parenthesis.
 pub fn shows(program: &str, construct: &str) -> bool {
     if construct.chars().all(is_of_name) {
         return program.split(|character: char| !is_of_name(character)).any(|word| word == construct);

@@ -1,11 +1,11 @@
-//! Blocks that name a file of this package: programs and telemetry that are also run from the command line.
+//! Blocks with the name of a file of this package: programs and telemetry that are also used from the command line.
 
 use crate::page::Block;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Returns the text of the file that the block names; `None` if it names no file.
+/// Returns the text of the file named by the block; `None` if it names no file.
 ///
 /// # Errors
 /// The file cannot be read.

@@ -1,5 +1,5 @@
-//! Blocks about dependency models: `testability MODEL` and `diagnosis MODEL`, for a model that ships. The block `outcomes` before a
-//! diagnosis has the JSON of a results file.
+//! Blocks about dependency models: `testability MODEL` and `diagnosis MODEL`, for a model that ships with Apex. The block `outcomes`
+//! before a diagnosis holds the JSON of a results file.
 
 use apex_diagnosis::{Diagnoser, Model, Results, testability};
 use std::path::Path;

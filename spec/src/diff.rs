@@ -1,7 +1,7 @@
-//! A difference of two texts by lines, human-readable.
+//! A human-readable difference of two texts, by lines.
 
-/// Returns lines of `expected` that are missing (`-`), lines of `actual` that are new (`+`), and common ones around them.
-/// None when the texts are equal.
+/// Returns lines of `expected` that are missing (`-`), lines of `actual` that are new (`+`), and common lines around them; `None` if the
+/// texts are equal.
 pub fn lines(expected: &str, actual: &str) -> Option<String> {
     if expected == actual {
         return None;

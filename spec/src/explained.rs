@@ -1,13 +1,13 @@
-//! Do the text and the data of an explanation say the same? Both are taken apart again: every name, instant, cause and
-//! place of the data must be at its place in the text, and no task or instant may be in the text alone.
+//! Compares the text and the data of an explanation. Both are parsed again: every name, instant, cause and place in the data must be at
+//! its place in the text, and every task and instant in the text must be in the data.
 
 use apex_model::time::Time;
 use serde_json::Value;
 
-/// Moments that a text shows at most; of longer histories it leaves out the middle.
+/// Maximum number of moments in a text; longer histories omit the middle.
 const MOMENTS_MAX: usize = 40;
 
-/// Returns the statements that only one form of the answer to `why` or `why-not` has. `data` is its JSON.
+/// Returns the statements that are in only one form of the answer to `why` or `why-not`. `data` is its JSON.
 pub fn disagreements(data: &Value, text: &str) -> Vec<String> {
     let mut told = Vec::new();
     let sections = sections(text);
@@ -38,7 +38,7 @@ pub fn disagreements(data: &Value, text: &str) -> Vec<String> {
 
 type Section<'t> = (&'t str, Vec<&'t str>);
 
-/// Parts between empty lines: a title that ends in a colon, and the lines below it. The first part has no title.
+/// Sections separated by empty lines: a title with a final colon, and the lines below it. The first section has no title.
 fn sections(text: &str) -> Vec<Section<'_>> {
     let parts = text.trim_end().split("\n\n").enumerate();
     parts
@@ -88,7 +88,7 @@ fn head(told: &mut Vec<String>, data: &Value, first: &str) {
     needs(told, first, &facts);
 }
 
-/// Every link of the chain has one line, in order.
+/// Every link of the chain must have one line, in order.
 fn chain(told: &mut Vec<String>, link: Option<&Value>, lines: &[&str]) {
     let mut links = Vec::new();
     let mut cuts = 0;

@@ -1,4 +1,4 @@
-//! Inputs that come late. A line with `"came": 16` arrives at 16 s, whatever its `"t"`: the vehicle's link held it back.
+//! Inputs that arrive late. A line with `"came": 16` arrives at 16 s, regardless of its `"t"`, because the vehicle's link delayed it.
 
 use apex_model::time::Time;
 use apex_runtime::input_lines::{InputErrors, read_inputs};
@@ -17,7 +17,7 @@ pub struct Inputs {
 /// Reads the lines of an inputs block.
 ///
 /// # Errors
-/// Bad lines with their numbers, and lines that come before they happen.
+/// Invalid lines with their numbers, and lines that arrive before they happen.
 pub fn read(text: &str) -> Result<Inputs, String> {
     let mut inputs = Inputs::default();
     let mut prompt = String::new();
@@ -25,7 +25,7 @@ pub fn read(text: &str) -> Result<Inputs, String> {
         match came(line) {
             None => prompt.push_str(line),
             Some((came, rest)) => {
-                // Empty lines before it, so that messages name its number.
+                // Empty lines are put before it, so that messages have its line number.
                 let input = lines(&format!("{}{rest}", "\n".repeat(index)))?.pop();
                 let input = input.ok_or_else(|| format!("inputs:{}: nothing came", index + 1))?;
                 if came < input.at {
@@ -46,14 +46,14 @@ fn lines(text: &str) -> Result<Vec<Input>, String> {
         .map_err(|InputErrors(faults)| faults.join("\n"))
 }
 
-/// Returns the arrival that the line states, and the line without it.
+/// Returns the arrival time stated in the line, and the line without it.
 fn came(line: &str) -> Option<(Time, String)> {
     let Ok(Json::Object(mut fields)) = serde_json::from_str(line) else { return None };
     let came = fields.remove("came")?.as_f64()?;
     Some((Time::from_seconds(came), Json::Object(fields).to_string()))
 }
 
-/// Late inputs that are due at `to`, in the order in which they come; the others stay.
+/// Removes and returns the late inputs that are due at `to`, in order of arrival; the others stay.
 pub fn take_due(late: &mut Vec<(Time, Input)>, to: Time) -> impl Iterator<Item = Input> {
     let count = late.iter().take_while(|(came, _)| *came <= to).count();
     late.drain(..count).map(|(_, input)| input).collect::<Vec<_>>().into_iter()

@@ -1,8 +1,8 @@
-//! Specification pages: Markdown that tells what the language means, and runs.
+//! Specification pages: Markdown that describes the meaning of the language and can be run.
 //!
-//! A page is read into blocks ([`page`]), each `trace` block is one run of the program before it ([`scenario`]), reported in a
-//! few words a line ([`projection`]) and compared with what the page says ([`diff`]); a `why` block asks its record
-//! ([`question`]). See `README.md` for the blocks.
+//! A page is parsed into blocks ([`page`]). Each `trace` block is one run of the program before it ([`scenario`]), reported in short
+//! lines ([`projection`]) and compared with the page ([`diff`]); a `why` block queries the record of the run ([`question`]). See
+//! `README.md` for the blocks.
 
 pub mod coverage;
 pub mod data_file;

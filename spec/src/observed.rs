@@ -1,7 +1,7 @@
-//! Scores a `look` block: ground, wanted looks, lines of a scanner, costs. A `score` block compares the result.
+//! Scores a `look` block: ground, wanted looks, lines of a scanner, costs. A `score` block is compared with the result.
 //!
-//! The lines of a scanner with pixels of 1.25 mrad and 43 degrees to either side are laid on the plane of the target: attitude, terrain
-//! and flying are left out, so that a page shows the score alone. Lines of a `look` block:
+//! The lines of a scanner with pixels of 1.25 mrad and 43 degrees to either side are laid on the plane of the target. Attitude, terrain
+//! and flying are ignored, so that a page shows the score alone. Lines of a `look` block:
 //!
 //! | line | is |
 //! |---|---|
@@ -12,8 +12,8 @@
 //! | `line .. hidden yes`, `line .. cover 0.4` | clouds hid the line as flown; a line that is planned below this cover of clouds |
 //! | `work 20h at 95`, `risk 0.002 share 0.9 cost 9000000`, `value-unit 100` | costs in money, and the money of a point |
 //!
-//! `at` is the instant at which a line is seen, `landed` how long after that its image is on the ground. Times count from midnight UTC of
-//! 8 September 2007 (17:00 PDT) near Zaca.
+//! `at` is the instant at which a line is seen, and `landed` the time after it at which its image is on the ground. Times count from
+//! midnight UTC of 8 September 2007 (17:00 PDT) near Zaca.
 
 use apex_geo::geodesy::{Position, destination};
 use apex_observation::assess::{AssessContext, assess};
@@ -32,7 +32,7 @@ const ZERO_UNIX_S: f64 = 1_189_209_600.0;
 const HALF_FIELD_DEG: f64 = 43.0;
 const PIXEL_RAD: f64 = 1.25e-3;
 const ELLIPSE_CORNERS: u32 = 256;
-/// A pass of a satellite counts in full up to the first time from it, not at all from the second on.
+/// A look counts in full up to the first time from a satellite's pass, and not at all from the second time on.
 const OVERPASS_S: (f64, f64) = (1_800.0, 3_600.0);
 
 /// A line of a scanner.
@@ -60,7 +60,7 @@ struct Described {
     money_per_point: Option<f64>,
 }
 
-/// Returns the score of what a `look` block describes: a line for each wanted look with its factors and points, then the costs.
+/// Returns the score of a `look` block: a line for each wanted look with its factors and points, then the costs.
 ///
 /// # Errors
 /// A line that cannot be read.

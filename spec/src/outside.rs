@@ -14,12 +14,12 @@ use apex_runtime::ports::{Deliberator, Input, Posed, SolverAnswer, Vehicle};
 /// Response of the vehicle to commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum VehicleManner {
-    /// Acknowledges each one at once.
+    /// Acknowledges each command at once.
     #[default]
     Prompt,
-    /// Acknowledges each one after this time.
+    /// Acknowledges each command after this time.
     Slow(Duration),
-    /// Refuses each one, with this reason.
+    /// Rejects each command with this reason.
     Refuses(String),
     /// Never answers: a lost link.
     Silent,
@@ -83,7 +83,7 @@ pub struct PageVehicle {
 }
 
 impl PageVehicle {
-    /// Returns a vehicle of this manner, whose link holds back `late`, each until its instant, in order of these.
+    /// Returns a vehicle of this manner, whose link delays the inputs in `late`, each until its instant, in order of the instants.
     pub fn new(manner: VehicleManner, late: Vec<(Time, Input)>) -> PageVehicle {
         PageVehicle { manner, answers: Vec::new(), late }
     }

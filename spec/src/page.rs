@@ -1,10 +1,10 @@
-//! Pages on disk, and a page as text and fenced blocks, which can be rewritten without touching anything else.
+//! Pages on disk, and a page as text and fenced blocks, where blocks can be rewritten without changes to the rest.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Returns all pages below the folder of this package, in order: Markdown files in its folders (those directly in it are about
-/// the package).
+/// Returns all pages below the folder of this package, in order: the Markdown files in its folders. Files directly in it are about the
+/// package.
 pub fn files() -> Vec<PathBuf> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let folders = entries(Path::new(env!("CARGO_MANIFEST_DIR"))).filter(|path| path.is_dir());
@@ -57,7 +57,7 @@ pub fn blocks(text: &str) -> Vec<Block> {
     found
 }
 
-/// Returns the page with other bodies in the blocks that open at the given lines.
+/// Returns the page with new bodies for the blocks that open at the given lines.
 pub fn rewrite(text: &str, bodies: &[(usize, String)]) -> String {
     let mut page = String::new();
     let mut skipping = false;

@@ -1,7 +1,7 @@
-//! A run in a few words per line: `2s a ongoing`, `2s print ready`, `5s end`.
+//! A run in short lines: `2s a ongoing`, `2s print ready`, `5s end`.
 //!
-//! Tasks go by the tag of their step; a second task of one tag is `a#2`. The end of a task that never started is not reported
-//! unless it failed, and built-in activities are reported by what they do (`print`), not as tasks.
+//! Tasks are named by the tag of their step; a second task with the same tag is `a#2`. The end of a task that never started is not
+//! reported unless it failed, and built-in activities are reported by their effect (`print`), not as tasks.
 
 use apex_model::because::Because;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
@@ -47,7 +47,7 @@ const FURTHER_KINDS: &[&str] = &[
 #[derive(Debug, Default)]
 pub struct Teller {
     kinds: BTreeSet<String>,
-    /// The names of the agents, where there are several: each line begins with one.
+    /// The names of the agents if there are several; each line begins with one.
     agents: Vec<String>,
     /// Knowledge of the tasks of the present agent; that of others is in `waiting`.
     known: Known,
@@ -67,7 +67,7 @@ struct Known {
 }
 
 impl Teller {
-    /// Tells lines of these kinds; none tells the default ones, `all` everything.
+    /// Selects the kinds of reported lines; an empty list selects the default ones, `all` selects everything.
     ///
     /// # Errors
     /// Names a kind that does not exist.
@@ -120,7 +120,7 @@ impl Teller {
         self.lines.push(line.replace('\n', "\\n"));
     }
 
-    /// Task numbers such as `T12` replaced by names.
+    /// Replaces task numbers such as `T12` by names.
     fn with_names(&self, text: &str) -> String {
         let mut named = String::new();
         let mut word = String::new();

@@ -1,12 +1,12 @@
-//! A question to a run: `why TASK@T` records it and asks the record, as the command `apex why` does.
+//! A question about a run: `why TASK@T` records the run and queries the record, like the command `apex why`.
 
 use crate::scenario::{self, PROGRAM_NAME, Scenario};
 use apex_runtime::error::RecordError;
 use apex_runtime::explain::{Explainer, Question};
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder, RestoredProgram};
 
-/// Returns the answer of `apex why` or `apex why-not`, as `word` says, about the scenario's run. `question` is a task, resource or
-/// command, as the command takes it, and an instant: `take-picture@2s`.
+/// Returns the answer of `apex why` or `apex why-not`, selected by `word`, about the scenario's run. `question` is a task, resource or
+/// command, in the form that the command accepts, and an instant: `take-picture@2s`.
 ///
 /// # Errors
 /// The checker's messages, a bad input line, option or question, or a record that cannot be written or read.
@@ -24,7 +24,7 @@ pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String,
     }
 }
 
-/// A run with its record, which is gone when this is dropped.
+/// A run with its record, which is deleted when this is dropped.
 pub struct Recorded {
     /// Reads the record.
     pub reader: RecordReader,

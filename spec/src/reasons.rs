@@ -1,7 +1,6 @@
-//! A waiting task must state for what it waits: asked of every task after every step of every run.
+//! A waiting task must state for what it waits: checked for every task after every step of every run.
 //!
-//! The list of reasons is compared with what the agent's own state says holds the task back, so that a list that is
-//! there but not complete is found too.
+//! The list of reasons is compared with the obstacles according to the agent's state, so that an incomplete list is also found.
 
 use apex_executive::explanation::{Reason, ReasonKind, waiting};
 use apex_executive::state::agent::Agent;
@@ -14,7 +13,7 @@ use apex_runtime::ports::{Deliberator, Observer};
 #[cfg(test)]
 use apex_runtime::program::NoDeliberator;
 
-/// Asks every living task what it waits for; keeps the answers that are empty or not complete.
+/// Queries every living task for its reasons, and keeps the answers that are empty or incomplete.
 #[derive(Debug, Default)]
 pub struct Asker {
     missing: Vec<String>,
@@ -83,7 +82,7 @@ fn expected(agent: &Agent, task: &Task) -> Vec<ReasonKind> {
     kinds
 }
 
-/// Is the holder an ancestor of the task, or the other way round? They share what they hold.
+/// Whether one of the holder and the task is an ancestor of the other, so that they share resources.
 fn is_family(agent: &Agent, holder: TaskId, task: &Task) -> bool {
     is_above(agent, holder, task.id) || is_above(agent, task.id, holder)
 }

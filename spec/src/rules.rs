@@ -1,4 +1,4 @@
-//! The table of the rules of conditions (`docs/reference/condition-rules.md`), and what is wrong with a row of it.
+//! The table of the rules of conditions (`docs/reference/condition-rules.md`), and the checks of its rows.
 
 use crate::page;
 use std::path::{Path, PathBuf};
@@ -11,11 +11,11 @@ pub const RULES: u32 = 23;
 pub struct Row {
     /// The rule's number.
     pub number: u32,
-    /// Files of the services that carry it.
+    /// Files of the services that implement the rule.
     pub services: Vec<String>,
     /// Files that define it.
     pub definitions: Vec<String>,
-    /// Pages that fail when it is broken.
+    /// Pages that fail if the rule is broken.
     pub pages: Vec<String>,
 }
 

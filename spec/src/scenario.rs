@@ -25,7 +25,7 @@ const UNTIL_DEFAULT: Time = Time(3600 * apex_model::time::NANOSECONDS_PER_SECOND
 pub struct Scenario {
     /// The program.
     pub pdl: String,
-    /// Files that it may require, by name.
+    /// Files that the program may require, by name.
     pub files: Vec<(String, String)>,
     /// Inputs as JSON lines.
     pub inputs: String,
@@ -37,11 +37,11 @@ pub struct Scenario {
     pub look: String,
 }
 
-/// Runs the scenario and returns everything that it reported.
+/// Runs the scenario and returns its whole report.
 ///
 /// # Errors
-/// The checker's messages, a bad input line or a bad option; a task that could not say what it waited for. A run that
-/// breaks tells so in its last line.
+/// The checker's messages; an invalid input line or option; a task that could not state for what it waited. A run that fails reports that
+/// in its last line.
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     let mut teller = Teller::new(&read_options(&scenario.options)?.kinds)?;
     let mut asker = Asker::default();
@@ -68,7 +68,7 @@ pub fn program(pdl: &str) -> Result<RestoredProgram, String> {
     program_of(&Scenario { pdl: pdl.to_string(), ..Scenario::default() })
 }
 
-/// Returns the same, with the files that the program requires.
+/// Returns the checked program, with the files that it requires.
 ///
 /// # Errors
 /// The checker's messages.
@@ -117,7 +117,7 @@ pub fn check(scenario: &Scenario) -> Checked {
     checked
 }
 
-/// Returns the checker's messages as its reader sees them.
+/// Returns the checker's messages as shown to the user.
 pub fn messages(checked: &Checked) -> String {
     let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
     rendered.lines().map(|line| format!("{}\n", line.trim_end())).collect()

@@ -1,4 +1,4 @@
-//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block against what really happens.
+//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block, compared with the actual result.
 
 use crate::data_file;
 use crate::diagnosis;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 /// Result of a page.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Everything is as the page says.
+    /// Everything is as stated in the page.
     Holds,
     /// Differences, readable.
     Differs(String),
@@ -41,7 +41,7 @@ pub fn judge(text: &str) -> Verdict {
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
 
-/// The page with everything it compares rewritten to what really happens.
+/// The page with all compared blocks rewritten to the actual results.
 ///
 /// # Errors
 /// The reason why a block cannot be run.
@@ -62,7 +62,7 @@ pub fn transitions(text: &str) -> BTreeSet<(TaskState, TaskState)> {
         .collect()
 }
 
-/// Each compared block with what really happens, and each that shows a file with what that holds.
+/// Each compared block with its actual result, and each block that shows a file with the contents of the file.
 fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     let files = page::blocks(text).into_iter().filter_map(|block| {
         let shown = data_file::text_of(&block)?.and_then(|text| data_file::shown(&block, &text));
@@ -85,9 +85,9 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     files.chain(results).collect()
 }
 
-/// Returns each block that is not a part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
-/// of their kind; a new program starts without inputs and options, and with the files before it. Programs and inputs may
-/// name a file of this package that holds them.
+/// Returns each block that is not a part of a scenario, with the scenario up to it. `pdl`, `inputs` and `options` apply until the next
+/// block of the same kind; a new program starts without inputs and options, but with the files before it. Programs and inputs may be the
+/// name of a file of this package.
 pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
     let mut scenario = Scenario::default();
     let mut files = Vec::new();

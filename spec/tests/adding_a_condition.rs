@@ -1,4 +1,4 @@
-//! The guide on adding a condition shows all lines that name its form outside its own files, and they are few.
+//! The guide on adding a condition shows all lines that name its form outside its files, and these lines are few.
 
 use std::collections::BTreeMap;
 use std::fs;

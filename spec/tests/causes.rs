@@ -1,4 +1,4 @@
-//! Every cause on every page has a kind, and follows from the record alone; spoiled causes are noticed.
+//! Every cause on every page has a kind and follows from the record alone, and falsified causes are noticed.
 
 #![allow(
     clippy::unwrap_used,
@@ -17,9 +17,9 @@ use apex_spec::{page, scenario, verdict};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Spoiled causes of one kind that are tried in each way.
+/// Number of falsified causes tried for each kind and way.
 const TRIES_MAX: usize = 3;
-/// Longer records are not spoiled: each spoiling derives all of it again.
+/// Longer records are not falsified, because each trial derives the whole record again.
 const EFFECTS_MAX: usize = 400;
 
 /// Returns the records of all pages, with their libraries.
@@ -116,7 +116,7 @@ fn samples_are_held_against_computed_thresholds_of_several_conditions() {
     for (number, step) in steps.iter().enumerate() {
         for (index, because) in step.effects.iter().enumerate().filter_map(|(at, each)| Some((at, because_of(each)?))) {
             for spoil in 0..samples(because) {
-                // The sample before it, which was measured too, and does not meet the threshold.
+                // The previous sample, which was also measured but does not meet the threshold.
                 let mut wrong = steps.clone();
                 let Effect::Decided(decision) = &mut wrong[number].effects[index] else { continue };
                 let mut count = 0;

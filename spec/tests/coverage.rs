@@ -1,4 +1,4 @@
-//! Every construct of the language is in the table of `docs/reference/pdl-coverage.md`, and on the page that it names.
+//! Every construct of the language is in the table of `docs/reference/pdl-coverage.md`, and on the page named there.
 
 use apex_model::agent_limits::Limit;
 use apex_model::builtins::{ALIASES, BUILT_INS, INDEXICALS, SPECIAL_FORMS};
@@ -35,7 +35,7 @@ fn every_word_that_the_checker_knows_has_a_row() {
     assert!(missing.is_empty(), "no row for: {}", missing.join(", "));
 }
 
-/// Is the row about the word? Units stand behind a number.
+/// Whether the row is about the word. Units follow a number.
 fn has(row: &Row, kind: &str, word: &str) -> bool {
     let construct = row.construct.to_lowercase();
     if kind == "unit" {

@@ -9,7 +9,7 @@ use apex_spec::question::{Recorded, recorded};
 use apex_spec::{page, verdict};
 use serde_json::Value;
 
-/// Tasks asked about in one run, spread over all that there were.
+/// Number of queried tasks in one run, spread over all of its tasks.
 const TASKS_MAX: usize = 3;
 /// Spoilings tried of one answer.
 const TRIES_MAX: usize = 12;
@@ -25,7 +25,7 @@ fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> 
     let stride = tasks.len().div_ceil(TASKS_MAX).max(1);
     let explainer = Explainer::new(reader, &load);
     for (number, task) in tasks.iter().step_by(stride).enumerate() {
-        // Early, late and at its end in turn.
+        // Alternately an early instant, a late one, and the end.
         let at = match number % 3 {
             0 => task.created,
             1 => Time::END,
@@ -84,7 +84,7 @@ fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Members that the text must show wherever they stand: when, who, what happened, why; and the lists of these.
+/// Members that the text must show at any depth: time, subject, event, cause; and the lists of these.
 fn is_shown(path: &str) -> bool {
     let parts: Vec<&str> = path.split('/').collect();
     let own = ["because", "history", "waiting", "blocked"];
@@ -93,7 +93,7 @@ fn is_shown(path: &str) -> bool {
         && (parts.len() == 2 || own.contains(parts.get(1).unwrap_or(&"")))
 }
 
-/// Returns another value of the same kind; `None` if there is none that says something else.
+/// Returns another value of the same kind; `None` if there is none with another meaning.
 fn other(value: &Value) -> Option<Value> {
     match value {
         Value::Number(number) => number.as_f64().map(|number| Value::from(number + 0.625)),
@@ -111,13 +111,13 @@ fn text_and_data_say_the_same_on_all_pages() {
     let (mut tried, mut blind) = (0, Vec::new());
     for (number, (name, data, text)) in all.iter().enumerate() {
         wrong.extend(disagreements(data, text).into_iter().map(|what| format!("{name}: {what}")));
-        // What is spoiled in the data of `why` is noticed.
+        // Falsified data of `why` are noticed.
         if data.get("question") != Some(&Value::from("why")) || data.get("task").is_none() {
             continue;
         }
         let mut members = Vec::new();
         paths(data, "", &mut members);
-        // The middle of a long history is in the data alone, and the text says how much that is.
+        // The middle of a long history is only in the data, and the text states how many moments are left out.
         let is_long = data.get("history").and_then(Value::as_array).is_some_and(|moments| moments.len() > 40);
         members.retain(|path| is_shown(path) && !(is_long && path.starts_with("/history/")));
         let stride = members.len().div_ceil(TRIES_MAX).max(1);

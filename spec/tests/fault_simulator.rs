@@ -1,5 +1,5 @@
-//! Flights with seeded failures of the vehicle, its sensors, its link, its clock, its planners, its operators and the recorder's disk, and what
-//! must hold in all of them:
+//! Flights with seeded failures of the vehicle, its sensors, its link, its clock, its planners, its operators and the recorder's disk,
+//! and the rules that must hold in all of them:
 //!
 //! 1. a flight ends, by its application or at its time limit, and no task is silent: after every step each says what it waits for;
 //! 2. an application ends on the ground, and fails for a reason that was reported; only the time limit ends a flight in the air;
@@ -47,14 +47,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use story::Story;
 
-/// Every so many flights one is recorded, replayed and flown twice.
+/// One flight in this many is recorded, replayed and flown twice.
 const REPLAYED_EVERY: u64 = 10;
 
 fn number(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// A flight: its hours, what it said, and what it broke.
+/// A flight: its hours, its statements, and the rules that it broke.
 struct Flown {
     hours: f64,
     story: Story,
@@ -83,7 +83,7 @@ fn fly_in(folder: &Path, seed: u64, (replayed, recorded): (bool, bool), rules: R
     let path = folder.join("flight.apex");
     let mut recorder =
         (replayed || recorded).then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());
-    // Of the recorded flights each second one meets a full disk.
+    // Every second recorded flight meets a full disk.
     let full_from =
         (replayed && (seed / REPLAYED_EVERY).is_multiple_of(2)).then(|| Time::from_seconds(300.0 + seed as f64));
     let mut disk = recorder.as_mut().map(|recorder| FullDisk::new(recorder, full_from));
@@ -142,7 +142,7 @@ fn flights_with_failures_end_well_or_say_why_not() {
     }
     println!("{hours:.0} flight hours in {} flights: {seen:?}", seed - first);
     assert!(wrong.is_empty(), "{} of {} flights:\n{}", wrong.len(), seed - first, wrong.join("\n"));
-    // A simulator whose failures do not come tests nothing.
+    // If the simulated failures do not occur, nothing is tested.
     if wanted >= 200.0 {
         for kind in [
             "engine",
@@ -170,7 +170,7 @@ fn the_same_seed_gives_the_same_flight() {
     }
 }
 
-/// Missions that ship, in worlds with failures that their authors did not think of. Not all of them guard against contingencies.
+/// Shipped missions, in worlds with failures that their authors did not expect. Not all of them guard against contingencies.
 #[test]
 fn shipped_missions_with_failures_end_well() {
     let mut wrong = Vec::new();

@@ -1,5 +1,5 @@
-//! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x
-//! {behaviour} is on a page of `interruption/`, and the program there is what the cell says.
+//! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x {behaviour} is
+//! on a page of `interruption/`, and the program there has the properties of the cell.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -93,14 +93,14 @@ fn priority(step: &Step) -> f64 {
     value.as_number().unwrap().0
 }
 
-/// Returns the procedure that serves the step's goal, if one does.
+/// Returns the procedure that serves the step's goal, if there is one.
 fn serving<'l>(library: &'l Library, step: &Step) -> Option<&'l Procedure> {
     let Activity::Goal(Template::Constant(goal)) = &step.activity else { return None };
     let serves = |each: &&'l std::sync::Arc<Procedure>| matches!(&each.index, Pattern::Literal(index) if index == goal);
     library.procedures.iter().find(serves).map(AsRef::as_ref)
 }
 
-/// Returns true if the program makes the subject behave so.
+/// Returns true if the program gives the subject this behaviour.
 fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     let (holder, step) = steps(library, subject);
     let own = serving(library, step);

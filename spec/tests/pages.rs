@@ -1,5 +1,5 @@
-//! Runs every page below `spec/` as one test. `UPDATE=1` rewrites what pages compare; further arguments are parts of
-//! page names to run.
+//! Runs every page below `spec/` as one test. `UPDATE=1` rewrites the compared parts of pages; further arguments are parts of names of
+//! the pages to run.
 
 use apex_spec::page;
 use apex_spec::verdict::{Verdict, judge, updated};

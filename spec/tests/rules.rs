@@ -1,4 +1,4 @@
-//! Every rule of conditions is in the table of `docs/reference/condition-rules.md`, with files that are there and pages that run.
+//! Every rule of conditions is in the table of `docs/reference/condition-rules.md`, with existing files and runnable pages.
 
 use apex_spec::rules::{RULES, Row, faults, rows, table};
 

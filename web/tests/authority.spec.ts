@@ -1,4 +1,5 @@
-/** Two stations and one flight: authority is taken, offered by the list of stations, refused, handed over, and in the record. */
+/** Two stations and one flight: authority is taken, offered from the list of stations, rejected, and handed over, and all of this is in
+ * the record. */
 
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
 import { mkdtempSync } from 'node:fs';
@@ -45,7 +46,7 @@ test('authority is taken, offered to a station of the list, refused, and handed 
   const tower = await station(browser, 'tower', 'operator');
   await tower.getByTestId('take').click();
   await expect(tower.getByTestId('authority')).toContainText('authority: you');
-  // A station that is alone has no other to choose; the page shows that.
+  // With only one station there is no other to choose, and the page shows that.
   await expect(tower.getByTestId('no-stations')).toHaveText('no other station is heard');
 
   const van = await station(browser, 'van', 'operator');

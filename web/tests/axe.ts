@@ -9,7 +9,7 @@ const AXE = readFileSync(fileURLToPath(import.meta.resolve('axe-core/axe.min.js'
 
 /** Fails if axe finds a fault in the present state of the page, which `state` names. */
 export async function expectNoFaults(page: Page, state: string): Promise<void> {
-  // The server's content rules keep other scripts out of the page: this one comes through the debugger.
+  // The server's content rules keep other scripts out of the page, so this script is injected by the debugger.
   await page.evaluate(AXE);
   const faults = await page.evaluate(async () => {
     const { axe } = window as unknown as {

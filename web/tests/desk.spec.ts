@@ -1,4 +1,4 @@
-/** The desk: panels in slots, and the panels that show what an instant knew: objects, program, network, monitors, trace, now. */
+/** The desk: panels in slots, and panels that show the state at an instant: objects, program, network, monitors, trace, now. */
 
 import { execFileSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
@@ -31,7 +31,7 @@ async function open(page: Page, address = ''): Promise<number> {
   return seconds;
 }
 
-/** What the executive itself recorded, up to an instant. */
+/** The executive's recorded decisions up to an instant. */
 function trace(seconds: number, kinds: string): { t: number; task?: string; [key: string]: unknown }[] {
   const out = execFileSync(
     apexProgram(),
@@ -92,7 +92,7 @@ test('objects: agents, procedures, resources with holders, monitors, variables',
     const isHeld = holdings.some(one => one.from_ns <= at && (one.open || one.to_ns > at));
     await expect(row.locator('.glyph')).toHaveText(isHeld ? '●' : '○');
   }
-  // Keys: down to the procedures, open them, open a file, show a procedure in the program.
+  // With keys: down to the procedures, open them, open a file, show a procedure in the program.
   await tree.getByRole('treeitem').first().focus();
   await page.keyboard.press('End');
   await expect(tree.getByRole('treeitem').last()).toBeFocused();
@@ -123,7 +123,7 @@ test('the program marks exactly the lines whose steps are executed at the instan
   await expect(text.locator('.executing')).toHaveCount(lines.size);
   await text.locator('.executing button').first().click();
   await expect(page).toHaveURL(/sel=task:\d+/);
-  // The variables of the selected task are those of the restored agent.
+  // The variables of the selected task equal those of the restored agent.
   const id = new URL(page.url()).searchParams.get('sel')?.split(':')[1];
   const { bindings } = await ask<Monitors>(`monitors?at=${seconds * 1e9}&task=${id}`);
   if (bindings.length > 0)
@@ -172,7 +172,7 @@ test('the network of a procedure and of the plan', async ({ page }) => {
   const row = procedures.find(one => `procedure ${one.place}` === root?.method);
   const network = page.getByTestId('network');
   await expect(network.locator('[data-node]')).toHaveCount(row?.steps.length ?? -1);
-  // Steps at work have the full circle, as their tasks have it in the record.
+  // Ongoing steps have the full circle, like their tasks in the record.
   for (const step of row?.steps ?? []) {
     const task = tasks.findLast(one => one.parent === root?.id && one.place === step.place);
     if (task?.state === 'ongoing')

@@ -1,6 +1,6 @@
 /**
- * Jobs of an operator on the flight over the western states: what was known when, what is dense, what failed, links.
- * Needs a record of that mission; on others only the jobs that any record has are checked.
+ * Tasks of an operator on the flight over the western states: the knowledge at an instant, dense intervals, failures, links. Needs a
+ * record of that mission; on other records only the tasks possible on any record are checked.
  */
 
 import { execFileSync } from 'node:child_process';
@@ -63,7 +63,7 @@ test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
   await expect(page.getByTestId('progress')).toContainText('of 23 targets');
   await open(page, '?t=18001');
   await expect(page.getByTestId('progress')).toContainText('of 24 targets');
-  // The score so far is that of the record's steps until then, and gives way to the report's at the end.
+  // The score so far is computed from the record's steps until then; at the end the report's score replaces it.
   const soFar = await ask<ScoreSoFar>('score?at=18001000000000');
   const last = await ask<ScoreSoFar>(`score?at=${mission.end_ns}`);
   expect(soFar.score).toBeLessThan(last.score);
@@ -95,7 +95,7 @@ test('P2: the timeline counts what it merges, and zooming shows it', async ({ pa
   const whole = await ask<Timeline>(`timeline?from=0&to=${end}&at=${end}&lanes=60&px=700`);
   expect(whole.more.lanes).toBeGreaterThan(0);
   const { troubles } = await ask<Troubles>(`troubles?at=${end}`); // english: allow
-  // The re-flies come late in the flight, where whole-flight zoom merges the lanes; the last interruption is one.
+  // The re-flights come late in the flight, where the zoom to the whole flight merges the lanes; the last interruption is one.
   const refly = troubles.findLast(trouble => trouble.kind === 'interrupted');
   if (!refly) throw new Error('the flight has no interrupted task');
   const atS = refly.t_ns / 1e9;
@@ -177,7 +177,7 @@ test('a failed flight looks failed at its end, and not before', async ({ page })
       stdio: 'ignore',
     });
   } catch {
-    // A run that fails reports it by its exit status.
+    // A run that fails is reported by its exit status.
   }
   const failed = await startServer(record);
   try {

@@ -1,6 +1,6 @@
 /**
- * Operating a flight: a paused flight of structure-watch is run, stepped, answered and changed from the page, and the record
- * must hold every command with exactly one end.
+ * Operating a flight: a paused flight of structure-watch is run, stepped, answered and changed from the page. The record must hold every
+ * command with exactly one end.
  */
 
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
@@ -69,7 +69,7 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   await expect(state).toHaveText('paused');
   await expectNoFaults(page, 'paused before the start');
 
-  // Step: something happens, and time stands still again.
+  // Step: one thing happens, and time stands still again.
   await page.getByTestId('run-step').click();
   await lastCommand(page, 'step: accepted');
   await expect(state).toHaveText('paused');
@@ -90,7 +90,7 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   await page.waitForTimeout(600);
   expect((await operation()).now_ns, 'mission time stands still').toBe(paused);
 
-  // A target is worth another value, one is removed, and added again.
+  // A target gets another value, is removed, and is added again.
   await page.goto(`${flight.url}/?sel=target:winery`);
   await page.getByTestId('target-value').fill('77');
   await page.getByTestId('target-revalue').click();

@@ -79,7 +79,7 @@ test('every target has a row with the times of all plans, and none before it is 
   const row = page.locator(`[data-target="${planned.target}"]`);
   const circle = row.locator('circle.planned');
   await expect(circle).toHaveCount(1);
-  // All views of the column use one time scale (P4).
+  // All views of the column have the same time scale (P4).
   const box = await page.getByTestId('timeline').boundingBox();
   const x = (await circle.boundingBox()) ?? { x: 0, width: 0 };
   const room = (box?.width ?? 0) - 168;
@@ -260,7 +260,7 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   await expect(page.getByTestId('signals').locator('canvas').first()).toBeVisible();
   png(await saved(page, 'export-plots'));
   await expectSvg(page, (await saved(page, 'export-plots-svg')).toString());
-  // The same samples as CSV and as Parquet, by another reader.
+  // The same samples as CSV and as Parquet, read by independent code.
   const text = (await saved(page, 'export-csv')).toString().split('\r\n').slice(1, -1);
   const bytes = await saved(page, 'export-parquet');
   const file = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;

@@ -42,7 +42,7 @@ function tile(): number[] {
 /** The file. */
 export function tilesOfOneArea(): Buffer {
   const content = tile();
-  // One entry: tile 0, one run, its length, and its place 0 as 1.
+  // One entry: tile 0, one run, its length, and its position 0, stored as 1.
   const directory = [1, 0, 1, content.length, 1].flatMap(varint);
   const metadata = words(JSON.stringify({ vector_layers: [{ id: 'areas', fields: {} }] }));
   const header = Buffer.alloc(127);

@@ -1,6 +1,6 @@
 /**
- * The server that the page tests ask: APEX_URL when one runs already, else `APEX_BIN serve APEX_RECORD` on a free port.
- * APEX_BIN defaults to the release build of this repository.
+ * The server for the page tests: APEX_URL if one is running, otherwise `APEX_BIN serve APEX_RECORD` on a free port. APEX_BIN defaults to
+ * the release build of this repository.
  */
 
 import { type ChildProcess, spawn } from 'node:child_process';
@@ -37,7 +37,7 @@ export async function startServer(record?: string): Promise<Server> {
   }
 }
 
-/** The address that the server prints when it answers. */
+/** The address that the server prints once it answers. */
 export function addressOf(child: ChildProcess): Promise<string> {
   return new Promise((resolve, reject) => {
     let said = '';

@@ -1,4 +1,4 @@
-/** Sherpa on a real flight record in a real browser; what it shows is compared with what the server says. */
+/** Sherpa on a real flight record in a real browser; its display is compared with the server's answers. */
 
 import { expect, type Page, test } from '@playwright/test';
 import type { Mission, Targets, Task, TaskExplanation, Tasks, Track } from '../src/record/types';

@@ -1,4 +1,4 @@
-/** The signals panel against the record itself: what `apex trace` reads of it, by code that the page's server does not use. */
+/** The signals panel compared with the record, as read by `apex trace` with code that the page's server does not use. */
 
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
@@ -30,7 +30,7 @@ function trace(...options: string[]): { t: number; [member: string]: unknown }[]
     .map(line => JSON.parse(line));
 }
 
-/** Roll angles in degrees that were recorded from one second to another. */
+/** Roll angles in degrees, recorded between two times in seconds. */
 function rolls(fromS: number, toS: number): number[] {
   const options = ['--type', 'measurement', '--object', ROLL, '--from', `${fromS}s`, '--to', `${toS}s`];
   return trace(...options).map(line => Number(/(-?[\d.]+(?:e-?\d+)?)/.exec(String(line.value))?.[1]));

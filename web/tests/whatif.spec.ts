@@ -1,6 +1,6 @@
 /**
- * What if: a recorded flight of structure-watch is continued with other wind from the page, and both futures are compared;
- * a plan is drawn on the map, validated, and committed to a flight under way. The records are the witnesses.
+ * What if: from the page, a recorded flight of structure-watch is continued with another wind, and both futures are compared. A plan is
+ * drawn on the map, validated, and committed to a flight under way. All results are checked against the records.
  */
 
 import { type ChildProcess, execFileSync, spawn } from 'node:child_process';
@@ -46,7 +46,7 @@ test('a fork with other wind is flown from the page, and both futures stand side
   if (!state) throw new Error('the server lists no fork');
   expect(state.state).toBe('ended');
   expect(existsSync(state.file)).toBe(true);
-  // The new record replays, and `apex fork` itself prints the same comparison.
+  // The new record replays, and `apex fork` prints the same comparison.
   expect(meta(state.file)).toContain('confirmed');
   const again = join(folder, 'again.apex');
   const printed = execFileSync(apexProgram(), [
@@ -64,7 +64,7 @@ test('a fork with other wind is flown from the page, and both futures stand side
   await fork.getByTestId('whatif-compare').click();
   await expect(page.getByTestId('compare-rows')).toBeVisible();
   await expect(page).toHaveURL(/vs=\d+/);
-  // Before the instant the two flights are one: nothing differs. At the end something does.
+  // Before the instant the two flights are identical, and nothing differs. At the end something does.
   await expect(page.getByTestId('compare-rows').locator('text.differs')).toHaveCount(0);
   await page.keyboard.press('End');
   await expect
@@ -138,7 +138,7 @@ test('a plan is drawn on the map, its violation is shown at the place, and it is
     await page.getByTestId('draft-commit').click();
     await expect(page.getByTestId('draft-stage')).toContainText('committed', { timeout: 30_000 });
     await page.getByTestId('run-pause').click();
-    // The flight adopts a plan of exactly these visits, as the record has it.
+    // The flight adopts a plan of exactly these visits, according to the record.
     await expect
       .poll(
         async () => {
@@ -157,7 +157,7 @@ test('a plan is drawn on the map, its violation is shown at the place, and it is
     flight.kill('SIGKILL');
   }
 
-  // A draft that cannot be flown says which visit, there: on the recorded flight, near its end.
+  // A draft that cannot be flown names the impossible visit: here on the recorded flight, near its end.
   await page.goto(`${server.url}/?t=3000&left=draft`);
   await page.getByTestId('draft-from-plan').click();
   const map = page.getByTestId('map');

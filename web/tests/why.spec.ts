@@ -1,4 +1,4 @@
-/** Why as a tree, against `apex why` on the record. */
+/** The explanation as a tree, compared with `apex why` on the record. */
 
 import { execFileSync } from 'node:child_process';
 import { expect, test } from '@playwright/test';

@@ -1,4 +1,4 @@
-//! The ban list of core crates. Clippy takes the nearest `clippy.toml` and does not merge, so each carries it whole.
+//! The ban list of core crates. Clippy uses the nearest `clippy.toml` and does not merge, so each file holds the whole list.
 
 use crate::finding::Finding;
 use crate::tree::{self, Text};

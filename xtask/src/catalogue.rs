@@ -1,4 +1,4 @@
-//! The catalogue of reasoning and control services, generated from the services' own headers.
+//! The catalogue of reasoning and control services, generated from the headers of the services.
 
 use crate::finding::Finding;
 use crate::headers::{self, FAMILIES};
@@ -13,14 +13,14 @@ const PAGE: &str = "docs/reference/services.md";
 /// Writes the page.
 ///
 /// # Errors
-/// What could not be read or written.
+/// A file that could not be read or written.
 pub(crate) fn write(root: &Path) -> Result<String, String> {
     let page = render(&tree::read(root)?);
     fs::write(root.join(PAGE), page).map_err(|error| format!("cannot write {PAGE}: {error}"))?;
     Ok(format!("wrote {PAGE}"))
 }
 
-/// Checks that the page is what the headers say.
+/// Checks that the page equals the one made from the headers.
 pub(crate) fn check(texts: &[Text]) -> Option<Finding> {
     let current = tree::find(texts, PAGE).is_some_and(|text| text.body == render(texts));
     (!current)

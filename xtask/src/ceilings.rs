@@ -1,4 +1,4 @@
-//! Ceilings: counts of what should disappear. A count may fall and must not rise.
+//! Ceilings: counts of things that should disappear. A count may fall but must not rise.
 //!
 //! Each rule has its table in `xtask/`: a key, a tab, the highest count that is allowed. A key
 //! without a row has the ceiling zero. `--update` lowers ceilings to today's counts and removes rows that reach zero.
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Counts by key.
 pub(crate) type Counts = BTreeMap<String, usize>;
 
-/// Findings for counts above the ceilings in the table at `path`; `advice` says what to do about a key.
+/// Findings for counts above the ceilings in the table at `path`; `advice` gives the remedy for a key.
 pub(crate) fn check(
     texts: &[Text],
     path: &str,
@@ -33,7 +33,7 @@ pub(crate) fn check(
     above.collect()
 }
 
-/// May a count rise if others fall as much? True where code that moves to another crate changes the key.
+/// Whether a count may rise if others fall as much: true if code that moves to another crate changes the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keys {
     /// Each count may only fall.

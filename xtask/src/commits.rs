@@ -1,7 +1,7 @@
 //! Subjects of new commits: an imperative of at most 72 characters, one change.
 //!
-//! Checks commits after [`BASE`], or, where a shallow clone does not have that commit, those after [`BASE_TIME`].
-//! A checkout without git, such as an unpacked archive, has no commits to check.
+//! Checks commits after [`BASE`], or after [`BASE_TIME`] if a shallow clone does not have that commit. A checkout without git, such as an
+//! unpacked archive, has no commits to check.
 
 use crate::finding::Finding;
 use crate::git;
@@ -12,7 +12,7 @@ const BASE: &str = "93b109cb2aeee49527cfbe7b490e33cc2c5adbb1";
 /// Instant of [`BASE`]: older commits of branches that were merged later are not checked.
 const BASE_TIME: &str = "2026-11-24T04:03:09Z";
 const CHARACTERS_MAX: usize = 72;
-/// Imperatives that end like other forms of verbs.
+/// Imperatives that end like other verb forms.
 const IMPERATIVES: &[&str] = &[
     "address", "access", "assess", "bypass", "bring", "compress", "cross", "discuss", "dismiss", "embed", "exceed",
     "express", "feed", "focus", "guess", "miss", "need", "pass", "press", "proceed", "process", "redress", "seed",

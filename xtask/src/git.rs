@@ -1,4 +1,4 @@
-//! Changes against the main branch, as git reports them.
+//! Changes against the main branch, as reported by git.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -7,11 +7,11 @@ use std::process::Command;
 /// Changed lines by path, both from the new state.
 pub(crate) type Changes = BTreeMap<String, BTreeSet<usize>>;
 
-/// Branches that changes are compared with; the first one that exists counts.
+/// Branches for comparison; the first one that exists is used.
 const BASES: &[&str] = &["main", "origin/main", "master"];
 
-/// Returns lines that differ from the last commit that this branch shares with main, committed or not, and untracked files.
-/// A file of which lines were only removed has an empty set.
+/// Returns the lines that differ from the last commit shared with main, committed or not, and untracked files. A file with removed lines
+/// only has an empty set.
 ///
 /// # Errors
 /// Git's own message.
@@ -27,7 +27,7 @@ pub(crate) fn changes(root: &Path) -> Result<Changes, String> {
     Ok(changes)
 }
 
-/// Runs git with `arguments` in `root` and returns what it prints.
+/// Runs git with `arguments` in `root` and returns its output.
 ///
 /// # Errors
 /// Git's own message.

@@ -1,4 +1,4 @@
-//! Headers: every Rust file says what it is; every service of the executive fills in the fixed headings.
+//! Headers: every Rust file states its subject; every service of the executive fills in the fixed headings.
 
 use crate::finding::Finding;
 use crate::tree::{self, Text};
@@ -33,7 +33,7 @@ pub(crate) fn service(path: &str) -> Option<(&str, &str)> {
     (!is_test && family(folder).is_some()).then_some((folder, module))
 }
 
-/// Returns the family that a folder of the executive belongs to: services may lie in folders below it.
+/// Returns the family of a folder of the executive; services may be in folders below it.
 pub(crate) fn family(folder: &str) -> Option<&str> {
     let family = folder.strip_prefix("crates/executive/src/")?.split('/').next()?;
     FAMILIES.contains(&family).then_some(family)

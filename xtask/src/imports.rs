@@ -1,5 +1,4 @@
-//! The packages of Apex that each package may import. The table is the architecture; a dependency that it does not
-//! allow is a finding.
+//! The packages of Apex that each package may import. The table is the architecture; a dependency outside it is a finding.
 
 use crate::finding::Finding;
 use crate::tree::Text;

@@ -1,7 +1,7 @@
 //! Rules of the repository as a program: `cargo xtask tidy` checks them; other commands list, lower and generate.
 //!
-//! Every rule that the project prints in its pages and that no lint can see is checked here, so that it stays true
-//! without good will. Each rule is one file or folder with one public function from texts to findings.
+//! Every rule that is written in the project's pages and that no lint can check is checked here, so that it does not depend on good will.
+//! Each rule is one file or folder with one public function from texts to findings.
 
 mod bans;
 mod catalogue;

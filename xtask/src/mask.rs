@@ -1,13 +1,13 @@
-//! Rust text with comments, strings and characters blanked out, so that braces and words can be counted safely.
+//! Rust text with comments, strings and characters blanked out, for safe counting of braces and words.
 //!
-//! Not a full lexer: it knows nested block comments, escapes, raw and byte strings, and lifetimes against characters.
+//! Not a full lexer: it handles nested block comments, escapes, raw and byte strings, and distinguishes lifetimes from characters.
 
-/// Returns `source` with the same lines, where everything that is not code is spaces.
+/// Returns `source` with the same lines, with everything except code replaced by spaces.
 pub(crate) fn code_only(source: &str) -> String {
     masked(source, true)
 }
 
-/// Returns `source` with the same lines, where everything that is not a comment, a string or a character literal is spaces.
+/// Returns `source` with the same lines, with everything except comments, strings and character literals replaced by spaces.
 pub(crate) fn prose_only(source: &str) -> String {
     masked(source, false)
 }
@@ -66,7 +66,7 @@ fn block_comment(text: &[char], position: usize) -> usize {
     }
 }
 
-/// Returns a string with escapes whose opening quote ends at `opening` characters from `position`.
+/// Returns the length of a string with escapes whose opening quote ends `opening` characters after `position`.
 fn quoted(text: &[char], position: usize, opening: usize) -> usize {
     let mut length = opening;
     loop {

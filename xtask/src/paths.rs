@@ -1,9 +1,8 @@
-//! Paths that documents name must exist: links and backticks of Markdown that look like a path of the repository.
+//! Paths named in documents must exist: links and backticks of Markdown that look like a path of the repository.
 //!
-//! A link is followed from its document. A text in backticks is found if it exists below the top folder, below the
-//! document's folder, or as the end of an existing path (`control/selection.rs`). Records that tell the past
-//! (decisions, the changelog) are left out. Code may name pages of documents that are not part of the repository;
-//! such names are counted under the ceilings of `xtask/pages-ceiling.tsv`.
+//! A link is relative to its document. A text in backticks is found if it exists below the top folder, below the document's folder, or as
+//! the end of an existing path (`control/selection.rs`). Documents about the past (decisions, the changelog) are left out. Code may name
+//! pages of documents outside the repository; such names are counted under the ceilings of `xtask/pages-ceiling.tsv`.
 
 use crate::ceilings::{self, Counts, Keys};
 use crate::finding::Finding;
@@ -30,12 +29,12 @@ const MADE: &[&str] = &["target", ".venv", "node_modules", "dist", "~", ".", "..
 
 /// All paths of the repository.
 pub(crate) struct Paths {
-    /// Files and folders, and every end of them that begins at a folder's name.
+    /// Files and folders, and every end of their paths that begins at a folder's name.
     ends: BTreeSet<String>,
 }
 
 impl Paths {
-    /// Returns the paths of `files` and of the folders that hold them.
+    /// Returns the paths of `files` and of their folders.
     pub(crate) fn new(files: &[String]) -> Paths {
         let mut ends = BTreeSet::new();
         for file in files {
@@ -108,7 +107,7 @@ fn quoted(prose: &str) -> Vec<&str> {
     prose.split('`').skip(1).step_by(2).collect()
 }
 
-/// Returns `path` as seen from `folder`, without `.` and `..`; `None` if it leaves the repository.
+/// Returns `path` relative to `folder`, without `.` and `..`; `None` if it leaves the repository.
 fn joined(folder: &str, path: &str) -> Option<String> {
     let mut parts: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
     for part in path.split('/').filter(|part| !part.is_empty() && *part != ".") {

@@ -1,7 +1,7 @@
-//! Phrases to avoid in prose, listed in `xtask/phrases.tsv` with what to write instead, counted under a ceiling.
+//! Phrases to avoid in prose, listed in `xtask/phrases.tsv` with their replacements, and counted under a ceiling.
 //!
-//! A row is a regular expression, an expression for what it must not count, and the advice. A line counts once per
-//! row. `english: allow` in a line exempts it.
+//! A row is a regular expression, an expression for exceptions, and the advice. A line counts once per row. `english: allow` in a line
+//! exempts it.
 
 use crate::ceilings::{self, Counts, Keys};
 use crate::finding::Finding;
@@ -25,7 +25,7 @@ struct Phrases {
 
 struct Phrase {
     pattern: String,
-    /// The pattern, and what it must not count.
+    /// The pattern, and the pattern of its exceptions.
     unless: Option<(Regex, Regex)>,
     write: String,
 }
@@ -54,7 +54,7 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
 /// Today's counts.
 ///
 /// # Errors
-/// What is wrong with the list.
+/// An error in the list.
 pub(crate) fn counts(texts: &[Text]) -> Result<Counts, String> {
     Ok(Phrases::read(texts)?.counts(texts))
 }
@@ -62,7 +62,7 @@ pub(crate) fn counts(texts: &[Text]) -> Result<Counts, String> {
 /// Returns a report of all phrases in the lines that `changed` holds by path.
 ///
 /// # Errors
-/// What is wrong with the list.
+/// An error in the list.
 pub(crate) fn report(texts: &[Text], changed: &BTreeMap<String, BTreeSet<usize>>) -> Result<String, String> {
     let phrases = Phrases::read(texts)?;
     let mut lines = Vec::new();
@@ -143,7 +143,7 @@ impl Phrases {
 }
 
 impl Phrase {
-    /// Returns true if the pattern matches something else than its exceptions.
+    /// Returns true if the pattern matches anything except its exceptions.
     fn counts(&self, prose: &str) -> bool {
         self.unless.as_ref().is_none_or(|(pattern, unless)| pattern.is_match(&unless.replace_all(prose, "")))
     }

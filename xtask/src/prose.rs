@@ -12,7 +12,7 @@ const SCRIPT_PROSE: &str = r#"//.*|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\\n]){3,}'|`[^`
 
 static SCRIPT: LazyLock<Option<Regex>> = LazyLock::new(|| Regex::new(SCRIPT_PROSE).ok());
 
-/// Returns lines of `text` from 1 with the prose that they hold, without those that hold none.
+/// Returns the lines of `text` that have prose, numbered from 1, with that prose.
 pub(crate) fn lines(text: &Text) -> Vec<(usize, String)> {
     let ending = text.path.rsplit_once('.').map_or("", |(_, ending)| ending);
     let lines = match ending {

@@ -1,8 +1,8 @@
-//! `cargo xtask quick`: what a change needs before a commit, in the dev profile, so that builds are incremental.
+//! `cargo xtask quick`: the checks needed before a commit, in the dev profile, so that builds are incremental.
 //!
-//! Formatting and the rules of the repository always; lints of all libraries and binaries, of which cargo checks only
-//! what the change reaches; lints of the tests and the tests themselves of the packages that changed against main.
-//! Changes that decide what the specification pages show run these pages, too.
+//! Always: formatting, the rules of the repository, and lints of all libraries and binaries, where cargo checks only those affected by
+//! the change. For packages changed against main: lints of the tests, and the tests. Changes that affect the contents of specification
+//! pages also run these pages.
 
 use crate::git::{self, Changes};
 use crate::workspace::Workspace;
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Paths whose changes are tested by further packages.
+/// Paths whose changes also require tests of other packages.
 const ALSO: &[(&str, &[&str])] = &[
     ("crates/model/", &["apex-spec"]),
     ("crates/pdl/", &["apex-spec"]),
@@ -27,7 +27,7 @@ const EVERYTHING: &[&str] = &["Cargo.lock", "rust-toolchain.toml", ".cargo/confi
 /// Runs all steps and reports how long each took.
 ///
 /// # Errors
-/// The first step that fails, or what git or cargo refuse.
+/// The first step that fails, or an error of git or cargo.
 pub(crate) fn run(root: &Path) -> Result<String, String> {
     let packages = packages(&Workspace::read(root)?, &git::changes(root)?);
     let begin = Instant::now();
@@ -47,7 +47,7 @@ pub(crate) fn run(root: &Path) -> Result<String, String> {
     Ok(format!("quick: {:.1} s; tested {tested}", begin.elapsed().as_secs_f64()))
 }
 
-/// Packages whose tests a change needs, without `xtask`, which tests itself in `make test`, unless it has changed.
+/// Packages whose tests a change requires, without `xtask` unless it has changed, because `make test` runs its tests.
 fn packages(workspace: &Workspace, changes: &Changes) -> BTreeSet<String> {
     let mut packages = BTreeSet::new();
     for path in changes.keys() {

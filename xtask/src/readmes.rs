@@ -1,11 +1,11 @@
-//! A README in every folder of the map: its contents, what is out of scope, where to look next. Short, so that it is read.
+//! A README in every folder of the map: its contents, what is out of scope, where to look next. READMEs are short, so that they are read.
 
 use crate::finding::Finding;
 use crate::tree::{self, Text};
 
-/// Lines of a folder's README; rows of tables do not count. The index of decisions is longer and is not listed here.
+/// Maximum lines of a folder's README, without table rows. The index of decisions is longer and is not listed here.
 const LINES_MAX: usize = 20;
-/// Lines of a mission's README: one screen.
+/// Maximum lines of a mission's README: one screen.
 const MISSION_LINES_MAX: usize = 45;
 /// Folders of the map; `/*` means every folder directly below.
 const FOLDERS: &[&str] =

@@ -1,4 +1,4 @@
-//! Sizes of files and functions: what has grown too large is split by service before anything is added.
+//! Sizes of files and functions: a file or function that is too large is split by service before anything is added.
 
 use crate::finding::Finding;
 use crate::mask;
@@ -11,7 +11,7 @@ const FILE_LINES_HARD_MAX: usize = 900;
 /// Lines of code in a function's body, without blank and comment lines.
 const FUNCTION_LINES_MAX: usize = 70;
 
-/// Files over [`FILE_LINES_MAX`] lines that stay so, each with its reason. An entry that is not needed is a finding.
+/// Files over [`FILE_LINES_MAX`] lines that are accepted, each with its reason. An entry that is not needed is a finding.
 const EXCUSED: &[(&str, &str)] = &[];
 
 /// Checks files and functions of all Rust texts.

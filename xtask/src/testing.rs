@@ -1,5 +1,6 @@
-//! `cargo xtask test ARGUMENTS..`: builds tests as `cargo test` does and runs their programs several at a time. `cargo test` runs one after
-//! another, so a program with one long test leaves all other processors idle. The longest programs begin first, and each says its time.
+//! `cargo xtask test ARGUMENTS..` builds tests in the same way as `cargo test`, and runs several test programs at a time. `cargo test`
+//! runs them in sequence, so that a program with one long test leaves all other processors idle. The longest programs begin first, and
+//! each reports its time.
 
 use serde::Deserialize;
 use std::collections::VecDeque;
@@ -23,7 +24,7 @@ struct ArtifactProfile {
     test: bool,
 }
 
-/// Names of the programs that take longest, which begin first: a long program that begins last keeps one processor busy alone.
+/// Names of the programs that take longest and begin first, because a long program that begins last keeps a single processor busy.
 const LONGEST: &[&str] = &[
     "fault_simulator",
     "guarded_flights",
@@ -44,14 +45,14 @@ const LONGEST: &[&str] = &[
 /// A program of tests.
 struct TestProgram {
     executable: String,
-    /// The folder of its package, in which `cargo test` runs it.
+    /// The folder of its package, in which `cargo test` runs the program.
     folder: String,
 }
 
-/// Builds and runs the tests that `arguments` of `cargo test` select. Prints the output of each program when it ends.
+/// Builds and runs the tests selected by `arguments` of `cargo test`. Prints the output of each program when it ends.
 ///
 /// # Errors
-/// A build that fails; the programs whose tests fail.
+/// A failed build; the names of the programs with failed tests.
 pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     let mut programs = build(root, arguments)?;
     let environment = environment(root)?;
@@ -80,7 +81,7 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
-/// The place of a program in [`LONGEST`]; that of all others is behind them.
+/// The position of a program in [`LONGEST`]; all others come after these.
 fn rank(executable: &str) -> usize {
     let file = Path::new(executable).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
     // Cargo appends a hash to the name of the target.
@@ -92,8 +93,8 @@ fn next(open: &Mutex<VecDeque<TestProgram>>) -> Option<TestProgram> {
     open.lock().ok()?.pop_front()
 }
 
-/// Returns the variables that `.cargo/config.toml` sets for programs that cargo runs, such as the seed of property tests: this
-/// program itself may have been started without cargo. Those that are set already keep their values.
+/// Returns the variables that `.cargo/config.toml` sets for programs run by cargo, such as the seed of property tests, because this
+/// program may have been started without cargo. Variables that are already set keep their values.
 fn environment(root: &Path) -> Result<Vec<(String, String)>, String> {
     let path = root.join(".cargo/config.toml");
     let text = std::fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;

@@ -1,7 +1,7 @@
-//! Third-party packages: licences, sources and doubled versions, by the lists of `deny.toml`.
+//! Third-party packages: licences, sources and duplicate versions, checked against the lists of `deny.toml`.
 //!
-//! `cargo deny` checks the same lists and advisories, but compiling it takes minutes; this rule costs nothing and
-//! therefore runs on every change.
+//! `cargo deny` checks the same lists and advisories, but compiling it takes minutes; this rule takes little time and therefore runs on
+//! every change.
 
 use crate::finding::Finding;
 use crate::tree::{self, Text};

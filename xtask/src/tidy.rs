@@ -7,7 +7,7 @@ use crate::{
 };
 use std::path::Path;
 
-/// Checks every rule on the project below `root`; the text says how many files were read and which rings are left.
+/// Checks every rule on the project below `root`; the returned text has the number of files and the remaining rings.
 ///
 /// # Errors
 /// All findings, one per line.

@@ -1,4 +1,4 @@
-//! The project's texts, read once: every rule works on this list.
+//! The project's texts, read once: all rules use this list.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 /// Folders that hold nothing written by hand.
 const SKIPPED_FOLDERS: &[&str] =
     &["target", "node_modules", "dist", ".git", ".venv", "test-results", "playwright-report", "__pycache__"];
-/// Folders of pictures and the data behind them.
+/// Name of folders with pictures and their data.
 const PICTURES: &str = "pictures";
 /// Endings of texts that rules check.
 const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte", ".mjs", ".py", ".pyi", ".tsv"];
@@ -59,7 +59,7 @@ pub(crate) fn find<'a>(texts: &'a [Text], path: &str) -> Option<&'a Text> {
     texts.iter().find(|text| text.path == path)
 }
 
-/// Returns names of the folders directly below `folder` that hold at least one text, in order.
+/// Returns the names of the folders directly below `folder` that contain at least one text, in order.
 pub(crate) fn folders_below(texts: &[Text], folder: &str) -> Vec<String> {
     let prefix = format!("{folder}/");
     let mut names: Vec<String> = texts

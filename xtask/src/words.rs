@@ -1,4 +1,4 @@
-//! One word for one thing: words that the glossary rules out, and marks of unfinished work.
+//! One word for one thing: words that the glossary forbids, and marks of unfinished work.
 //!
 //! The list is the last column of the tables in `docs/glossary.md`: every text in backticks there is ruled out.
 
@@ -22,7 +22,7 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
     checked.flat_map(|text| check_text(text, &banned)).collect()
 }
 
-/// Pairs (banned word in lower case, the word to say instead).
+/// Pairs of a forbidden word in lower case and its replacement.
 fn banned_words(glossary: &str) -> Vec<(String, String)> {
     let mut banned = Vec::new();
     for line in glossary.lines().filter(|line| line.starts_with("| ")) {

@@ -1,4 +1,4 @@
-//! The workspace as `cargo metadata` describes it: packages, their folders, dependencies and licences.
+//! The workspace as described by `cargo metadata`: packages, their folders, dependencies and licences.
 
 use crate::tree::{self, Text};
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use std::process::Command;
 /// The platform for which dependencies are resolved; `deny.toml` names the same one.
 pub(crate) const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
-/// The packages of the workspace and what they depend on.
+/// The packages of the workspace and their dependencies.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     /// Packages of the project, in order of folder.
@@ -40,7 +40,7 @@ pub(crate) struct Foreign {
     pub(crate) version: String,
     /// SPDX expression, if the manifest states one.
     pub(crate) license: Option<String>,
-    /// Registry or repository that it comes from.
+    /// Registry or repository of origin.
     pub(crate) source: String,
 }
 
@@ -86,14 +86,14 @@ struct CargoTarget {
 }
 
 impl Workspace {
-    /// Asks cargo for the workspace below `root`.
+    /// Reads the workspace below `root` from cargo.
     ///
     /// # Errors
     /// Cargo's own message, or the field of its answer that cannot be read.
     pub(crate) fn read(root: &Path) -> Result<Workspace, String> {
         let answer = cargo(root, &["metadata", "--format-version", "1", "--locked", "--filter-platform", PLATFORM])?;
         let mut workspace = Workspace::parse(&answer)?;
-        // The metadata also resolve optional dependencies that no feature turns on; the tree knows what is compiled.
+        // The metadata also resolve optional dependencies that no feature enables; `cargo tree` lists the compiled ones.
         let tree = ["tree", "--locked", "--workspace", "--target", PLATFORM, "--prefix", "none", "--format", "{p}"];
         let compiled = String::from_utf8_lossy(&cargo(root, &tree)?).into_owned();
         workspace.keep_compiled(&compiled);
@@ -136,14 +136,14 @@ impl Workspace {
         Ok(workspace)
     }
 
-    /// Returns the member whose folder holds the file at `path`; the deepest one if folders are nested.
+    /// Returns the member whose folder contains the file at `path`; the deepest one if folders are nested.
     pub(crate) fn owner(&self, path: &str) -> Option<&Member> {
         let holds = |member: &&Member| path.strip_prefix(&member.folder).is_some_and(|rest| rest.starts_with('/'));
         self.members.iter().filter(holds).max_by_key(|member| member.folder.len())
     }
 }
 
-/// Returns what cargo prints for `arguments`.
+/// Returns the output of cargo for `arguments`.
 fn cargo(root: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
     let name = arguments.first().copied().unwrap_or_default();

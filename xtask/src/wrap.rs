@@ -1,6 +1,6 @@
 //! `cargo xtask wrap PATH ..` wraps paragraphs and list items of Markdown that have a line of more than 140 columns.
 //!
-//! Tables, headings, quotations, HTML and code fences stay as they are; code spans and links are never broken.
+//! Tables, headings, quotations, HTML and code fences stay unchanged; code spans and links are never broken.
 
 use crate::english::COLUMNS_MAX;
 use crate::prose::ALLOW;
@@ -8,7 +8,7 @@ use regex::Regex;
 use std::fs;
 use std::path::Path;
 
-/// A code span, link or comment with all characters that touch it, or a word.
+/// A code span, link or comment with all adjacent characters, or a word.
 const ATOM: &str = r"(?:`+[^`]*`+|!?\[[^\]]*\]\([^)]*\)|<!--.*?-->|\S)+";
 /// The marker of a list item with the spaces around it.
 const ITEM: &str = r"^\s*([-*+]|\d+[.)])\s+";

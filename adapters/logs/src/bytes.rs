@@ -1,11 +1,11 @@
-//! Bytes of a log with their offset, read forward, with as much in sight as one message needs.
+//! Bytes of a log with their offset, read forward; the buffer holds as much as one message needs.
 
 use std::io::{self, Read};
 
 /// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
-/// A window over the bytes to come.
+/// A window over the bytes that are read next.
 pub(crate) struct Bytes<R> {
     input: R,
     buffer: Vec<u8>,
@@ -20,7 +20,7 @@ impl<R: Read> Bytes<R> {
         Bytes { input, buffer: Vec::new(), start: 0, offset: 0, ended: false }
     }
 
-    /// Returns the next `length` bytes, fewer where the log ends before. They stay to be read.
+    /// Returns the next `length` bytes without consuming them; fewer where the log ends.
     pub(crate) fn peek(&mut self, length: usize) -> io::Result<&[u8]> {
         while self.buffer.len() - self.start < length && !self.ended {
             if self.start > 0 {

@@ -7,7 +7,7 @@ use crate::ros_schema::{Primitive, Schema, SchemaField, ValueCount, ValueKind};
 
 /// Bytes that name the representation.
 const HEADER: usize = 4;
-/// Values of one message, those that take no byte included.
+/// Values of one message, including values that take no byte.
 const VALUES_MAX: usize = 1 << 22;
 
 /// Returns the values of a message.
@@ -44,7 +44,7 @@ impl CdrReader<'_> {
         let schema = self.schema;
         let fields = schema.messages.get(number).map(Vec::as_slice).unwrap_or_default();
         if fields.is_empty() {
-            // A message without fields is sent as one byte.
+            // A message without fields is sent as a single byte.
             self.bytes(1)?;
         }
         let mut members = Vec::with_capacity(fields.len());
@@ -60,7 +60,7 @@ impl CdrReader<'_> {
             ValueCount::Fixed(count) => count,
             ValueCount::Counted => usize::try_from(u32::from_le_bytes(self.number()?)).unwrap_or(usize::MAX),
         };
-        // Each value takes a byte at least: a greater number is a damaged one.
+        // Each value takes at least one byte, so a count above the remaining bytes is damaged.
         if count > self.body.len().saturating_sub(self.at) {
             return Err(format!("`{}` claims {count} values, more than the message has bytes", field.name));
         }
@@ -69,7 +69,7 @@ impl CdrReader<'_> {
             if let (true, ValueKind::Primitive(kind)) = (index >= FIELDS_MAX, &field.kind)
                 && let Some(size) = kind.size()
             {
-                // Images and clouds of points: what is not kept is skipped at once.
+                // For images and point clouds: values that are not kept are skipped at once.
                 self.align(size);
                 self.bytes((count - index).saturating_mul(size))?;
                 break;

@@ -14,7 +14,7 @@ const HEADER_BYTES_MAX: usize = 1 << 16;
 /// A line that some spreadsheets write before the names: `sep=;`.
 const SEPARATOR_LINE: &[u8] = b"sep=";
 
-/// Column of the time as a mapping names it, with the nanoseconds of its unit if the mapping states one.
+/// Column of the time as named by a mapping, with the nanoseconds of its unit if the mapping states a unit.
 pub type TimeName = (String, Option<i64>);
 
 /// Reads a table.
@@ -32,14 +32,14 @@ pub(crate) struct CsvTable<R> {
     lines_before: u64,
     newest: Option<Time>,
     damages: ReadErrors,
-    /// The columns whose values are wanted, by name; none is all.
+    /// Names of the columns to read; `None` reads all.
     carried: Option<BTreeSet<String>>,
     /// The same by number.
     carries: Vec<bool>,
 }
 
 impl<R: Read> CsvTable<R> {
-    /// Returns a reader; `wanted` names the column of the time, which is otherwise found by its name.
+    /// Returns a reader. `wanted` names the time column; without it, the column is found by its name.
     pub(crate) fn new(input: R, wanted: Option<TimeName>) -> CsvTable<R> {
         CsvTable {
             input: Some(input),
@@ -119,8 +119,7 @@ impl<R: Read> CsvTable<R> {
     }
 }
 
-/// Returns the separator of the columns of the first line that is not a comment: a tab or semicolon if it has one
-/// outside of quotes.
+/// Returns the column separator, from the first line that is not a comment: a tab or semicolon if the line has one outside of quotes.
 fn separator(bytes: &[u8]) -> u8 {
     let mut lines =
         bytes.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());

@@ -1,4 +1,4 @@
-//! DataFlash as bytes, `.bin`: each message begins with A3 95 and its type; messages of type 128 tell the others' formats
+//! DataFlash in binary form, `.bin`: each message begins with A3 95 and its type; messages of type 128 define the formats of the others
 //! (ArduPilot developer documentation, "Logging").
 
 use crate::bytes::{Bytes, array, text, u16_at, u32_at};

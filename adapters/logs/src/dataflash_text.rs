@@ -1,4 +1,4 @@
-//! DataFlash as text, `.log`: one row a line, `NAME, value, value, ..`; `FMT` rows tell the columns.
+//! DataFlash as text, `.log`: one row on each line, `NAME, value, value, ..`; `FMT` rows define the columns.
 
 use crate::bytes::Bytes;
 use crate::dataflash::TimestampInterpolator;
@@ -46,7 +46,7 @@ impl<R: Read> DataFlashText<R> {
             self.damages.add(|| format!("line {number}: no FMT row defines `{}`", shortened(name)));
             return;
         };
-        // The letters of units and multipliers stay text, also where they look like numbers.
+        // The letters of units and multipliers stay text, even those that look like numbers.
         let of_units = name == "FMTU" || name == "UNIT";
         let cells = parts.enumerate();
         let cells =

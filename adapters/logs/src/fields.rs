@@ -13,11 +13,11 @@ pub struct FieldSummary {
     pub count: u64,
     /// Messages of its topic per second.
     pub rate_per_s: Option<f64>,
-    /// The least and greatest number, if it has numbers.
+    /// The least and greatest number, if the field has numbers.
     pub range: Option<(f64, f64)>,
-    /// The first text, if it has texts.
+    /// The first text, if the field has texts.
     pub text: Option<String>,
-    /// The unit that the log states, with its multiplier unless that is one: `0.001 Gauss`.
+    /// The unit stated in the log, with its multiplier unless that is one: `0.001 Gauss`.
     pub unit: Option<String>,
 }
 

@@ -1,7 +1,7 @@
 //! Logs of real flights as samples: PX4 ULog, ArduPilot DataFlash (text and binary), MAVLink telemetry logs, MCAP and CSV.
 //!
-//! One file a format, each a [`LogReader`]: it reads forward in bounded memory, never panics on any bytes, skips what is
-//! damaged and says where. A [`Mapping`] makes state variables of fields.
+//! Each format has one file with a [`LogReader`]. It reads forward in bounded memory, never panics on any bytes, skips damaged places and
+//! reports them. A [`Mapping`] turns fields into state variables.
 
 mod bytes;
 mod cdr;
@@ -43,14 +43,14 @@ use std::io;
 
 /// Kinds of messages of a log that are distinguished, at most.
 pub const TOPICS_MAX: usize = 4_096;
-/// Fields of one kind of message, at most.
+/// Maximum number of fields of one kind of message.
 pub const FIELDS_MAX: usize = 4_096;
-/// Bytes of one message or line, at most; a longer one is damage.
+/// Maximum bytes of one message or line; a longer one counts as damage.
 pub const MESSAGE_BYTES_MAX: usize = 1 << 24;
-/// Damaged places that are described; further ones are counted.
+/// Number of damaged places that are described; further ones are only counted.
 pub const DAMAGES_MAX: usize = 20;
 
-/// The unit of a field as the log itself states it.
+/// The unit of a field as stated in the log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldUnit {
     /// The unit's name in the log, `m/s`.
@@ -66,7 +66,7 @@ pub struct Topic {
     pub name: String,
     /// Names of its fields; elements of arrays are separate fields, `q[0]`.
     pub fields: Vec<String>,
-    /// The units of the fields, as far as the log states them; empty if it states none.
+    /// The units of the fields, as far as the log states them; empty if it states no units.
     pub units: Vec<Option<FieldUnit>>,
     /// True for fields that are whole numbers that no format scales; empty if that is not known.
     pub integers: Vec<bool>,
@@ -78,7 +78,7 @@ pub enum Cell {
     /// Not in this message.
     #[default]
     Nothing,
-    /// A number, as the log's format scales it.
+    /// A number, after the scaling of the log's format.
     Number(f64),
     /// A text.
     Text(String),
@@ -98,7 +98,7 @@ pub struct Message {
 /// Places of a log that could not be read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadErrors {
-    /// The first of them: where, and what is wrong there.
+    /// The first damaged places: the position and the problem of each.
     pub first: Vec<String>,
     /// Number of errors.
     pub count: u64,
@@ -115,25 +115,25 @@ impl ReadErrors {
 
 /// Reads a log from its beginning to its end.
 pub trait LogReader {
-    /// Fills `message` with the next one; false at the end. Damaged places are skipped and noted.
+    /// Reads the next message into `message`; false at the end. Damaged places are skipped and noted.
     ///
     /// # Errors
     /// The log cannot be read from its medium.
     fn next(&mut self, message: &mut Message) -> io::Result<bool>;
 
-    /// Returns the kinds of messages known so far; a number once given stays.
+    /// Returns the kinds of messages known so far; an assigned number never changes.
     fn topics(&self) -> &[Topic];
 
-    /// Fields of other names than `carried` need not be read: they may be empty texts where they have values.
+    /// Fields not named in `carried` may be skipped: their values may be empty texts.
     fn carry_only(&mut self, carried: BTreeSet<String>) {
         let _ = carried;
     }
 
-    /// Returns the beginning of the log by its clock, if the log states it; known after the first message.
+    /// Returns the beginning of the log by its clock, if the log states it. Known after the first message.
     fn began(&self) -> Option<Time> {
         None
     }
 
-    /// Returns the errors of reading so far.
+    /// Returns the reading errors so far.
     fn damages(&self) -> &ReadErrors;
 }

@@ -15,7 +15,7 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
-/// A log and how it is to be understood.
+/// A log and its interpretation.
 pub struct LogFile {
     path: PathBuf,
     format: Format,
@@ -50,7 +50,8 @@ pub struct Fed {
 }
 
 impl LogFile {
-    /// Returns the log at `path`, understood through `mapping`; with `own_time` its own clock counts, else time begins with the log.
+    /// Returns the log at `path`, interpreted by `mapping`. With `own_time` times are those of the log's clock; otherwise time begins
+    /// with the log.
     pub fn new(path: &Path, format: Format, mapping: Option<MappingFile>, own_time: bool) -> LogFile {
         LogFile { path: path.to_path_buf(), format, mapping, own_time, is_complete: false }
     }
@@ -65,8 +66,8 @@ impl LogFile {
         self.format
     }
 
-    /// Returns the mapping: the given one with the shipped entries of the format that it does not map, else the shipped
-    /// one of the format, else the names of a table's columns. `None` if the meaning of fields is not known.
+    /// Returns the mapping: the given one, completed by entries of the format's shipped mapping for unmapped state variables; or else the
+    /// shipped mapping alone; or else the column names of a table. `None` if the meaning of fields is unknown.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -106,8 +107,8 @@ impl LogFile {
         }
     }
 
-    /// Hands all samples over in order of time, in the units that `library` declares. With `wanted` only samples of these
-    /// attributes are; where others come earlier or later, their instants are handed over without a sample.
+    /// Passes all samples on in order of time, in the units declared in `library`. With `wanted`, only samples of these attributes are
+    /// passed on; the instants of other samples are passed on without a sample if they are earlier or later.
     ///
     /// # Errors
     /// The file cannot be read, the mapping does not fit, or the caller refuses a sample.
@@ -135,7 +136,7 @@ impl LogFile {
             let more = reader.next(&mut message).map_err(LogError::Read)?;
             empty &= !more;
             if more {
-                // Mission time 0 is where the log says that it begins, else its first message.
+                // Mission time 0 is the beginning stated by the log, otherwise the first message.
                 let began = reader.began().unwrap_or(message.at);
                 let origin = *origin.get_or_insert(began - Time::ZERO);
                 message.at = message.at - origin;
@@ -161,7 +162,7 @@ impl LogFile {
         }
     }
 
-    /// Nanoseconds of UTC at mission time 0; none where the log does not say.
+    /// UTC in nanoseconds at mission time 0; `None` if the log does not state it.
     ///
     /// # Errors
     /// The file cannot be read.

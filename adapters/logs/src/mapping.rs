@@ -1,4 +1,4 @@
-//! Fields of logs as state variables.
+//! Turning fields of logs into state variables.
 
 use crate::{Cell, LogInterval, Message, Topic};
 use apex_model::event::StateVariable;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// Conversion of a field into a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// `TOPIC.FIELD`, or the column of a table. For the angles of [`Take`], the quaternion, whose elements are `[0]` to `[3]`.
+    /// `TOPIC.FIELD`, or the column of a table. For the angles of [`Take`] it is the quaternion, with elements `[0]` to `[3]`.
     pub field: String,
     /// The state variable.
     pub variable: StateVariable,
@@ -23,9 +23,9 @@ pub struct Entry {
     pub integer_scale: Option<f64>,
     /// Offset added after scaling; the result is in the declared unit of the variable.
     pub offset: f64,
-    /// Words for numbers, such as the modes of an autopilot.
+    /// Words that replace numbers, such as the modes of an autopilot.
     pub words: Vec<(f64, Value)>,
-    /// A number that means "not known".
+    /// A number that means that the value is not known.
     pub missing: Option<f64>,
     /// Factor and dimension of the unit in which the variable is declared, where the mapping leaves the field's unit to the
     /// log.
@@ -48,14 +48,14 @@ pub enum Take {
 /// Conversion of fields into state variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
-    /// Entries in order of preference: if several fields can make one variable, the first one that the log has counts.
+    /// Entries in order of preference: if several fields can give one variable, the first entry with a field in the log applies.
     pub entries: Vec<Entry>,
 }
 
 /// A sample of a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
-    /// Index of the entry of the mapping that made it.
+    /// Index of the mapping entry that the variable comes from.
     pub entry: usize,
     /// Value: a number in the declared unit, a symbol or a text.
     pub value: Value,
@@ -76,15 +76,15 @@ struct Source {
 #[derive(Debug)]
 pub struct Sampler {
     mapping: Mapping,
-    /// For each topic, its number of fields and the entries that it serves.
+    /// For each topic, its number of fields and the entries that use it.
     topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
-    /// Index of the entry that makes each variable: the first one whose field the log has.
+    /// For each variable, the index of its entry: the first one with a field in the log.
     chosen: Vec<Option<usize>>,
-    /// True for entries that make samples; the others only show the times of measurements.
+    /// True for entries that give samples; the others only give the times of measurements.
     wanted: Vec<bool>,
-    /// First and last instant of what the other entries saw.
+    /// First and last instant of measurements by the other entries.
     unwanted: Option<LogInterval>,
 }
 
@@ -101,12 +101,12 @@ impl Sampler {
         self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
     }
 
-    /// Returns the first and last instant at which something was measured that makes no samples.
+    /// Returns the first and last instant of measurements that give no samples.
     pub fn unwanted(&self) -> Option<LogInterval> {
         self.unwanted
     }
 
-    /// Returns the state variables that fields of the log make, so far.
+    /// Returns the state variables found so far in fields of the log.
     pub fn variables(&self) -> impl Iterator<Item = &StateVariable> {
         self.chosen.iter().flatten().filter_map(|entry| self.mapping.entries.get(*entry)).map(|entry| &entry.variable)
     }
@@ -172,7 +172,7 @@ impl Sampler {
 }
 
 impl Entry {
-    /// Returns the index of its field among those of `topic`.
+    /// Returns the index of the entry's field among the fields of `topic`.
     fn field_in(&self, topic: &Topic) -> Option<usize> {
         let wanted = self.field.strip_prefix(&topic.name).and_then(|rest| rest.strip_prefix('.'));
         // The only topic of a table has no separate name.
@@ -216,7 +216,7 @@ impl Entry {
         Some(Value::Real(number * source.scale + self.offset))
     }
 
-    /// Returns a text of the log: a symbol where it is one word, so that conditions can name it.
+    /// Returns a text of the log as a value: a symbol if it is one word, so that conditions can name it.
     fn word_for(&self, text: &str) -> Value {
         let one_word =
             !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));

@@ -1,5 +1,5 @@
-//! Files that say which fields of a log are which state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and
-//! declarations of the state variables.
+//! Files that map fields of a log to state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and declarations of the state
+//! variables.
 
 use crate::{Entry, Format, Mapping, Take, TimeName, Topic};
 use apex_model::event::StateVariable;
@@ -9,7 +9,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::fmt::{self, Write as _};
 
-/// A mapping as it is written.
+/// A mapping as written.
 #[derive(Debug, Default)]
 pub struct MappingFile {
     /// Name in messages.
@@ -22,13 +22,13 @@ pub struct MappingFile {
     pub declarations: Vec<(Symbol, String)>,
 }
 
-/// Reads one form of PDL; an error has its line in the text, from 1, and says what is wrong.
+/// Reads one PDL form. An error consists of its line in the text, counted from 1, and the problem.
 pub type ReadForm<'a> = &'a dyn Fn(&str) -> Result<Value, (u32, String)>;
 
 /// A mapping that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MappingError {
-    /// Failure and its place, one line.
+    /// The failure and its place, in one line.
     pub message: String,
     /// Reason, if known.
     pub reason: Option<String>,
@@ -80,7 +80,7 @@ fn plain(field: &str, variable: StateVariable) -> Entry {
 }
 
 impl MappingFile {
-    /// Reads a mapping from a text; `name` says in messages where it is from.
+    /// Reads a mapping from a text; `name` is its origin in messages.
     ///
     /// # Errors
     /// A form that is not part of a mapping.
@@ -90,7 +90,7 @@ impl MappingFile {
             let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:integer-scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
             MappingError { message, reason: Some(why), help: Some(help.to_string()) }
         };
-        // One list around all forms, in one line with the first, so that lines in messages are the file's.
+        // One list is put around all forms, opened on the line of the first form, so that line numbers in messages are those of the file.
         let whole = read_form(&format!("({text}\n)")).map_err(|(line, what)| MappingError {
             message: format!("{name}:{line}: {what}"),
             reason: None,
@@ -111,7 +111,7 @@ impl MappingFile {
         Ok(file)
     }
 
-    /// Adds what `shipped` says of state variables that are not mapped here.
+    /// Adds the entries of `shipped` for state variables that are not mapped here.
     pub(crate) fn add(&mut self, shipped: MappingFile) {
         let own: Vec<StateVariable> = self.entries.iter().map(|(entry, _)| entry.variable.clone()).collect();
         self.entries.extend(shipped.entries.into_iter().filter(|(entry, _)| !own.contains(&entry.variable)));
@@ -172,7 +172,7 @@ impl MappingFile {
     /// Returns the mapping with numbers in the units that `library` declares.
     ///
     /// # Errors
-    /// A field's unit measures something else than its state variable is declared in.
+    /// A field has a unit of another dimension than the unit declared for its state variable.
     pub fn mapping(self, library: &Library) -> Result<Mapping, MappingError> {
         let name = self.name;
         let entries = self.entries.into_iter().map(|(mut entry, unit)| {

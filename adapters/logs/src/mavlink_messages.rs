@@ -8,13 +8,13 @@ use crate::bytes::{array, text, u16_at, u32_at, u64_at};
 /// order of their numbers; `data/mavlink_messages.py` writes it from MAVLink's definitions.
 const MESSAGES: &str = include_str!("../data/mavlink_messages.tsv");
 
-/// A message as it is sent.
+/// A message as sent.
 #[derive(Clone, Debug)]
 pub(crate) struct MessageDefinition {
     pub(crate) id: u32,
     pub(crate) name: &'static str,
     fields: Vec<MessageField>,
-    /// Number of the fields that both versions have; those after them are extensions of version 2.
+    /// Number of fields that both versions have; the fields after them are extensions of version 2.
     base: usize,
     /// Extra byte of the checksum: it differs if sender and receiver define different fields.
     pub(crate) crc_extra: u8,

@@ -1,6 +1,6 @@
-//! MCAP (mcap.dev/spec): records, plain or within compressed chunks. The crate `mcap` splits and parses records; chunks
-//! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON, in CDR (ROS 2) and in
-//! protobuf are read; of others their topic and number are known.
+//! MCAP (mcap.dev/spec): records, either plain or within compressed chunks. The crate `mcap` splits and parses records. Chunks are
+//! unpacked here, so that a damaged chunk costs only its messages. Messages in JSON, in CDR (ROS 2) and in protobuf are read; of messages
+//! in other encodings only topic and number are known.
 
 use crate::nested::{self, Nested};
 use crate::ros_schema::Schema;
@@ -13,7 +13,7 @@ use std::io::{self, Cursor, Read};
 
 /// First and last bytes of the format.
 pub(crate) const MAGIC: &[u8] = mcap::MAGIC;
-/// Bytes of one chunk, packed or not.
+/// Maximum bytes of one chunk, compressed or unpacked.
 const CHUNK_BYTES_MAX: usize = 1 << 28;
 /// Bytes of a record before its content: opcode and length.
 const RECORD_HEADER: u64 = 9;
@@ -33,7 +33,7 @@ pub(crate) struct Mcap<R> {
     damages: ReadErrors,
 }
 
-/// A schema as the file holds it.
+/// A schema as stored in the file.
 struct SchemaText {
     name: String,
     encoding: String,
@@ -50,7 +50,7 @@ enum Encoding {
     Json,
     Cdr(Schema),
     Protobuf(prost_reflect::MessageDescriptor),
-    /// They are counted alone.
+    /// Messages of this encoding are only counted.
     Unknown,
 }
 
@@ -102,7 +102,7 @@ struct Records<R> {
 type RawRecord = (u8, Vec<u8>, u64);
 
 impl<R: Read> Records<R> {
-    /// Records of at most `longest` bytes, without the magic bytes around them.
+    /// Reads records of at most `longest` bytes, without the magic bytes around them.
     fn new(input: R, longest: usize) -> Records<R> {
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -125,7 +125,7 @@ impl<R: Read> Records<R> {
                 }
                 Some(Ok(LinearReadEvent::ReadRequest(_))) => {}
             }
-            // A block at a time, whatever length a record claims to have.
+            // Reads one block at a time, regardless of the length that a record claims.
             let slot = self.reader.insert(BLOCK);
             let read = loop {
                 match self.input.read(slot) {
@@ -201,7 +201,7 @@ impl<R: Read> Mcap<R> {
         self.topics.push(Topic { name, ..Topic::default() });
     }
 
-    /// Fills `message`; false if it cannot be read.
+    /// Reads a message into `message`; false if it cannot be decoded.
     fn message(&mut self, header: &records::MessageHeader, data: &[u8], at: u64, message: &mut Message) -> bool {
         let Some(channel) = self.channels.get(&header.channel_id) else {
             self.damages.add(|| format!("byte {at}: a message of a channel that was not announced"));
@@ -264,7 +264,7 @@ impl<R: Read> LogReader for Mcap<R> {
                 continue;
             };
             let wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK);
-            // The data section ends here; what follows is a summary of it.
+            // Here the data section ends; a summary of it follows.
             self.ended |= opcode == op::DATA_END;
             if !wanted {
                 continue;

@@ -10,7 +10,7 @@ pub(crate) const DEPTH_MAX: usize = 16;
 /// A value of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Nested {
-    /// One that cannot be compared: missing, bytes, nested too deeply.
+    /// A value that cannot be compared: missing, bytes, or nested too deeply.
     Nothing,
     Number(f64),
     Text(String),
@@ -41,7 +41,7 @@ impl From<Json> for Nested {
     }
 }
 
-/// Puts the values of `message` where the fields of `topic` stand, adding fields that are new.
+/// Stores the values of `message` at the positions of the topic's fields, after adding new fields to `topic`.
 pub(crate) fn spread(message: Nested, topic: &mut Topic, values: &mut Vec<Cell>) {
     values.clear();
     let mut spreading = Spreading { topic, values, next: 0 };
@@ -51,7 +51,7 @@ pub(crate) fn spread(message: Nested, topic: &mut Topic, values: &mut Vec<Cell>)
 struct Spreading<'a> {
     topic: &'a mut Topic,
     values: &'a mut Vec<Cell>,
-    /// Index of the field that is probably next: messages of a topic mostly have the same fields in the same order.
+    /// Index of the field that is probably next, because messages of a topic mostly have the same fields in the same order.
     next: usize,
 }
 
@@ -85,7 +85,7 @@ impl Spreading<'_> {
         }
     }
 
-    /// Returns the field of that name, a new one if necessary; `None` if the topic has too many.
+    /// Returns the index of the field with this name, which is added if necessary; `None` if the topic has too many fields.
     fn index(&mut self, name: String) -> Option<usize> {
         let fields = &mut self.topic.fields;
         if fields.get(self.next) == Some(&name) {

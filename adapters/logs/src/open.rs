@@ -1,4 +1,4 @@
-//! Format of a log, and its reader.
+//! Recognition of a log's format, and the reader of each format.
 
 use crate::csv_table::{CsvTable, TimeName};
 use crate::dataflash_binary::{self, DataFlashBinary};
@@ -27,7 +27,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format that the first bytes of a log show; where they show none, the one that its name's ending says.
+    /// Returns the format recognised from the first bytes of a log, or otherwise from the extension of its name.
     pub fn of(first: &[u8], extension: &str) -> Option<Format> {
         if first.starts_with(ulog::MAGIC) {
             return Some(Format::ULog);
@@ -80,7 +80,7 @@ impl Format {
 /// Bytes that show a format.
 const SHOWN: usize = 512;
 
-/// Finds out the format of `input`, which is called something with `extension`.
+/// Recognises the format of `input`, which has a name with `extension`.
 ///
 /// # Errors
 /// The log cannot be read from its medium.

@@ -1,10 +1,10 @@
-//! Samples in order of time: logs write topics in sequence, so neighbours may be out of order.
+//! Samples in order of time: logs write topics in blocks, so adjacent samples may be out of order.
 
 use crate::Sampled;
 use apex_model::time::{Duration, Time};
 use std::collections::BinaryHeap;
 
-/// Samples wait until one arrives that is this much later.
+/// A sample is held until another one arrives that is later by this duration.
 const WINDOW: Duration = Duration(1_000_000_000);
 /// Samples that wait, at most.
 const WAITING_MAX: usize = 100_000;
@@ -38,7 +38,7 @@ impl PartialOrd for Waiting {
 }
 
 impl Ord for Waiting {
-    /// Orders samples for the heap: the earliest is the greatest; of one instant, the first that arrived.
+    /// Orders samples for the heap: the earliest is the greatest; at equal instants, the first arrival.
     fn cmp(&self, other: &Waiting) -> std::cmp::Ordering {
         (other.sampled.at, other.number).cmp(&(self.sampled.at, self.number))
     }
@@ -52,7 +52,7 @@ impl Ordered {
         self.waiting.push(Waiting { sampled, number: self.number });
     }
 
-    /// Returns the next sample that no later one can precede; at the end of the log all of them.
+    /// Returns the next sample, once no later arrival can precede it; at the end of the log all remaining samples in order.
     pub fn pop(&mut self, at_end: bool) -> Option<Sampled> {
         let first = self.waiting.peek()?;
         let over = self.newest.is_some_and(|newest| newest - first.sampled.at >= WINDOW);

@@ -54,7 +54,7 @@ const DIGITS_MAX: usize = 18;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeColumn {
     pub(crate) index: usize,
-    /// Nanoseconds of its unit; `None` until the first number shows it.
+    /// Nanoseconds of the column's unit; `None` until the first number reveals it.
     unit_ns: Option<i64>,
 }
 
@@ -66,7 +66,7 @@ impl TimeColumn {
         Some(TimeColumn { index, unit_ns: unit_ns.or(of_name) })
     }
 
-    /// Returns the column with the most preferred name of a time; `None` if no column has such a name.
+    /// Returns the column with the most preferred time name; `None` if no column has such a name.
     pub(crate) fn find(fields: &[String]) -> Option<TimeColumn> {
         let split: Vec<(String, Option<i64>)> = fields.iter().map(|field| split(field)).collect();
         NAMES.iter().find_map(|name| {

@@ -1,4 +1,4 @@
-//! PX4 ULog, `.ulg`: definitions, then data, each message with its size and a letter (PX4 user guide, "ULog File Format").
+//! PX4 ULog, `.ulg`: definitions, then data; each message begins with its size and a letter (PX4 user guide, "ULog File Format").
 
 use crate::bytes::{Bytes, text, u16_at, u64_at};
 use crate::ulog_format::{Formats, Leaf};
@@ -60,7 +60,7 @@ impl<R: Read> ULog<R> {
         Ok(())
     }
 
-    /// Takes in one message; returns true if it must be reported.
+    /// Processes one message; returns true if it must be reported.
     fn take(&mut self, letter: u8, payload: &[u8], at: u64, message: &mut Message) -> bool {
         match letter {
             b'F' => {

@@ -1,4 +1,4 @@
-//! Formats of ULog messages: `name:type field;type field;..`, with arrays and formats within formats.
+//! Formats of ULog messages: `name:type field;type field;..`, with arrays and nested formats.
 
 use crate::bytes::{array, text, u16_at, u32_at, u64_at};
 use crate::{Cell, FIELDS_MAX};
@@ -84,7 +84,7 @@ impl Leaf {
         number.map_or(Cell::Nothing, Cell::Number)
     }
 
-    /// Returns its value as whole microseconds, if it is a `uint64_t`.
+    /// Returns the value as whole microseconds, if it is a `uint64_t`.
     pub(crate) fn microseconds(&self, payload: &[u8]) -> Option<u64> {
         (self.kind == UlogMessageKind::U64).then(|| u64_at(payload, self.offset)).flatten()
     }
@@ -95,7 +95,7 @@ impl Leaf {
 pub(crate) struct Formats(BTreeMap<String, Vec<(String, String)>>);
 
 impl Formats {
-    /// Takes a definition in. False when it is none.
+    /// Adds a definition; false if the text is not a definition.
     pub(crate) fn define(&mut self, definition: &str) -> bool {
         let Some((name, fields)) = definition.split_once(':') else { return false };
         let parts = fields.split(';').filter(|part| !part.trim().is_empty());
@@ -107,7 +107,7 @@ impl Formats {
         true
     }
 
-    /// Returns all values of a message of format `name`, and how many bytes they take.
+    /// Returns all values of a message of format `name`, and their number of bytes.
     ///
     /// # Errors
     /// Which definition is missing or wrong.

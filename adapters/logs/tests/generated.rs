@@ -126,7 +126,7 @@ fn units_of_dataflash_fields_are_known_with_their_multipliers() {
     }
 }
 
-/// A real log of an ArduSub; the figures are those of pymavlink 2.4.50.
+/// A real log of an ArduSub; the expected figures come from pymavlink 2.4.50.
 #[test]
 fn every_barometer_of_a_real_log_is_read() {
     let path = "/work/shared/data/flight-logs/ap_sub_small.BIN";
@@ -153,7 +153,7 @@ fn rows_without_a_time_are_spread_between_those_of_the_gps() {
 fn other_systems_on_the_air_are_told_apart() {
     let log = builders::tlog(4);
     assert_eq!(values(&log, "tlog", "HEARTBEAT@255.190", "type").len(), 4);
-    // What was not sent is zero.
+    // Fields that were not sent are zero.
     assert_eq!(values(&log, "tlog", "ATTITUDE", "yawspeed")[1].1, Cell::Number(0.0));
 }
 
@@ -211,7 +211,7 @@ fn sampled(log: &[u8], extension: &str, entries: Vec<Entry>) -> Vec<Sampled> {
 
 #[test]
 fn whole_numbers_and_units_of_the_log_are_scaled() {
-    // Volts as a float, and whole hundredths of them in older logs.
+    // Volts are floats, and whole hundredths of a volt in older logs.
     let volts = Entry { integer_scale: Some(0.01), ..entry("CURR.Volt", "volts", Take::Value) };
     let angle = unit_named("rad").map(|unit| (unit.factor, unit.dimension));
     for integers in [false, true] {

@@ -1,4 +1,4 @@
-//! Tables as spreadsheets and other programs write them: times in many forms, separators, decimal commas; no row is lost silently.
+//! Tables as written by spreadsheets and other programs: times in many forms, separators, decimal commas; no row is lost silently.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "what cannot be read is a failed test")]
 

@@ -1,7 +1,7 @@
 //! Measures the cost of the simulator alone: a flight of one day with the scanner on and a report every second.
 //!
-//! `cargo build --release -p apex-sim --example day_of_flight`, then run it under `time`, `perf stat` or `perf record`.
-//! It prints how many packets and inputs the day had, so that a cost for each can be computed.
+//! Build with `cargo build --release -p apex-sim --example day_of_flight`, then run it under `time`, `perf stat` or `perf record`. It
+//! prints the number of packets and inputs of the day, so that the cost of each can be computed.
 
 use apex_model::effect::CommandId;
 use apex_model::event::EventKind;

@@ -1,4 +1,4 @@
-//! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Every error is an error message.
+//! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Errors are texts for the operator.
 
 use crate::config::NamedPlace;
 use crate::names::unknown_name;
@@ -7,19 +7,19 @@ use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// A location as a command gave it.
+/// A location as given in a command.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Spot {
     pub(crate) position: Position,
-    /// Altitude to fly at, if the location has one.
+    /// Flight altitude, if the location states one.
     pub(crate) altitude_m: Option<f64>,
-    /// Altitude of the thing itself, for cameras; none is the ground.
+    /// Altitude of the object itself, for cameras; `None` is the ground.
     pub(crate) thing_altitude_m: Option<f64>,
     /// As written, for the answer.
     pub(crate) given: Value,
 }
 
-/// A place on a way, and the altitude of the leg to it where the command states one.
+/// A place on a way, and the altitude of the leg to it if the command states one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WayPoint {
     pub(crate) position: Position,
@@ -69,7 +69,7 @@ impl<'a> Arguments<'a> {
         Ok(found)
     }
 
-    /// Returns a refusal: the command, what is wrong, how it is used.
+    /// Returns a rejection: the command, the problem, and the usage.
     pub(crate) fn wrong(&self, what: &str) -> String {
         format!("{}: {what}; use {}", self.command, self.usage)
     }
@@ -159,7 +159,7 @@ impl<'a> Arguments<'a> {
         self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()
     }
 
-    /// `:count`, how many: 1 if not given.
+    /// `:count`, the number of pictures: 1 if not given.
     pub(crate) fn count_keyword(&self) -> Result<u32, String> {
         let Some(value) = self.keyword("count") else { return Ok(1) };
         let count = self.number(value, "count", Dimension::NONE, "3")?;

@@ -14,7 +14,7 @@ const LAPSE_K_M: f64 = 0.0065;
 const TROPOPAUSE_M: f64 = 11_000.0;
 const TROPOPAUSE_TEMPERATURE_K: f64 = 216.65;
 
-/// Air at rest at one altitude.
+/// Still air at one altitude.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Air {
     pub(crate) temperature_k: f64,
@@ -35,7 +35,7 @@ impl Air {
         Air { temperature_k, pressure_pa, density: pressure_pa / (GAS * temperature_k) }
     }
 
-    /// Returns the true airspeed for one metre per second of indicated airspeed (instrument and compressibility errors left out).
+    /// Returns the true airspeed for one metre per second of indicated airspeed, without instrument and compressibility errors.
     pub(crate) fn true_per_indicated(&self) -> f64 {
         sqrt(SEA_LEVEL_DENSITY / self.density)
     }

@@ -1,8 +1,8 @@
 //! A camera on a tilt, or tilt and pan, mount: power-up, pointing and tracking, taking pictures.
 //!
-//! The mount is stabilised: tilt is measured from the horizon (straight down is -90 deg), pan from the heading, whatever the
-//! roll. Pointing is judged by the angle between the sight line and the target, never by tilt and pan alone, since straight
-//! down pan means nothing.
+//! The mount is stabilised: tilt is measured from the horizon (straight down is -90 deg) and pan from the heading, independently of the
+//! roll. Pointing is judged by the angle between the sight line and the target, never by tilt and pan alone, because pan is meaningless
+//! straight down.
 
 use crate::arguments::Spot;
 use crate::motion::{State, wrap_pi};
@@ -18,9 +18,9 @@ use std::f64::consts::FRAC_PI_2;
 /// The sight line is on the target within this share of the field of view, but never needs to be closer than the angle below.
 const ALIGNED_SHARE_OF_VIEW: f64 = 0.05;
 const ALIGNED_RAD_MIN: f64 = 0.001;
-/// It must stay so for this long before pointing is acknowledged: usual settling time of stabilised mounts.
+/// The camera must be aligned for this long before pointing is acknowledged: usual settling time of stabilised mounts.
 const SETTLE_S: f64 = 0.4;
-/// A slew has failed this long after it should have ended.
+/// A slew that has not ended this long after its expected end has failed.
 const SLEW_MARGIN_S: f64 = 2.0;
 /// Within this angle from straight down, or a quarter of the field of view if that is less, pan is held.
 const NADIR_CONE_RAD: f64 = 3.0 * RAD_PER_DEG;
@@ -62,7 +62,7 @@ pub(crate) enum Aim {
 }
 
 impl Aim {
-    /// Returns the aim as the command gave it.
+    /// Returns the aim as given in the command.
     pub(crate) fn given(&self) -> Value {
         match self {
             Aim::Down => Value::symbol(DOWN),
@@ -77,9 +77,9 @@ pub(crate) const DOWN: &str = "down";
 /// Pictures by distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PictureRun {
-    /// Distance over ground from one picture to the next.
+    /// Distance over ground between pictures.
     pub(crate) every_m: f64,
-    /// Distance flown since the last one.
+    /// Distance flown since the last picture.
     pub(crate) flown_m: f64,
     /// Instant of the last picture.
     pub(crate) last: Option<Time>,
@@ -93,27 +93,27 @@ pub(crate) struct Camera {
     pub(crate) tilt_rad: f64,
     pub(crate) pan_rad: f64,
     pub(crate) aim: Option<Aim>,
-    /// The command it is carrying out.
+    /// The command that the camera is executing.
     pub(crate) command: Option<CommandId>,
     /// End of power-up or exposure.
     pub(crate) timer: Option<Time>,
     /// Instant from which the slew in progress counts as failed.
     pub(crate) slew_until: Option<Time>,
-    /// Pictures that it takes by distance.
+    /// The present series of pictures taken by distance.
     pub(crate) run: Option<PictureRun>,
-    /// Pictures that the present command still wants after the one in progress.
+    /// Pictures that the present command still requires after the one in progress.
     pub(crate) pictures_left: u32,
     /// Time for which the sight line has been on the target without a break.
     aligned_s: f64,
     /// Angle between the sight line and the target.
     pub(crate) error_rad: f64,
-    /// The mount does not move.
+    /// The mount is stuck and does not move.
     pub(crate) stuck: bool,
     /// It delivers no images.
     pub(crate) broken: bool,
 }
 
-/// Result of one step of pointing.
+/// Result of one pointing step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pointing {
     Same,
@@ -182,13 +182,13 @@ impl Camera {
         !matches!(self.state, CameraState::Off | CameraState::PoweringUp)
     }
 
-    /// Returns true while its pointing matters to what it sees: it points, or takes a picture.
+    /// Returns true while the pointing affects the recorded view: the camera points, or takes a picture.
     pub(crate) fn is_looking(&self) -> bool {
         matches!(self.state, CameraState::Slewing | CameraState::Pointing | CameraState::Exposing)
     }
 
-    /// The direction the nose must have for this mount to see its target; `None` if the mount pans, or the target is so near the
-    /// nadir that the picture holds it at any heading.
+    /// The heading at which this mount sees its target; `None` if the mount pans, or if the target is so near the nadir that the picture
+    /// contains it at any heading.
     pub(crate) fn nose_rad(&self, state: &State) -> Option<f64> {
         let Some(Aim::At(spot, altitude_m)) = self.aim.as_ref().filter(|_| !self.pans()) else { return None };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
@@ -209,13 +209,13 @@ impl Camera {
         NADIR_CONE_RAD.min(0.5 * self.half_view_rad())
     }
 
-    /// Returns the greatest angle between sight line and target at which the camera points at it.
+    /// Returns the greatest angle between sight line and target at which the camera counts as pointing at the target.
     fn tolerance_rad(&self) -> f64 {
         (ALIGNED_SHARE_OF_VIEW * self.model.field_of_view_deg * RAD_PER_DEG).max(ALIGNED_RAD_MIN)
     }
 
-    /// Returns the angle to the target that a mount which cannot come closer may leave: a tilt-only mount has the target in the picture,
-    /// not in its middle; near the nadir pan is held.
+    /// Returns the permitted angle to the target for a mount that cannot move closer. A tilt-only mount has the target in the picture but
+    /// not at its centre; near the nadir the pan is held.
     fn left_rad_max(&self, sight: TargetDirection) -> f64 {
         if !self.pans() {
             return self.half_view_rad();
@@ -224,7 +224,7 @@ impl Camera {
         if nadir { self.tolerance_rad().max(self.nadir_cone_rad()) } else { self.tolerance_rad() }
     }
 
-    /// Returns the reason if no attitude of the aircraft lets the mount see `aim` from here.
+    /// Returns the reason if the mount cannot see `aim` from here at any attitude of the aircraft.
     pub(crate) fn refusal(&self, aim: &Aim, state: &State) -> Option<String> {
         let elevation_deg = match aim {
             Aim::Down => -90.0,
@@ -260,12 +260,12 @@ impl Camera {
         let is_down = matches!(self.aim, Some(Aim::Down));
         let pan_rad = match (self.pans(), near_nadir) {
             (false, _) => 0.0,
-            // Rows across the heading: the mount turns where there is time, and its sight line stays.
+            // Pictures have their rows across the heading. The mount turns when time permits, and its sight line stays in place.
             (true, true) if is_down => 0.0,
             (true, true) => self.pan_rad,
             (true, false) => atan2(sight.right, sight.forward).clamp(-pan_max, pan_max),
         };
-        // In the plane of the mount's pan; a target behind it needs a tilt beyond straight down.
+        // In the plane of the mount's pan. A target behind the mount needs a tilt beyond straight down.
         let ahead = sight.forward * cos(pan_rad) + sight.right * sin(pan_rad);
         let wanted = -atan2(sight.down, ahead);
         let (low, high) = (self.model.tilt_deg_min * RAD_PER_DEG, self.model.tilt_deg_max * RAD_PER_DEG);
@@ -275,8 +275,8 @@ impl Camera {
         Angles { tilt_rad, pan_rad, left_rad: TargetDirection::of(tilt_rad, pan_rad).angle_rad(sight) }
     }
 
-    /// Begins to slew towards `aim`; returns the seconds after which the slew has failed: the angles at the slew rate, the time that a
-    /// rotorcraft takes to turn its nose for a mount that only tilts (`yaw_rate_rad_s`), settling and a margin.
+    /// Begins to slew towards `aim`, and returns the seconds after which the slew has failed. They are the angles at the slew rate, the
+    /// time in which a rotorcraft turns its nose for a tilt-only mount (`yaw_rate_rad_s`), settling and a margin.
     pub(crate) fn begin_slew(&mut self, aim: Aim, state: &State, yaw_rate_rad_s: Option<f64>) -> f64 {
         let sight = Camera::sight(&aim, state);
         self.aim = Some(aim);
@@ -289,7 +289,7 @@ impl Camera {
             (Some(nose_rad), Some(rate)) => wrap_pi(nose_rad - state.heading_rad).abs() / rate,
             _ => 0.0,
         };
-        // After the nose has turned, the tilt is another one than now.
+        // The required tilt will differ once the nose has turned.
         let tilt_rad = if nose_s > 0.0 { FRAC_PI_2 } else { turn_rad };
         nose_s + tilt_rad.max(turn_rad) / (self.model.slew_rate_deg_s * RAD_PER_DEG) + SETTLE_S + SLEW_MARGIN_S
     }
@@ -328,7 +328,8 @@ impl Camera {
         (self.state, self.aim, self.slew_until, self.run) = (CameraState::Ready, None, None, None);
     }
 
-    /// Rests, and is switched off where that is wished. A camera that powers up continues unless it is switched off.
+    /// Stops the present activity, and switches the camera off if `is_off`. A camera that is powering up continues unless it is switched
+    /// off.
     pub(crate) fn stop(&mut self, is_off: bool) {
         if is_off || self.is_ready() {
             self.rest();
@@ -348,7 +349,7 @@ impl Camera {
         if !due || !rested || self.state != CameraState::Pointing {
             return false;
         }
-        // What was flown too far counts for the next one, so that the mean distance is kept.
+        // Distance flown beyond the interval counts towards the next picture, so that the mean interval is kept.
         run.flown_m = (run.flown_m - run.every_m).clamp(0.0, run.every_m);
         run.last = Some(now);
         true
@@ -364,7 +365,7 @@ impl Camera {
         let wanted = self.angles(sight);
         let most = if self.stuck { 0.0 } else { self.model.slew_rate_deg_s * RAD_PER_DEG * dt };
         self.tilt_rad += (wanted.tilt_rad - self.tilt_rad).clamp(-most, most);
-        // A mount with stops does not slew through them.
+        // A mount with stops cannot slew through them.
         let pan_error = wanted.pan_rad - self.pan_rad;
         let free = self.model.pan_deg_max >= 180.0;
         let pan_error = if free { wrap_pi(pan_error) } else { pan_error };
@@ -372,7 +373,7 @@ impl Camera {
         self.error_rad = TargetDirection::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
         let left_max = self.left_rad_max(sight);
         let in_reach = wanted.left_rad <= left_max;
-        // A mount that cannot come closer points as well as it can; one that can has to be on the target.
+        // A mount that cannot move closer points as well as possible; a mount that can has to be on the target.
         let aligned = in_reach && self.error_rad <= self.tolerance_rad().max(wanted.left_rad + ALIGNED_RAD_MIN);
         self.aligned_s = if aligned { self.aligned_s + dt } else { 0.0 };
         match self.state {

@@ -1,4 +1,4 @@
-//! Commands of the simulated vehicle: conversion of forms to orders, refusals with messages, supersession and withdrawal.
+//! Commands of the simulated vehicle: conversion of forms to orders, rejections with messages, supersession and withdrawal.
 
 use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
@@ -85,7 +85,7 @@ const COMMANDS: &[CommandForm] = &[
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
-/// Name, fewest and most positional arguments, and keywords of each command: what `library/interface.pdl` declares.
+/// Name, least and greatest number of positional arguments, and keywords of each command, as declared in `library/interface.pdl`.
 pub fn command_forms() -> impl Iterator<Item = (&'static str, (usize, usize), &'static [&'static str])> {
     COMMANDS.iter().map(|command| (command.name, command.arguments, command.keywords))
 }
@@ -94,7 +94,7 @@ pub fn command_forms() -> impl Iterator<Item = (&'static str, (usize, usize), &'
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
 
 impl SimulatedWorld {
-    /// Carries out a command, or refuses it.
+    /// Executes a command or rejects it.
     pub(crate) fn obey(&mut self, id: CommandId, form: &Value, inputs: &mut Vec<Input>) {
         if let Err(reason) = self.try_obey(id, form, inputs) {
             self.answer(id, Err(reason), inputs);
@@ -178,7 +178,7 @@ impl SimulatedWorld {
         if let Some(altitude_m) = altitude_m {
             self.claim_altitude(altitude_m, None, inputs);
         }
-        // The speed of a path holds on the path only: later flight may meet wind for which it is too slow.
+        // The speed of a path applies to the path only, because later flight may meet wind for which it is too slow.
         if let Some(speed) = speed.filter(|_| !matches!(order, Order::FollowPath(_))) {
             self.claim_speed(speed, None, inputs);
         }
@@ -268,7 +268,7 @@ impl SimulatedWorld {
         })
     }
 
-    /// Returns the position of the vehicle; for a rotorcraft the place at which it can stop.
+    /// Returns the position of the vehicle; for a rotorcraft the nearest place at which it can stop.
     fn spot_here(&self) -> Spot {
         let position = if self.situation().fixed() { self.state.position } else { self.situation().stopping_place() };
         Spot { position, altitude_m: None, thing_altitude_m: None, given: Value::symbol("here") }
@@ -390,7 +390,7 @@ impl SimulatedWorld {
         let heading = error_rad.abs() < 0.0175;
         let met = [
             if altitude { self.altitude_command.take() } else { None },
-            // A hovering aircraft has its speed when it next moves.
+            // A hovering aircraft takes up its speed when it next moves.
             if speed || hovering { self.speed_command.take() } else { None },
             if heading { self.heading_command.take() } else { None },
         ];

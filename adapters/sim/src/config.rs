@@ -33,7 +33,7 @@ pub struct WorldConfig {
     pub places: Vec<NamedPlace>,
     /// Scripted events of the world: fires that appear, grow or are sighted.
     pub events: Vec<ScheduledEvent>,
-    /// Failures, weather that moves, fires; `None` leaves the world as it would be without them.
+    /// Failures, moving weather, fires; `None` for a world without them.
     pub living: Option<LivingWorld>,
     /// Structures at which fires may break out.
     pub sites: Vec<BurnableSite>,
@@ -102,7 +102,7 @@ impl WorldConfig {
     /// Checks the living world against the vehicle, the radios and the structures.
     ///
     /// # Errors
-    /// An error message with the field and what would be right.
+    /// An error message with the field and a valid value.
     pub fn check_living(&self) -> Result<(), String> {
         self.living.as_ref().map_or(Ok(()), |living| living.check(self))
     }
@@ -152,8 +152,8 @@ impl Start {
     }
 }
 
-/// Elevation of the ground: one value everywhere, overridden by terrain grids, which are overridden by round patches. Where patches
-/// overlap, the later one holds.
+/// Elevation of the ground: one value everywhere, overridden by terrain grids, which in turn are overridden by round patches. Where
+/// patches overlap, the later patch applies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
     /// Elevation where no patch lies and the terrain is not known.

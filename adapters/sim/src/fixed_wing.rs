@@ -1,4 +1,4 @@
-//! A fixed wing in the air: coordinated turns with bank and roll-rate limits, first-order lags, drift by the wind.
+//! A fixed wing in the air: coordinated turns with limits on bank and roll rate, first-order lags, wind drift.
 
 use crate::atmosphere::{Air, GRAVITY};
 use crate::motion::{Demand, State, climb, lag, moved, wrap_pi, wrap_tau};
@@ -8,16 +8,16 @@ use apex_geo::wind::{Wind, triangle};
 use apex_vehicle::VehicleModel;
 use libm::{atan, cos, sin, sqrt, tan};
 
-/// Turn rate asked for per radian of heading error.
+/// Commanded turn rate per radian of heading error.
 const HEADING_GAIN_PER_S: f64 = 0.25;
 /// Time constants of bank and speed.
 const BANK_LAG_S: f64 = 0.6;
 const SPEED_LAG_S: f64 = 5.0;
-/// Heading error and bank below which it flies straight.
+/// Heading error and bank below which the vehicle counts as flying straight.
 const STRAIGHT_RAD: f64 = 0.006;
 const LEVEL_RAD: f64 = 0.02;
 
-/// Returns the radius of a turn that can be held at `true_airspeed` all the way round in this wind.
+/// Returns the radius of a turn that can be held at `true_airspeed` over a full circle in this wind.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64, wind: Wind) -> f64 {
     let speed = true_airspeed + sqrt(wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps);
     speed * speed / (GRAVITY * tan(model.turns.bank_share * model.bank_deg_max * RAD_PER_DEG))
@@ -28,7 +28,7 @@ pub(crate) fn true_airspeed_min(model: &VehicleModel, altitude_m: f64) -> f64 {
     model.indicated_airspeed_m_s_min * Air::at(altitude_m).true_per_indicated()
 }
 
-/// Flies `state` for `dt`. True when nothing is changing, so that the next step may be long.
+/// Flies `state` for `dt`. Returns true if nothing is changing, so that the next step may be long.
 pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> bool {
     let level = climb(state, model, demand.altitude_m, dt);
     let true_per_indicated = Air::at(state.altitude_m).true_per_indicated();
@@ -37,7 +37,7 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
     let straight = turn(state, demand, model, wind, dt);
     let climb_angle = (state.vertical_speed / state.true_airspeed.max(1.0)).clamp(-0.5, 0.5);
     let indicated = state.true_airspeed / true_per_indicated;
-    // Lift at one g needs an angle of attack that falls with the square of the indicated airspeed.
+    // At one g the required angle of attack decreases with the square of the indicated airspeed.
     let slowness = model.indicated_airspeed_m_s_min / indicated.max(1.0);
     state.pitch_rad = climb_angle + 0.16 * slowness * slowness - 0.02;
     level && speed_held && straight
@@ -52,7 +52,7 @@ fn hold_speed(state: &mut State, true_airspeed: f64, slowest: f64, model: &Vehic
     error.abs() < 0.3
 }
 
-/// Turns towards the path and moves over ground. True on a straight, level course.
+/// Turns towards the path and moves over ground. Returns true on a straight, level course.
 fn turn(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> bool {
     let (old_heading, old_bank) = (state.heading_rad, state.bank_rad);
     let speed = state.true_airspeed.max(1.0);
@@ -61,7 +61,7 @@ fn turn(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt
         let track_deg = course.course_rad / RAD_PER_DEG;
         let crab = triangle(track_deg, speed, wind);
         let heading_rad = crab.map_or(course.course_rad, |crab| crab.heading_deg * RAD_PER_DEG);
-        // Wind from behind makes the heading turn more slowly than the course, wind from ahead faster.
+        // In a tailwind the heading turns more slowly than the course, in a headwind faster.
         let tail = wind.north_mps * cos(course.course_rad) + wind.east_mps * sin(course.course_rad);
         let forward = speed * cos(wrap_pi(heading_rad - course.course_rad)).max(0.1);
         (wrap_pi(heading_rad - state.heading_rad), course.rate_rad_s * (forward - tail) / forward)
@@ -100,7 +100,7 @@ fn drift(state: &mut State, heading_rad: f64, wind: Wind, dt: f64) {
 
 /// Rolls on the ground for `dt`, towards `speed`.
 pub(crate) fn roll(state: &mut State, model: &VehicleModel, speed: f64, dt: f64) {
-    // Brakes and take-off power are about twice what the aircraft can do in the air.
+    // Brakes and take-off power give about twice the acceleration possible in the air.
     let most = 2.0 * model.acceleration_m_s2_max * dt;
     let before = state.true_airspeed;
     state.true_airspeed += (speed - before).clamp(-most, most);

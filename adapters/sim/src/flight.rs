@@ -100,11 +100,11 @@ pub(crate) struct ActiveOrder {
     /// Distance to the order's goal.
     pub(crate) to_go_m: f64,
     pub(crate) joins: u32,
-    /// True if the vehicle was on the line when the line was commanded, so that no turn leads onto it.
+    /// True if the vehicle was already on the line when the line was commanded, so that no turn onto it was needed.
     pub(crate) at_once: bool,
     /// True if the join was planned again after the first turn.
     pub(crate) planned_straight: bool,
-    /// Number of times that the vehicle missed the place of a fly-to, and whether the place is behind it since.
+    /// Number of misses of the place of a fly-to, and whether the place has been behind the vehicle since.
     pub(crate) misses: u32,
     pub(crate) abeam: bool,
     line_s: f64,
@@ -230,13 +230,13 @@ impl ActiveOrder {
         }
     }
 
-    /// Returns altitude and speed: those of the stage, or else the commanded ones.
+    /// Returns altitude and speed: those of the stage, otherwise the commanded ones.
     pub(crate) fn profile(&self, here: &Situation) -> (f64, f64) {
         let slow = |share: f64| share * true_airspeed_min(here.model, here.state.altitude_m);
         let landing = matches!(self.order, Order::Land { .. });
         match &self.stage {
             Stage::ClimbOut => (here.altitude_m, slow(1.4)),
-            // The path was planned through the airspace at its altitude, so a wait climbs or descends to it first.
+            // The path was planned through the airspace at its altitude, so a wait first climbs or descends to it.
             Stage::Wait(_) | Stage::Way => {
                 let stated_m = self.way.as_ref().and_then(Way::altitude_m);
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
@@ -271,7 +271,7 @@ impl ActiveOrder {
         landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::Glide(_) | Stage::RollOut)
     }
 
-    /// Returns true on a line whose quality counts.
+    /// Returns true on a line for which quality counts.
     pub(crate) fn is_on_line(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
@@ -352,7 +352,7 @@ impl ActiveOrder {
     pub(crate) fn done(&self, here: &Situation) -> Progress {
         Progress::Done(match &self.order {
             Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
-            // Equal to the location published at this instant, so that a condition can compare the two.
+            // The answer equals the location published at this instant, so that a condition can compare the two.
             Order::FlyTo { .. } => location(here.state),
             Order::JoinLine { from, .. } => from.given.clone(),
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
@@ -372,7 +372,7 @@ impl ActiveOrder {
         if matches!(self.order, Order::Land { .. }) {
             return self.change(here.state.on_ground.then_some(Stage::RollOut), here);
         }
-        // A joined line is answered at its beginning, then the vehicle follows it until the next command.
+        // Joining a line is answered at the line's beginning; then the vehicle follows the line until the next command.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
         if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
     }

@@ -28,7 +28,7 @@ pub(crate) struct FollowedPath {
     points: Arc<[WayPoint]>,
     /// Maximum speed at each point, m/s: the commanded one, reduced so that braking suffices for the following points.
     speeds: Arc<[f64]>,
-    /// Commanded maximum speed at each point, m/s; on a leg the higher one of its two ends holds.
+    /// Commanded maximum speed at each point, m/s; on a leg the higher one of its two ends applies.
     wanted: Arc<[f64]>,
     /// Index of the point at the end of the present leg.
     next: usize,

@@ -1,19 +1,19 @@
-//! Landing without engine: to the field, in circles over it while there is height to lose, then in.
+//! Landing without an engine: flight to the airfield, circles over it while there is surplus height, then the approach.
 //!
-//! The circle is so wide that the field lies outside of the tightest turn towards it. A glide can be steepened, not stretched: the way in
-//! begins with some height in hand, and the slope leads to the field.
+//! The circle is wide enough for the airfield to lie outside the tightest turn towards it. A glide can be steepened but not stretched, so
+//! the approach begins with surplus height, and its slope leads to the airfield.
 
 use crate::path::{Circle, Path, bearing};
 use crate::situation::Situation;
 use apex_model::problem::Position;
 use libm::{cos, sin};
 
-/// Radius of the circle over the field, in radii of the tightest turn.
+/// Radius of the circle over the airfield, in radii of the tightest turn.
 const CIRCLE_TURNS: f64 = 2.2;
-/// Way from that circle to its middle by the tightest turn and a straight line, in radii of the turn: `pi - acos(1 / 1.2)` of the turn,
-/// and the tangent `sqrt(1.2^2 - 1)`.
+/// Distance from that circle to its centre by the tightest turn and a straight line, in radii of the turn: `pi - acos(1 / 1.2)` of the
+/// turn, and the tangent `sqrt(1.2^2 - 1)`.
 const WAY_IN_TURNS: f64 = 3.22;
-/// Slopes in units of the best glide: at which the way in begins, and which it follows.
+/// Slopes in units of the best glide: the slope at which the approach begins, and the slope that it follows.
 const SLOPE_BEGIN: f64 = 1.3;
 const SLOPE_IN: f64 = 1.4;
 
@@ -62,7 +62,7 @@ impl Glide {
         }
     }
 
-    /// Returns the next part of the glide, when it begins.
+    /// Returns the next part of the glide once it begins.
     pub(crate) fn next(&self, here: &Situation) -> Option<Glide> {
         let (azimuth_rad, distance_m) = bearing(here.state.position, self.field);
         let turn_m = here.turn_radius_m();

@@ -1,15 +1,16 @@
 //! Gusts of turbulent air: Dryden's spectra of MIL-F-8785C (3.7.1 and 3.7.2), by height above the ground.
 //!
-//! Three components, each white noise through a filter: along the flight `sigma sqrt(2 L / V) / (1 + s L / V)`, across and upwards
-//! `sigma sqrt(L / V) (1 + sqrt(3) s L / V) / (1 + s L / V)^2`. A step of the filters is exact for every length: the state moves by the
-//! transition matrix, and the noise of the step has the covariance that the stationary one loses in it.
+//! There are three components, each made from white noise by a filter: along the flight `sigma sqrt(2 L / V) / (1 + s L / V)`, across and
+//! upwards `sigma sqrt(L / V) (1 + sqrt(3) s L / V) / (1 + s L / V)^2`. A step of the filters is exact for every length: the state moves
+//! by the transition matrix, and the step's noise has the covariance that a stationary state loses in the transition.
 //!
-//! Scales: above 2,000 ft 1,750 ft for all; below 1,000 ft the height upwards and `h / (0.177 + 0.000823 h)^1.2` (feet) level; between
-//! them linear. The layer's eddy dissipation rate sets the deviation, `sigma = EDR L^(1/3) / 0.894`, upwards; below 1,000 ft the level
-//! components have `1 / (0.177 + 0.000823 h)^0.4` times as much.
+//! Scales: above 2,000 ft they are 1,750 ft for all components; below 1,000 ft the upward one is the height, and the level ones are `h /
+//! (0.177 + 0.000823 h)^1.2` (feet); between these heights they are linear. The eddy dissipation rate of the layer sets the upward
+//! deviation, `sigma = EDR L^(1/3) / 0.894`; below 1,000 ft the deviation of the level components is larger by the factor `1 / (0.177 +
+//! 0.000823 h)^0.4`.
 //!
-//! The roll that turbulence adds is in `turbulence`. Gusts do not move the flight path: the autopilot's corrections are part of the roll
-//! that vehicle files state.
+//! Roll from turbulence is in `turbulence`. Gusts do not move the flight path: the autopilot's corrections are part of the roll stated in
+//! vehicle files.
 
 use crate::random::Random;
 use libm::{cbrt, exp, pow, sqrt};
@@ -100,7 +101,7 @@ impl Lateral {
     }
 }
 
-/// The gusts that one vehicle meets.
+/// The gusts acting on one vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Gusts {
     random: Random,

@@ -37,7 +37,7 @@ enum Approach {
 }
 
 impl ActiveOrder {
-    /// Returns the first stage of a line: at once if the vehicle is on the line already, else a join.
+    /// Returns the first stage of a line: the line itself if the vehicle is already on it, otherwise a join.
     pub(crate) fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();

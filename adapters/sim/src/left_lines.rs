@@ -31,7 +31,7 @@ impl LeftLines {
         }
     }
 
-    /// Returns the distance at which to resume the line, zero for one that was not interrupted. Each is resumed once.
+    /// Returns the distance at which to resume the line, zero if it was not interrupted. Each interruption is used once.
     pub(crate) fn take(&mut self, from: Position, to: Position) -> f64 {
         let found = self.0.iter().position(|line| (line.from, line.to) == (from, to));
         found.map_or(0.0, |index| self.0.remove(index).along_m)

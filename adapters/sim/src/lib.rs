@@ -1,8 +1,8 @@
 //! The simulated world and vehicle behind [`apex_runtime::ports::Vehicle`].
 //!
-//! A point-mass fixed wing and helicopter in wind and turbulence, with a line scanner, cameras and radios. Deterministic:
-//! the same configuration and the same commands at the same times give the same inputs. `docs/reference/simulator.md` lists commands,
-//! events and state variables.
+//! A point-mass fixed wing and helicopter in wind and turbulence, with a line scanner, cameras and radios. The simulation is
+//! deterministic: the same configuration and the same commands at the same times give the same inputs. `docs/reference/simulator.md`
+//! lists commands, events and state variables.
 
 mod arguments;
 mod atmosphere;

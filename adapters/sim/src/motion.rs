@@ -1,4 +1,4 @@
-//! The vehicle's state, its demands, and what fixed wings and rotorcraft share: climb, moving over the ellipsoid.
+//! The vehicle's state, its demands, and the functions shared by fixed wings and rotorcraft: climb, moving over the ellipsoid.
 
 use crate::path::Path;
 use apex_geo::geodesy::RAD_PER_DEG;
@@ -14,7 +14,7 @@ pub(crate) struct State {
     pub(crate) altitude_m: f64,
     pub(crate) heading_rad: f64,
     pub(crate) true_airspeed: f64,
-    /// Bank of the turn itself; turbulence is added in `roll_rad`.
+    /// Bank of the turn alone; turbulence is added in `roll_rad`.
     pub(crate) bank_rad: f64,
     pub(crate) roll_rad: f64,
     pub(crate) pitch_rad: f64,
@@ -67,13 +67,13 @@ pub(crate) fn wrap_pi(angle: f64) -> f64 {
     wrap_tau(angle + PI) - PI
 }
 
-/// Returns the share of a first-order lag's way that is gone after `elapsed_s`: exact for any step.
+/// Returns the completed share of a first-order lag after `elapsed_s`: exact for any step.
 pub(crate) fn lag(elapsed_s: f64, time_constant_s: f64) -> f64 {
     1.0 - exp(-elapsed_s / time_constant_s)
 }
 
-/// Moves `position` by metres north and east with the ellipsoid's radii of curvature at the middle of the move.
-/// For moves of a kilometre the error is below a millimetre.
+/// Moves `position` by metres north and east, with the ellipsoid's radii of curvature at the middle of the move. For moves of a kilometre
+/// the error is below a millimetre.
 pub(crate) fn moved(position: Position, north_m: f64, east_m: f64) -> Position {
     const SEMI_MAJOR_M: f64 = 6_378_137.0;
     const ECCENTRICITY_SQUARED: f64 = 0.006_694_379_990_141_316;
@@ -101,13 +101,13 @@ pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
 /// Time constants of altitude capture and of climb.
 pub(crate) const ALTITUDE_CAPTURE_S: f64 = 6.0;
 const CLIMB_LAG_S: f64 = 2.0;
-/// Fastest sink without engine: a vehicle that does not glide falls about so fast.
+/// Fastest sink without an engine: the approximate rate at which a vehicle that does not glide falls.
 const FALL_M_S: f64 = 25.0;
 /// Steepest descent without engine, in units of the sink of the best glide.
 const STEEPEST: f64 = 2.0;
 
-/// Climbs or descends for `dt` towards `altitude_m`, or sinks without engine. True when the climb is steady: on the
-/// altitude, or so far from it that a long step cannot pass it.
+/// Climbs or descends for `dt` towards `altitude_m`, or sinks without an engine. Returns true if the climb is steady: at the altitude, or
+/// so far from it that a long step cannot pass it.
 pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt: f64) -> bool {
     let error_m = altitude_m - state.altitude_m;
     let up = climb_rate_max(model, state.altitude_m);

@@ -1,4 +1,4 @@
-//! Messages for names that are not known: what was written, what there is, what may have been meant.
+//! Messages for unknown names: the written name, the known names, and a suggestion.
 
 /// Returns the text "unknown WHAT `name`: did you mean `x`? Known: a, b". `known` gives the candidates in the order to print.
 pub(crate) fn unknown_name<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {

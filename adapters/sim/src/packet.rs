@@ -1,4 +1,4 @@
-//! The state packet: which variables the vehicle publishes, in which unit, how often, and how a packet is built.
+//! The state packet: the published variables, their units, their intervals, and the making of a packet.
 
 use crate::atmosphere::{Air, GRAVITY, ICE_K};
 use crate::camera::Camera;
@@ -30,14 +30,14 @@ pub enum Pace {
     Fast,
     /// In full packets: at least every ten seconds.
     Slow,
-    /// In full packets, and in every packet in which it differs by more than [`CHANGE_SHARE`] from its last report: held
-    /// until the next report, it may be summed up over time.
+    /// Sent in full packets, and in every packet in which it differs by more than [`CHANGE_SHARE`] from its last report, because readers
+    /// may integrate the last report over time.
     Flow,
     /// On change, and in full packets.
     Discrete,
 }
 
-/// Share of its last report by which a [`Pace::Flow`] differs before it is reported again.
+/// Relative change since its last report at which a [`Pace::Flow`] is reported again.
 const CHANGE_SHARE: f64 = 0.01;
 
 /// A state variable that the vehicle publishes.
@@ -170,7 +170,7 @@ pub(crate) enum Extent {
     Full,
 }
 
-/// Longest time between samples of position and attitude while a sensor is in use: images are located with them.
+/// Longest time between samples of position and attitude while a sensor is in use, because images are located with them.
 pub(crate) const ATTITUDE_S: f64 = 0.2;
 
 /// Longest time without a full packet.
@@ -209,7 +209,7 @@ fn parts(variable: &PublishedVariable) -> f64 {
     }
 }
 
-/// Returns the share of the battery's capacity that the outside temperature lets it drain.
+/// Returns the share of the battery's capacity that is usable at the outside temperature.
 fn battery_charge(snapshot: &Snapshot) -> f64 {
     let model = snapshot.model;
     model.available(snapshot.state.stored, snapshot.air.temperature_k - ICE_K) / model.stored_full()
@@ -253,7 +253,7 @@ struct Published {
     quantity: Quantity,
     /// SI value of one unit.
     factor: f64,
-    /// Into how many parts one unit is rounded.
+    /// Number of parts of one unit to which values are rounded.
     parts: f64,
     /// The vehicle has it.
     carried: bool,
@@ -266,7 +266,7 @@ impl Published {
     }
 }
 
-/// Turns snapshots into inputs. Names and words are made once, so that a packet costs little.
+/// Turns snapshots into inputs. Names and words are made once, to keep packets cheap.
 #[derive(Clone, Debug)]
 pub(crate) struct Reporter {
     variables: Vec<Published>,
@@ -312,7 +312,7 @@ impl Reporter {
         }
     }
 
-    /// Returns a packet at `at`; it is complete at least every ten seconds.
+    /// Returns a packet at `at`; packets are full at least every ten seconds.
     pub(crate) fn packet(
         &mut self,
         at: Time,

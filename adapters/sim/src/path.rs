@@ -1,4 +1,4 @@
-//! Lateral guidance: which course over ground leads along a path, and how to join a line with a turn.
+//! Lateral guidance: the course over ground that leads along a path, and the way to join a line with a turn.
 
 pub(crate) use crate::geodesic::bearing;
 use crate::motion::{State, wrap_pi, wrap_tau};
@@ -16,7 +16,7 @@ pub(crate) enum Path {
     Point(Position),
     /// Along a line, also before its beginning and after its end.
     Line(Line),
-    /// As `Line`, turning by so many radians per metre: a leg of a way, which may be a chord of a turn.
+    /// Like `Line`, with a turn of so many radians per metre: a leg of a way, which may be a chord of a turn.
     Leg(Line, f64),
     /// As `Line`, no faster over ground than this (rotorcraft).
     Paced(Line, f64),
@@ -34,7 +34,7 @@ pub(crate) struct Line {
     pub(crate) length_m: f64,
 }
 
-/// A circle flown one way round.
+/// A circle flown in one direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Circle {
     pub(crate) centre: Position,
@@ -49,7 +49,7 @@ pub(crate) struct Join {
     pub(crate) turn: Circle,
 }
 
-/// A course over ground with the rate at which it turns without a command.
+/// A course over ground, and the rate at which it turns without a command.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
     pub(crate) course_rad: f64,
@@ -63,7 +63,7 @@ impl Line {
         Line { from, azimuth_rad, length_m }
     }
 
-    /// Returns the distance along the line, distance right of it, and the line's course there.
+    /// Returns the distance along the line, the distance to its right, and the line's course there.
     pub(crate) fn locate(&self, position: Position) -> (f64, f64, f64) {
         let (azimuth_rad, distance_m) = bearing(self.from, position);
         let angle = distance_m / geodesy::EARTH_RADIUS_M_MEAN;
@@ -87,10 +87,10 @@ impl Line {
 const INTERCEPT_RAD_MAX: f64 = 0.8;
 const INTERCEPT_S: f64 = 6.0;
 
-/// A vehicle is on a chord of an arc within this share of its turn radius.
+/// Share of the turn radius within which a vehicle counts as being on a chord of an arc.
 const OFF_ARC_SHARE: f64 = 0.5;
 
-/// Returns the course that follows `path` from `state`; none: keep the heading. `turn_radius_m` is the tightest turn.
+/// Returns the course that follows `path` from `state`; `None` to keep the heading. `turn_radius_m` is the tightest turn.
 pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<Course> {
     let speed = state.ground_speed().max(1.0);
     match path {
@@ -106,7 +106,7 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
         Path::Line(line) | Path::Paced(line, _) => Some(along(line, state, 0.0)),
         Path::Leg(line, turn_rad_per_m) => {
             let (along_m, across_m, _) = line.locate(state.position);
-            // Off the arc, turning on with it would only circle, and drift with the wind.
+            // Off the arc, a further turn along it would only circle and drift with the wind.
             let near_m = OFF_ARC_SHARE * turn_radius_m;
             let is_on_arc = across_m.abs() <= near_m && (-near_m..=line.length_m + near_m).contains(&along_m);
             Some(along(line, state, if is_on_arc { turn_rad_per_m * speed } else { 0.0 }))
@@ -122,7 +122,7 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
     }
 }
 
-/// Returns the course along a line from next to it.
+/// Returns the course along a line from a position next to it.
 fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
     let (_, across_m, course_rad) = line.locate(state.position);
     let speed = state.ground_speed().max(1.0);
@@ -130,8 +130,8 @@ fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
     Course { course_rad: course_rad - back, rate_rad_s }
 }
 
-/// Returns true if a point at `distance_m`, `off_rad` from the track, is inside the circle of a turn towards it: turning now would circle
-/// it forever.
+/// Returns true if a point at `distance_m`, `off_rad` from the track, is inside the circle of a turn towards it, so that the vehicle
+/// would circle it forever if it turned now.
 fn inside_turn(off_rad: f64, distance_m: f64, radius_m: f64) -> bool {
     if off_rad < 0.15 || distance_m > 2.2 * radius_m {
         return false;
@@ -140,8 +140,8 @@ fn inside_turn(off_rad: f64, distance_m: f64, radius_m: f64) -> bool {
     sqrt(forward * forward + aside * aside) < 1.02 * radius_m
 }
 
-/// Returns the shorter of the two joins that reach the line's point `along_m` in its direction, from `state`.
-/// In the plane around that point; the first turn is counted, not planned.
+/// Returns the shorter of the two joins that reach the line's point `along_m` in its direction, from `state`. It is computed in the plane
+/// around that point; the length of the first turn is included, but its path is not planned.
 pub(crate) fn join(line: &Line, along_m: f64, radius_m: f64, state: &State) -> Join {
     let goal = line.point(along_m);
     let (_, _, goal_course) = line.locate(goal);
@@ -162,7 +162,7 @@ pub(crate) fn join(line: &Line, along_m: f64, radius_m: f64, state: &State) -> J
         let straight_m = sqrt(gap_m * gap_m - radius_m * radius_m);
         let mut arc_rad = wrap_tau(sense * (goal_course - course_rad));
         if arc_rad > 6.2 {
-            // Practically aligned from the other side: no turn, not a full one.
+            // Practically aligned from the other side: this means no turn instead of a full one.
             arc_rad = 0.0;
         }
         let first_rad = wrap_pi(course_rad - track_rad).abs();
@@ -178,7 +178,7 @@ pub(crate) fn join(line: &Line, along_m: f64, radius_m: f64, state: &State) -> J
         (Some(right), Some(left)) => Some(if right.0 <= left.0 { right } else { left }),
         (one, other) => one.or(other),
     };
-    // The two circles touch in one point only, so a vehicle is inside one at most; the fallback is that point itself.
+    // The two circles touch in only one point, so a vehicle is inside one at most; the fallback is that point.
     let (tangent, sense) = best.map_or(((0.0, 0.0), 1.0), |(_, tangent, sense)| (tangent, sense));
     let side = goal_course + sense * FRAC_PI_2;
     let centre = place(radius_m * sin(side), radius_m * cos(side));

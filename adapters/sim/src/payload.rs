@@ -126,7 +126,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// Begins to point at what the command names.
+    /// Begins to point at the aim of the command.
     fn point(&self, camera: &mut Camera, arguments: &Arguments) -> Result<(), String> {
         let aim = self.aim(arguments)?;
         if let Some(reason) = camera.refusal(&aim, &self.state) {
@@ -182,7 +182,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Reports that a camera is powered, also if it was powered before, because the command waits for the event.
+    /// Reports that a camera is powered, even if it already was, because the command waits for the event.
     fn say_ready(&self, id: CommandId, camera: &str, inputs: &mut Vec<Input>) {
         let name = Value::symbol(camera);
         let form = Value::list([Value::symbol("ready"), name.clone()]);

@@ -50,7 +50,7 @@ impl Radio {
         let silent =
             self.silenced || self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
         let level = self.modem.level.level(here, altitude_m);
-        // Fading does not bring a signal back that distance or a shadow have taken.
+        // Fading cannot restore a signal lost to distance or a shadow.
         let heard = if silent || level <= 0.0 { 0.0 } else { level - fading_db / FULL_LEVEL_DB };
         self.level = heard.clamp(0.0, 1.0);
         let contrary = if self.lost { self.level > REGAINED_LEVEL } else { self.level < LOST_LEVEL };

@@ -1,4 +1,4 @@
-//! Seeded randomness: one stream for each use, so that a new use never disturbs the others.
+//! Seeded randomness: one stream for each use, so that a new use never changes the others.
 
 use libm::{cos, exp, log, sqrt};
 use rand_chacha::ChaCha8Rng;
@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-/// A stationary random process with deviation one and exponential correlation.
+/// A stationary random process with standard deviation one and exponential correlation.
 #[derive(Clone, Debug)]
 pub(crate) struct Wander {
     random: Random,

@@ -32,7 +32,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Listens to the radios, and says which link was lost or regained.
+    /// Samples the radios, and reports which link was lost or regained.
     fn listen(&mut self, inputs: &mut Vec<Input>) {
         let elapsed_s = (self.now - self.heard_at).seconds();
         self.heard_at = self.now;
@@ -143,7 +143,7 @@ impl SimulatedWorld {
         self.settled = self.settled && !slewing;
     }
 
-    /// Ends waits, power-ups and exposures whose time has arrived.
+    /// Ends waits, power-ups and exposures that are due.
     pub(crate) fn ring_timers(&mut self, inputs: &mut Vec<Input>) {
         let (due, left): (Vec<_>, Vec<_>) = self.waits.drain(..).partition(|(at, ..)| *at <= self.now);
         self.waits = left;

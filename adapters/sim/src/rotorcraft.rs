@@ -22,7 +22,7 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
     level && still && facing
 }
 
-/// Returns the radius within which it can circle at `true_airspeed`.
+/// Returns the radius within which the vehicle can circle at `true_airspeed`.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64) -> f64 {
     true_airspeed * true_airspeed / (model.braking_share * model.acceleration_m_s2_max)
 }

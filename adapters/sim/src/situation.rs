@@ -1,4 +1,4 @@
-//! View of the world for flight orders, with derived radii, stopping places and the path to a field.
+//! View of the world for flight orders, with derived radii, stopping places and the path to an airfield.
 
 use crate::arguments::Spot;
 use crate::fixed_wing;
@@ -54,12 +54,12 @@ impl Situation<'_> {
         }
     }
 
-    /// Returns the circle it flies without a command.
+    /// Returns the radius of the circle flown without a command.
     pub(crate) fn loiter_radius_m(&self) -> f64 {
         self.model.turns.circle_width * self.turn_radius_m()
     }
 
-    /// Returns a circle round `centre`, the way round that needs the smaller turn.
+    /// Returns a circle round `centre`, in the direction that needs the smaller turn.
     pub(crate) fn circle(&self, centre: Position, radius_m: f64) -> Circle {
         let aside = wrap_pi(bearing(self.state.position, centre).0 - self.state.track_rad());
         Circle { centre, radius_m, clockwise: aside >= 0.0 }
@@ -73,8 +73,8 @@ impl Situation<'_> {
     }
 }
 
-/// Returns the final approach to a field: in the direction `course_rad`, else into the wind; without wind, from the direction
-/// of the vehicle.
+/// Returns the final approach to an airfield: in the direction `course_rad` if given, otherwise into the wind; without wind, from the
+/// direction of the vehicle.
 pub(crate) fn final_approach(at: &Spot, course_rad: Option<f64>, here: &Situation) -> Line {
     let wind = here.wind;
     let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;

@@ -1,10 +1,10 @@
-//! Stages of a flight apart from joining: the climb after take-off, paths of points, the glide to a field.
+//! Stages of a flight other than joining: the climb after take-off, paths of points, the glide to an airfield.
 
 use crate::flight::{ActiveOrder, Order, Progress, Stage};
 use crate::gliding::Glide;
 use crate::situation::Situation;
 
-/// A take-off climbs straight ahead this high before it turns.
+/// Height of the straight climb after take-off, before the first turn.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
 
 impl ActiveOrder {
@@ -28,7 +28,7 @@ impl ActiveOrder {
         if goes_on { Progress::Going } else { self.done(here) }
     }
 
-    /// Returns the stage of a landing whose engine has stopped; `None` where it runs, or the glide has begun.
+    /// Returns the next stage of a landing after an engine failure; `None` if the engine runs, or the glide has begun.
     pub(crate) fn glide(&self, here: &Situation) -> Option<Stage> {
         let Order::Land { at, .. } = &self.order else { return None };
         let is_gliding = here.fixed() && !here.state.engine_running && !here.state.on_ground;
@@ -36,7 +36,7 @@ impl ActiveOrder {
         (is_gliding && !begun).then(|| Stage::Glide(Glide::to(at.position)))
     }
 
-    /// Returns true if it lands, whatever the stage.
+    /// Returns true if the flight lands, at any stage.
     pub(crate) fn is_landing(&self) -> bool {
         matches!(self.order, Order::Land { .. })
     }

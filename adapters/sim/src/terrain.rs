@@ -1,16 +1,16 @@
-//! The ground under the vehicle: only the patches near it are read, chosen again when it has moved on.
+//! The ground under the vehicle: only the patches near it are read; they are selected again when it has moved away.
 
 use crate::config::{Ground, GroundPatch};
 use crate::geodesic::bearing;
 use apex_geo::geodesy::wrap_180;
 use apex_model::problem::Position;
 
-/// The choice holds within so many degrees of latitude and longitude of where it was made ..
+/// The selection is valid within this many degrees of latitude and longitude from the place at which it was made ..
 const NEAR_DEG: f64 = 0.1;
 /// .. which is less than this, anywhere on Earth.
 const NEAR_M: f64 = 16_000.0;
 
-/// The ground, with what is near remembered.
+/// The ground, with the nearby patches cached.
 #[derive(Clone, Debug)]
 pub(crate) struct Terrain {
     all: Ground,
@@ -30,7 +30,7 @@ impl Terrain {
         self.all.elevation_m_at(position)
     }
 
-    /// Returns the elevation under the vehicle: the same number, found faster from step to step.
+    /// Returns the elevation under the vehicle: the same value as without the cache, found faster from step to step.
     pub(crate) fn elevation_m_below(&mut self, vehicle: Position) -> f64 {
         if self.all.patches.is_empty() {
             return self.all.elevation_m_at(vehicle);

@@ -1,10 +1,9 @@
-//! Turbulence: the roll that the air adds to the commanded bank. Gusts are in `gusts`.
+//! Turbulence: the roll from the air in addition to the commanded bank. Gusts are in `gusts`.
 //!
-//! The roll angle is the response of the attitude hold to white noise, `phi'' + 2 zeta omega phi' + omega^2 phi = noise`, scaled so
-//! that its stationary deviation is `roll_deg_per_edr * EDR` of the vehicle file. A step is exact for every length: the state
-//! moves by the transition matrix, and the noise of the step has the covariance that the stationary one loses in it. So the
-//! statistics at the ends of steps do not depend on the steps. Deviation and spectrum: MIL-F-8785C (roll gust), see
-//! `apex_vehicle::AttitudeHold`.
+//! The roll angle is the response of the attitude hold to white noise, `phi'' + 2 zeta omega phi' + omega^2 phi = noise`, scaled so that
+//! its stationary deviation is `roll_deg_per_edr * EDR` of the vehicle file. A step is exact for every length: the state moves by the
+//! transition matrix, and the step's noise has the covariance that a stationary state loses in the transition. So the statistics at the
+//! ends of steps do not depend on the steps. Deviation and spectrum: MIL-F-8785C (roll gust), see `apex_vehicle::AttitudeHold`.
 
 use crate::gusts::{GustScales, Gusts};
 use crate::random::Random;
@@ -15,10 +14,10 @@ use libm::{cos, cosh, exp, sin, sinh, sqrt};
 /// Streams of the seed.
 const ROLL_STREAM: u64 = 1;
 const GUST_STREAM: u64 = 2;
-/// In smooth air the roll counts as gone below this.
+/// In smooth air, roll below this counts as gone.
 const ROLL_RAD_MIN: f64 = 1e-6;
 
-/// The turbulence that one vehicle feels.
+/// The turbulence acting on one vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Turbulence {
     hold: AttitudeHold,
@@ -31,8 +30,8 @@ pub(crate) struct Turbulence {
     pub(crate) roll_rate_rad_s: f64,
 }
 
-/// One exact step of the attitude hold: transition matrix and the triangular root of the covariance of the noise, for a process
-/// of deviation one.
+/// One exact step of the attitude hold: the transition matrix, and the triangular root of the noise covariance, for a process of standard
+/// deviation one.
 #[derive(Clone, Copy, Debug)]
 struct AttitudeStep {
     transition: [[f64; 2]; 2],

@@ -1,4 +1,4 @@
-//! A way that a command brings along (`:via`): the places that it leads over before the command itself is flown.
+//! The way in a command's `:via`: the places that the flight passes before the command is flown.
 
 use crate::arguments::WayPoint;
 use crate::motion::{State, wrap_pi};
@@ -14,14 +14,14 @@ pub(crate) struct Way {
     /// The point that the present leg leads to.
     next: usize,
     leg: Line,
-    /// Length of the legs after it.
+    /// Length of the remaining legs after this one.
     rest_m: f64,
     /// Change of course per metre of the leg, so that a chain of short legs is flown as an arc.
     turn_rad_per_m: f64,
     is_fixed_wing: bool,
 }
 
-/// Points so near behind a fixed wing were passed while the command was on its way.
+/// Points within this distance behind a fixed wing count as passed, because the vehicle moved on while the command was sent.
 const PASSED_M: f64 = 2_000.0;
 /// Legs shorter than this share of the turn radius are chords of a turn.
 const CHORD_SHARE: f64 = 0.5;
@@ -31,9 +31,9 @@ const ROTORCRAFT_NEAR_M: f64 = 3.0;
 /// A goal nearer than this to the last point of its way is that point.
 const SAME_PLACE_M: f64 = 1.0;
 
-/// Returns the points of a way with the place that they lead to. A fixed wing follows the last leg as a line: if it turned towards the
-/// place itself, an error of some degrees at the beginning of a short leg would put the place inside its turning circle, and it
-/// would come round where no way was looked for.
+/// Returns the points of a way, followed by the place to which they lead. A fixed wing follows the last leg as a line. If it turned
+/// towards the place instead, an error of a few degrees at the beginning of a short leg could put the place inside its turning circle,
+/// and the vehicle would circle back through airspace that was not checked.
 pub(crate) fn with_goal(mut points: Vec<WayPoint>, goal: Position) -> Vec<WayPoint> {
     if points.last().is_some_and(|last| bearing(last.position, goal).1 > SAME_PLACE_M) {
         points.push(WayPoint { position: goal, altitude_m: None });
@@ -54,7 +54,7 @@ impl Way {
         Some(way)
     }
 
-    /// Returns the same way, begun again from where the vehicle is now.
+    /// Returns the same way, begun again at the vehicle's present position.
     pub(crate) fn restarted(self, here: &Situation) -> Option<Way> {
         Way::new(self.points, here)
     }
@@ -102,7 +102,7 @@ impl Way {
         false
     }
 
-    /// Returns the change of course per metre on the present leg. On a chord it is the change between this leg and the next.
+    /// Returns the change of course per metre on the present leg. On a chord this is the change between the leg and the next one.
     fn turn_rad_per_m(&self, here: &Situation) -> f64 {
         let ends = self.points.get(self.next).zip(self.points.get(self.next + 1));
         let Some((here_to, after)) = ends else { return 0.0 };

@@ -1,8 +1,8 @@
-//! The simulated world: time, the vehicle in it, and what it says.
+//! The simulated world: time, the vehicle in it, and its reports.
 //!
-//! Time moves in steps that the simulator chooses, cut only at the instants of commands and scheduled events, and all of them are
-//! whole milliseconds. So the same commands at the same times give the same inputs, however often `advance` is called in
-//! between, and the end of the next step is always known: no input comes later than the instant it belongs to.
+//! Time advances in steps chosen by the simulator and cut only at the instants of commands and scheduled events; all instants are whole
+//! milliseconds. So the same commands at the same times give the same inputs, regardless of how often `advance` is called in between. The
+//! end of the next step is always known, so that no input is delivered after its instant.
 
 use crate::atmosphere::{Air, ICE_K};
 use crate::camera::Camera;
@@ -34,10 +34,10 @@ use apex_vehicle::{Airframe, VehicleModel};
 use libm::{cos, sin};
 use std::collections::VecDeque;
 
-/// Step while something changes, and the longest step otherwise.
+/// Length of a step while something changes; other steps are at least as long.
 pub(crate) const STEP_S: f64 = 0.5;
 
-/// Something that the executive sent, waiting for its time.
+/// A message received from the executive that waits for its time.
 #[derive(Clone, Debug)]
 pub(crate) enum Received {
     Command(CommandId, Value),
@@ -85,11 +85,11 @@ pub struct SimulatedWorld {
     pub(crate) radios: Vec<Radio>,
     pub(crate) heard_at: Time,
     pub(crate) turbulence: Turbulence,
-    /// Taken out only while it writes, because it reads the rest of the world.
+    /// `None` only while the reporter writes, because it reads the rest of the world meanwhile.
     pub(crate) reporter: Option<Reporter>,
     /// Nothing changes: the next step may be long.
     pub(crate) settled: bool,
-    /// Something happened in flight that is sent in a packet at once.
+    /// Something happened in flight that must be sent in a packet at once.
     pub(crate) changed: bool,
     pub(crate) crashed: bool,
     pub(crate) home: Position,
@@ -231,12 +231,12 @@ impl SimulatedWorld {
         due.min(self.planned_stop).max(self.now)
     }
 
-    /// Returns the end of the next step: nothing is said before it, and what is said then is said at that instant.
+    /// Returns the end of the next step. Nothing is reported before it, and the reports of the step have that instant.
     pub(crate) fn next_instant(&self) -> Time {
         self.next_stop().min(self.now + instants::span(self.step_s()))
     }
 
-    /// Flies one step, up to `next`, and says what there is to say then.
+    /// Flies one step, up to `next`, and adds the reports due then.
     pub(crate) fn live_until(&mut self, next: Time, inputs: &mut Vec<Input>) {
         let dt = next - self.now;
         if dt > Duration::ZERO {
@@ -278,7 +278,7 @@ impl SimulatedWorld {
         self.move_cameras(dt, inputs);
         self.live_on(dt, inputs);
         let limit = self.model.level_roll_deg_max * RAD_PER_DEG;
-        // As `situation`, but of single fields, so that the flight may change meanwhile.
+        // Like `situation`, but borrows single fields, so that the flight may change meanwhile.
         let here = Situation {
             model: &self.model,
             state: &self.state,
@@ -327,7 +327,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Returns the energy that the outside temperature lets it drain, kg or J.
+    /// Returns the energy that is usable at the outside temperature, kg or J.
     pub(crate) fn available(&self) -> f64 {
         let air = Air::at(self.state.altitude_m);
         self.model.available(self.state.stored, air.temperature_k - ICE_K)
@@ -344,7 +344,7 @@ impl SimulatedWorld {
         if self.state.on_ground || self.state.altitude_m > self.ground_m {
             return;
         }
-        // A climb from the field passes the field's own level; only a descent ends on it.
+        // A climb from an airfield passes the airfield's level; only a descent ends there.
         if self.state.vertical_speed >= 0.0 && self.flight.phase() == Phase::Climbing {
             return;
         }
@@ -407,7 +407,7 @@ impl SimulatedWorld {
         self.plan(extent);
     }
 
-    /// Queues something received, not earlier than now and after everything received before.
+    /// Queues a message for its time, but not before the present and not before earlier messages.
     pub(crate) fn receive(&mut self, at: Time, received: Received) {
         let last = self.pending.back().map_or(self.now, |(at, _)| *at);
         self.pending.push_back((instants::not_before(at).max(last).max(self.now), received));

@@ -1,4 +1,4 @@
-//! The port's promises: determinism, order of time, refusals in sentences, scheduled events, speed.
+//! The guarantees of the port: determinism, order of time, rejections as sentences, scheduled events, speed.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;
@@ -21,7 +21,7 @@ fn rough_world() -> WorldConfig {
     config
 }
 
-/// Returns the same script, with `advance` called at every report, or every `increment_s`.
+/// Returns the inputs of the same script, with `advance` called at every report, or every `increment_s`.
 fn flown(increment_s: Option<f64>) -> Vec<Input> {
     let mut world = SimulatedWorld::new(rough_world()).unwrap();
     let script = [

@@ -1,4 +1,4 @@
-//! Energy: what is drained is the integral of what is reported, endurances are the stated ones, an empty battery ends the flight.
+//! Energy: the consumed amount is the integral of the reported rate, endurances are as stated, and an empty battery ends the flight.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failed test should stop")]
 
@@ -66,7 +66,7 @@ fn endurances_are_the_stated_ones() {
     }
 }
 
-/// Endurance falls by one second each second, is reported right on the ground, and is near what is then flown.
+/// The reported endurance falls by one second each second, is correct on the ground, and is near the time then flown.
 #[test]
 fn endurance_remaining_is_what_remains() {
     let model = VehicleModel::named("quadrotor").unwrap();

@@ -190,8 +190,8 @@ fn a_joined_line_is_flown_on_without_a_second_turn() {
     assert!((flown - length / 84.0).abs() < 15.0, "{flown} s for {length} m");
 }
 
-/// The paper's re-fly: the line's command is withdrawn, a part of the line is joined and flown again, then the line itself
-/// is commanded again, at once or after some seconds.
+/// The re-flight of the paper: the line's command is withdrawn, a part of the line is joined and flown again, then the whole line is
+/// commanded again, at once or after some seconds.
 #[test]
 fn after_a_refly_the_line_goes_on_without_a_circle() {
     let (from, to) = (Position::new(40.3, -119.8), Position::new(40.3, -120.4));
@@ -289,7 +289,7 @@ fn reached(run: &mut Run, goal: Position, altitude_m: Option<f64>, seconds: f64)
 fn a_place_is_reached_within_200_m_wherever_it_is() {
     for (east, north) in [(0.0, 0.0), (18.0, -12.0)] {
         for azimuth_deg in [0.0, 60.0, 120.0, 180.0, 240.0, 300.0] {
-            // Far away, a turn away, inside the turning circle, nearly below.
+            // Far away, one turn away, inside the turning circle, and nearly below.
             for distance_m in [30_000.0, 7_000.0, 2_500.0, 600.0] {
                 let mut run = cruising(wind(east, north, 0.05));
                 let goal = geodesy::destination(run.world.position(), azimuth_deg, distance_m);
@@ -298,7 +298,7 @@ fn a_place_is_reached_within_200_m_wherever_it_is() {
             }
         }
     }
-    // Also after a climb on a circle around it.
+    // The same after a climb on a circle around the place.
     let mut run = cruising(wind(5.0, 5.0, 0.0));
     let goal = geodesy::destination(run.world.position(), 90.0, 15_000.0);
     let (_, at_answer_m) = reached(&mut run, goal, Some(9_000.0), 6_000.0);
@@ -343,7 +343,7 @@ fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
     let mut run = Run::new(config);
     run.send(form("fly-to", [location(41.0, -120.0)]));
     run.carry_out(form("camera", [word("camera-1"), word("power-up")]), 60.0).unwrap();
-    // Three kilometres to the right: a mount that only tilts never sees it while the aircraft flies north.
+    // Three kilometres to the right: a tilt-only mount never sees it while the aircraft flies north.
     let here = run.world.position();
     let aside = geodesy::destination(here, 90.0, 3_000.0);
     let begun = run.now.seconds();
@@ -357,7 +357,7 @@ fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
         "{reason}"
     );
     assert_eq!(run.values("camera-state").last().unwrap().1.to_string(), "ready");
-    // A target on the way comes into view, and is kept in view until it is behind.
+    // A target ahead comes into view, and stays in view until it is behind.
     let ahead = geodesy::destination(here, 0.0, 4_000.0);
     let target = location(ahead.latitude_deg, ahead.longitude_deg);
     run.carry_out(form("point-camera", [word("camera-1"), target]), 10.0).unwrap();
@@ -366,8 +366,8 @@ fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
     assert!(lost.is_some());
 }
 
-/// The bend is the end of a turn whose chord was flown instead: the place lies 9 degrees aside of the track, 1.6 km ahead. An
-/// aircraft that turned towards it would pass it at 250 m, and come round.
+/// At the bend a turn ended whose chord was flown instead, so the place is 9 degrees to the side of the track and 1.6 km ahead. An
+/// aircraft that turned towards it would pass it at 250 m and circle back.
 #[test]
 fn a_short_leg_after_a_bend_is_followed_to_its_end() {
     let mut run = {

@@ -1,4 +1,4 @@
-//! The commands of the simulator and those that `library/interface.pdl` declares are the same, argument by argument.
+//! The commands of the simulator equal the declarations in `library/interface.pdl`, argument by argument.
 
 #![allow(clippy::expect_used, reason = "a test stops where it is surprised")]
 

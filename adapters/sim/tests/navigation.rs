@@ -1,4 +1,4 @@
-//! Navigation that fails moves the flight, not only its reports.
+//! Failing navigation moves the flight, not only its reports.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;

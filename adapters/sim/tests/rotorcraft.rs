@@ -161,7 +161,7 @@ fn it_lands_off_field_and_below_itself_and_takes_off_from_there() {
     assert!(geodesy::distance_m(run.world.position(), Position::new(36.504, -121.703)) < 3.0);
 }
 
-/// Returns the instants of pictures and the positions of the aircraft then, from the samples of the same instants.
+/// Returns the instants of pictures, and the aircraft's position at each, from samples of the same instant.
 fn pictures(run: &Run) -> Vec<(f64, Position)> {
     let latitudes = run.numbers("latitude");
     let longitudes = run.numbers("longitude");
@@ -188,7 +188,7 @@ fn pictures_by_distance_keep_their_distance_and_stop() {
     run.carry_out(every(30.0), 1.0).unwrap();
     run.carry_out(form("fly-line", [location(36.5, -121.7), location(36.505, -121.7)]), 200.0).unwrap();
     let taken = pictures(&run);
-    // 555 m at 30 m, and one at the beginning.
+    // 555 m at one picture every 30 m, and one at the beginning.
     assert!((18..=20).contains(&taken.len()), "{}", taken.len());
     let gaps_m: Vec<f64> = taken.windows(2).map(|pair| geodesy::distance_m(pair[0].1, pair[1].1)).collect();
     let mean_m = gaps_m.iter().sum::<f64>() / gaps_m.len() as f64;

@@ -1,4 +1,4 @@
-//! Random commands at random times: nothing hangs, nothing is lost or late, every number is a number.
+//! Random commands at random times: nothing hangs, nothing is lost or late, and every number is finite.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;

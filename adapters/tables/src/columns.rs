@@ -1,4 +1,4 @@
-//! Tables that are written as a whole, column by column.
+//! Tables written as a whole, column by column.
 
 use crate::parquet_writer::{column, failed, field};
 use parquet::basic::Type as Physical;
@@ -41,7 +41,7 @@ impl Cells {
     }
 }
 
-/// Writes named columns of equal length as CSV (RFC 4180), or as Parquet in one group of rows.
+/// Writes named columns of equal length as CSV (RFC 4180), or as Parquet with one row group.
 ///
 /// # Errors
 /// The output cannot be written.

@@ -1,4 +1,4 @@
-//! Tables as CSV: a row of names, then the rows; what is absent is empty.
+//! Tables as CSV: a row of names, then the rows; absent values are empty.
 
 use crate::{COLUMNS, Row, TableWriter};
 use std::io::{self, Write};

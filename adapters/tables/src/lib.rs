@@ -44,13 +44,13 @@ pub struct Row {
     pub unit: Option<&'static str>,
     /// The sample's value if it is not a number.
     pub text: Option<String>,
-    /// Status: `kept`, `inserted` (late, put in order), `replaced` (took the place of another value of its instant),
-    /// `repeated`, `late` (too late, kept aside), `missing` (not a number) or `refused`.
+    /// Status: `kept`, `inserted` (late, sorted in), `replaced` (replaced another value of its instant), `repeated`, `late` (too late,
+    /// kept separately), `missing` (not a number) or `refused`.
     pub status: &'static str,
 }
 
 impl Row {
-    /// Returns the row of a sample. `unit` is the one in which its variable is declared; `recorded` is none for a refused one.
+    /// Returns the row of a sample. `unit` is the declared unit of its variable; `recorded` is `None` if the sample was rejected.
     pub fn sample(
         (number, at, arrived): (i64, Time, Time),
         variable: &StateVariable,

@@ -1,4 +1,4 @@
-//! Tables as Parquet: one column a field, rows in groups; what is absent is null.
+//! Tables as Parquet: one column for each field, rows in groups; absent values are null.
 
 use crate::{Row, TableWriter};
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
@@ -11,7 +11,7 @@ use parquet::schema::types::{Type, TypePtr};
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Rows of one group: what is held in memory.
+/// Rows in one group, which is held in memory.
 const GROUP_ROWS: usize = 1 << 16;
 
 /// Writes Parquet.

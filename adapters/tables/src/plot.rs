@@ -1,4 +1,4 @@
-//! A picture of what was watched, as SVG: each state variable over time, its limits, and the intervals of all results.
+//! A picture of the watched variables as SVG: each state variable over time, its limits, and the intervals of all results.
 
 use apex_executive::MonitorSession;
 use apex_model::condition::{Condition, ConditionKind, Constraint};
@@ -12,9 +12,9 @@ use plotters::prelude::*;
 
 const WIDTH: u32 = 1_000;
 const PANEL_HEIGHT: u32 = 220;
-/// Panels of one picture; further variables are left out, as the picture states.
+/// Maximum panels of one picture; further variables are left out, with a note in the picture.
 const PANELS_MAX: usize = 20;
-/// Points of one line; of more samples each column keeps its least and greatest.
+/// Maximum points of one line; with more samples each column keeps its least and greatest value.
 const POINTS_MAX: usize = 4_000;
 
 type DrawResult = Result<(), Box<dyn std::error::Error>>;
@@ -26,8 +26,8 @@ struct Panel {
     limits: Vec<f64>,
 }
 
-/// Returns the picture of the variables of the session that `conditions` read, with the intervals of their results, as SVG; `None` if no
-/// sample is a number.
+/// Returns a picture of the session's variables that `conditions` read, with the intervals of their results, as SVG; `None` if no sample
+/// is a number.
 ///
 /// # Errors
 /// What the drawing library reports.

@@ -11,10 +11,10 @@ use parquet::schema::types::Type;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// The columns, in order. Instants and durations are nanoseconds; `input` is empty where there is one input.
+/// The columns, in order. Instants and durations are in nanoseconds; `input` is empty if there is only one input.
 const COLUMNS: [&str; 8] =
     ["input", "condition", "start_ns", "end_ns", "duration_ns", "recognised_at_ns", "bindings", "evidence"];
-/// Rows of one group: what is held in memory.
+/// Rows in one group, which is held in memory.
 const GROUP_ROWS: usize = 1 << 16;
 
 /// Writes results as CSV (RFC 4180) or Parquet.
@@ -65,7 +65,7 @@ impl<W: Write + Send> ResultWriter<W> {
         Ok(ResultWriter { output: Output::Parquet(writer, Vec::new()) })
     }
 
-    /// Adds a result, unless its interval may still grow. `input` names what was watched, where there are several.
+    /// Adds a result, unless its interval may still grow. `input` names the watched input if there are several.
     ///
     /// # Errors
     /// The output cannot be written.

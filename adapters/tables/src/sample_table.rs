@@ -1,4 +1,4 @@
-//! A table of samples and messages, row by row as they arrive.
+//! A table of samples and messages, written row by row as they arrive.
 
 use crate::{Row, TableWriter};
 use apex_executive::MonitorSession;
@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::io;
 
-/// Writes each sample and message with what a session of conditions makes of it: kept, late, refused and so on.
+/// Writes each sample and message with its treatment by a session of conditions: kept, late, refused and so on.
 pub struct SampleTable {
     session: MonitorSession,
     writer: Box<dyn TableWriter>,
@@ -16,12 +16,12 @@ pub struct SampleTable {
 }
 
 impl SampleTable {
-    /// Returns an empty table. `session` knows the declared state variables; it watches no condition.
+    /// Returns an empty table. `session` holds the declared state variables, and watches no condition.
     pub fn new(session: MonitorSession, writer: Box<dyn TableWriter>) -> SampleTable {
         SampleTable { session, writer, rows: 0, now: Time::BEGINNING }
     }
 
-    /// Writes the row of a sample or message. Other events only move the instant of arrival.
+    /// Writes the row of a sample or message. Other events only advance the instant of arrival.
     ///
     /// # Errors
     /// The table cannot be written.
@@ -58,7 +58,7 @@ impl SampleTable {
     fn sample(&mut self, variable: &StateVariable, value: &Value, at: Time) -> io::Result<()> {
         let stamp = self.stamp(at);
         let recorded = self.session.sample(variable, value.clone(), at);
-        // No condition is watched, so the session need not keep what it found.
+        // Without watched conditions the session need not keep results.
         self.session.advance_to(at);
         self.session.take_troubles();
         let declared = self.session.library().state_variables.get(&variable.attribute);

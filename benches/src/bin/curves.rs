@@ -1,7 +1,7 @@
-//! Quality of plans by processor time, and its growth with the number of targets.
+//! Quality of plans as a function of processor time, and its change with the number of targets.
 //!
-//! `curves measure FILE.csv` runs every planner with rising budgets of work; `curves draw FILE.csv FILE.svg` draws what was
-//! measured. A loss is against the best plan that any planner found in any run on the problem, so it may be understated.
+//! `curves measure FILE.csv` runs every planner with rising budgets of work; `curves draw FILE.csv FILE.svg` draws the measurements. A
+//! loss is relative to the best plan found by any planner in any run on the problem, so it may be understated.
 #![allow(clippy::print_stdout, reason = "it prints its progress")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
@@ -23,8 +23,8 @@ const GROWTH_BUDGET: u64 = 100_000;
 /// Size of a panel, and the space around it.
 const PANEL: (f64, f64) = (330.0, 230.0);
 const ROOM: (f64, f64) = (70.0, 66.0);
-/// Processor seconds and losses (per cent) that are drawn. Processor time is reported in ticks of 4 ms; shorter times
-/// are at the left edge.
+/// Ranges of the drawn processor seconds and losses (per cent). Processor time is reported in ticks of 4 ms; shorter times are at the
+/// left edge.
 const SECONDS: (f64, f64) = (4e-3, 10.0);
 const LOSS: (f64, f64) = (0.1, 100.0);
 const COLOURS: [(&str, &str); 5] = [
@@ -53,7 +53,7 @@ fn cpu_s() -> f64 {
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
 }
 
-/// Measures count by count; finished counts are in the file when a run is interrupted.
+/// Measures one count after another; if a run is interrupted, the file holds the finished counts.
 fn measure(csv: &std::path::Path) {
     let mut out = "kind,targets,mission,planner,budget_units,used_units,cpu_s,value\n".to_string();
     let done = |out: &str, what: &str| {
@@ -96,7 +96,7 @@ fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem
             let name = solver.name();
             // Writing to a string cannot fail.
             let _ = writeln!(out, "{kind},{count},{number},{name},{units},{},{took_s:.6},{value:.6}", budget.used);
-            // A planner that has ended early does nothing more with more.
+            // A planner that ended early does nothing more with a larger budget.
             if budget.used < *units / 2 {
                 break;
             }
@@ -132,8 +132,8 @@ fn read(text: &str) -> Vec<CurveRow> {
     text.lines().skip(1).map(|line| row(line).expect("a row of figures")).collect()
 }
 
-/// Returns the mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by
-/// budget. A planner that ended early keeps its last plan.
+/// Returns the mean processor seconds and mean loss in per cent over the missions of a count, for each planner and budget. A planner that
+/// ended early keeps its last plan.
 fn curves(rows: &[CurveRow], surveillance: bool, targets: usize) -> BTreeMap<String, Vec<(u64, f64, f64)>> {
     let chosen: Vec<&CurveRow> =
         rows.iter().filter(|row| row.surveillance == surveillance && row.targets == targets).collect();

@@ -1,8 +1,8 @@
-//! Hands resources on among many competitors, of each kind that users write, from the first to the last.
+//! Hands resources on among many competitors, of every kind that users write, from the first competitor to the last.
 //!
-//! `hand_off [COUNT [WORD]..]`: a row for each kind whose name has all of the words: the mean time of an instant in which a
-//! holder ends and the next one begins, over the whole run or the first [`LONGEST`], and the greatest mean of a hundredth part.
-//! Processor time of the thread; making the competitors is not in it.
+//! `hand_off [COUNT [WORD]..]` prints a row for each kind with all of the words in its name: the mean time of an instant in which a
+//! holder ends and the next one begins, over the whole run or the first [`LONGEST`], and the greatest mean over any hundredth of the run.
+//! It is processor time of the thread, without the creation of the competitors.
 #![allow(clippy::print_stdout, reason = "the figures are what the program is for")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 
@@ -22,7 +22,7 @@ use std::fmt::Write as _;
 const LONGEST: usize = 20_000;
 const PATIENCE_NS: f64 = 20e9;
 
-/// Durations that tasks state: none, one of three, or each a separate one.
+/// Stated durations of tasks: none, one of three, or a separate one for each task.
 const DURATIONS: [&str; 3] = ["unknown", "known", "separate"];
 /// Needs of each competitor.
 const NEEDS: [&str; 6] = ["one", "two", "capacity 2", "capacity 2 of two", "amounts", "amounts of two"];
@@ -67,7 +67,7 @@ fn kinds() -> Vec<Kind> {
     kinds
 }
 
-/// The program of a kind with so many competitors.
+/// The program of a kind with `count` competitors.
 fn program(kind: Kind, count: usize) -> String {
     let mut text = String::from(
         "(resource r2 :capacity 2)\n(resource q2 :capacity 2)\n(resource r3 :capacity 3)\n(resource q3 :capacity 3)\n",
@@ -103,7 +103,7 @@ fn program(kind: Kind, count: usize) -> String {
                 text,
                 "(procedure {order}(index (do-domain)) (step all (item ?n) (forall ?n in (range {count}))))"
             );
-            // The profile and the priority of an item follow from its number by the kind that serves it.
+            // The profile and the priority of an item follow from its number and the kind of its class.
             for class in 0..30 {
                 let (profile, priority) = (profile(kind, class), priority(kind, class));
                 let duration = span(kind, class);

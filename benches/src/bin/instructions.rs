@@ -1,9 +1,9 @@
-//! Does one kind of work again and again, for a profiler to count: instructions do not depend on who else uses the machine.
+//! Repeats one kind of work for a profiler that counts instructions, which do not depend on the load of the machine.
 //!
-//! `valgrind --tool=callgrind --toggle-collect=apex_benches::Driven::step instructions ROW COUNT TIMES`, ROW being `event`,
-//! `again`, `hand-off`, `next` (the holder ends, the next begins), or a shape of plan (`flat nested sequence chain concurrent ranked`),
-//! whose lives are counted by `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it tells
-//! the least time of each piece of work: that of windows of a hundred steps, or the processor time of a whole life or load.
+//! `valgrind --tool=callgrind --toggle-collect=apex_benches::Driven::step instructions ROW COUNT TIMES`. ROW is `event`, `again`,
+//! `hand-off`, `next` (the holder ends, the next one begins), or a shape of plan (`flat nested sequence chain concurrent ranked`), whose
+//! lives are counted by `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it prints
+//! the least time of each piece of work: of windows of a hundred steps, or the processor time of a whole life or load.
 #![allow(clippy::print_stdout, reason = "the count is what the program is for")]
 
 use apex_benches::{Driven, WATCHERS, agent, command_in, level, library, programs};
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::Instant;
 
-/// Competitors for one resource; an alarm outranks them all.
+/// Competitors for one resource; an alarm outranks all of them.
 const COMPETITORS: &str = "
 (procedure (index (do-domain))
   (step all (compete ?n) (forall ?n in (range COUNT)))
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Returns a sample each that satisfies one of `count` waiting tasks, up to its command; and the answer.
+/// Sends samples that each satisfy one of `count` waiting tasks, up to its command and the answer.
 fn events(text: &str, count: usize, times: usize) -> Meter {
     let mut driven = Driven::new(&library(text));
     let mut done = Meter::default();
@@ -92,7 +92,7 @@ fn hand_offs(count: usize, times: usize) -> Meter {
     done
 }
 
-/// The holder ends, the next one begins.
+/// The holder ends, and the next one begins.
 fn next_ones(count: usize, times: usize) -> Meter {
     let (mut driven, effects) = Driven::begun(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
     let mut done = Meter::default();
@@ -133,7 +133,7 @@ fn loads(text: &str, times: usize) -> Meter {
     done
 }
 
-/// Steps whose time is added up in windows, so short that most are not interrupted.
+/// Steps whose times are added up in windows, short enough for most not to be interrupted.
 struct Meter {
     effects: usize,
     least_ns: f64,
@@ -153,7 +153,7 @@ impl Meter {
         self.effects += effects;
     }
 
-    /// One long piece of work. The system counts work in steps of some milliseconds: right for long pieces only.
+    /// One long piece of work. The system counts processor time in steps of some milliseconds, which is accurate for long pieces only.
     fn piece(&mut self, (start, worked): (Instant, f64)) {
         const LONG_NS: f64 = 3e7;
         let passed = start.elapsed().as_nanos() as f64;
@@ -171,7 +171,7 @@ impl Meter {
     }
 }
 
-/// Processor time of this thread; where the system does not count it, the time that passes.
+/// Processor time of this thread, or elapsed time if the system does not provide it.
 fn worked_ns() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();

@@ -1,9 +1,9 @@
 //! Measures the wait of an operator's messages while other sources flood the live port of `apex run --listen`, and the lateness of
 //! deadlines: `cargo run --release -p apex-benches --bin live_door -- target/release/apex [SECONDS]`.
 //!
-//! Two floods of 150,000 lines a second each: valid measurements of ten variables, and lines that cannot be understood. An
-//! operator sends twenty messages a second on a separate connection; the program prints each one, and prints every 100 ms.
-//! A latency goes from the message's last byte to the printed line on the pipe.
+//! There are two floods of 150,000 lines a second each: valid measurements of ten variables, and lines that cannot be parsed. An operator
+//! sends twenty messages a second on a separate connection; the program prints each one, and prints every 100 ms. A latency extends from
+//! the message's last byte to the printed line on the pipe.
 
 #![allow(clippy::print_stdout, reason = "a measurement prints its figures")]
 
@@ -27,7 +27,7 @@ const PROGRAM: &str = "(defapplication \"Door\" :type realtime :agents ((agent p
 ";
 /// Lines per second of each flood.
 const FLOOD_PER_SECOND: u64 = 150_000;
-/// Flood lines are written in blocks, so many a second.
+/// Number of blocks per second in which flood lines are written.
 const BLOCKS_PER_SECOND: u64 = 100;
 /// An operator's message acts, and a deadline is met, within this time.
 const BAR_MS: f64 = 50.0;
@@ -58,7 +58,7 @@ fn measure(apex: &str, folder: &std::path::Path, seconds: u64) -> Result<(), Box
     let mut line = String::new();
     errors.read_line(&mut line)?;
     let server: SocketAddr = line.trim().rsplit(' ').next().ok_or("no port")?.parse()?;
-    // What it says about lines that it does not understand is read and counted.
+    // The program's error messages about invalid lines are read and counted.
     let messages = Arc::new(AtomicU64::new(0));
     let counted = Arc::clone(&messages);
     std::thread::spawn(move || errors.lines().for_each(|_| _ = counted.fetch_add(1, Ordering::Relaxed)));
@@ -96,7 +96,7 @@ fn prints(run: &mut Child) -> Result<Receiver<(Instant, String)>, Box<dyn Error>
     let (say, printed) = channel();
     std::thread::spawn(move || {
         for line in out.lines().map_while(Result::ok).filter(|line| line.contains(r#""kind":"print""#)) {
-            // The goal holds the same words, escaped.
+            // The goal contains the same words, escaped.
             let text = line.split_once(r#""text":""#).and_then(|(_, rest)| rest.split('"').next());
             let Some(words) = text else { continue };
             if say.send((Instant::now(), words.to_owned())).is_err() {
@@ -107,7 +107,7 @@ fn prints(run: &mut Child) -> Result<Receiver<(Instant, String)>, Box<dyn Error>
     Ok(printed)
 }
 
-/// Writes `lines` again and again at the flood's rate; `written` counts them.
+/// Writes `lines` repeatedly at the flood's rate; `written` counts them.
 fn flood(
     server: SocketAddr,
     first: String,
@@ -133,7 +133,7 @@ fn flood(
             }
         }
     });
-    // One second of flood before anything is measured.
+    // The measurement starts after one second of flood.
     started.recv_timeout(Duration::from_secs(30)).unwrap_or_default();
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Memory of a waiting task, counted by the allocator: the state of the agent, without library and effects.
+//! Memory of a waiting task, counted by the allocator: the state of the agent, without the library and effects.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
@@ -8,7 +8,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// The program with so many waiting tasks.
+/// Makes the program with a given number of waiting tasks.
 type ProgramText = fn(usize) -> String;
 
 fn main() {

@@ -1,8 +1,8 @@
-//! Measures monitors against their bars, and sets peers next to them.
+//! Measures monitors, and compares them with their bars and with peers.
 //!
-//! `monitoring traces FOLDER` writes the traces that peers watch too; `monitoring report [PEER.json]` measures and prints
-//! Markdown tables; `monitoring soak SAMPLES` shows what so many samples leave in memory. A figure is the least processor time of several
-//! runs: what the work costs when nothing else disturbs it.
+//! `monitoring traces FOLDER` writes the traces that the peers also watch; `monitoring report [PEER.json]` measures and prints Markdown
+//! tables; `monitoring soak SAMPLES` prints the memory left in use after that many samples. A figure is the least processor time of
+//! several runs: the cost of the work without disturbance.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::indexing_slicing, reason = "all lengths are constants of this file")]
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
@@ -53,8 +53,8 @@ fn write_traces(folder: &Path) {
 /// Runs shorter than this are measured by the clock.
 const SHORT_NS: f64 = 30e6;
 
-/// Returns the processor time of this thread, in nanoseconds: other work of the machine does not count. If the system
-/// does not provide it, the time since the first call.
+/// Returns the processor time of this thread, in nanoseconds, so that other load on the machine does not count. If the system does not
+/// provide it, returns the time since the first call.
 fn worked_ns() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
@@ -66,20 +66,20 @@ fn worked_ns() -> f64 {
 fn least<T>(runs: usize, mut set_up: impl FnMut() -> T, mut measured: impl FnMut(&mut T)) -> f64 {
     let time = |_| {
         let mut state = set_up();
-        // The clock runs within the other: to ask the system takes microseconds.
+        // The clock is read inside the interval of the processor time, because the system takes microseconds to answer.
         let worked = worked_ns();
         let start = Instant::now();
         measured(&mut state);
         let passed = start.elapsed().as_nanos() as f64;
         let worked = worked_ns() - worked;
-        // The system counts work in steps of some milliseconds: right for long runs. Of a short one that was interrupted the
-        // clock says at least an upper bound.
+        // The system counts processor time in steps of some milliseconds, which is accurate for long runs. For a short run the clock
+        // gives at least an upper bound.
         if worked < SHORT_NS { passed } else { worked.min(passed) }
     };
     (0..runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Nanoseconds for each sample of `values`, handed over as one slice.
+/// Nanoseconds for each sample of `values`, passed as one slice.
 fn per_sample(texts: &[String], values: &[f64]) -> f64 {
     let instants: Vec<Time> = (0..values.len()).map(instant).collect();
     let ns = least(
@@ -93,7 +93,7 @@ fn per_sample(texts: &[String], values: &[f64]) -> f64 {
     ns / values.len() as f64
 }
 
-/// Nanoseconds for each sample of the mixed monitors' variables, one call each.
+/// Nanoseconds for each sample of the mixed monitors' variables, with one call for each.
 fn per_sample_of_several(texts: &[String], samples: usize) -> f64 {
     let variables: Vec<_> =
         (0..MIXED_VARIABLES).map(|number| (variable(number), smooth(samples, number as u64))).collect();
@@ -153,7 +153,7 @@ fn unwatched(slices: bool) -> f64 {
     ns / samples as f64
 }
 
-/// Nanoseconds to begin one more watch next to `count` others.
+/// Nanoseconds to begin one more watch in addition to `count` others.
 fn creation(count: usize) -> f64 {
     let more = 1_000;
     let (_, fresh) = conditions("", &duration_episodes(more));
@@ -174,7 +174,7 @@ fn creation(count: usize) -> f64 {
     ns / more as f64
 }
 
-/// One episode that never lasts long enough, of a duration of so many samples, whose value holds nearly always.
+/// One episode with a duration of `samples` samples that is never reached, with a value that holds nearly always.
 fn bounded(samples: usize) -> Vec<String> {
     let seconds = samples as f64 * 0.02;
     (0..100)
@@ -182,15 +182,16 @@ fn bounded(samples: usize) -> Vec<String> {
         .collect()
 }
 
-/// Returns a hundred episodes over a signal that breaks each run just before its duration, so that none is ever decided.
+/// Returns the time of a hundred episodes over a signal that interrupts each run just before its duration, so that none is ever decided.
 fn against_duration(samples_of_bound: usize) -> f64 {
     let values: Vec<f64> =
         (0..100_000).map(|index| if index % samples_of_bound == samples_of_bound - 1 { -1.0 } else { 1.0 }).collect();
     per_sample(&bounded(samples_of_bound), &values) / 100.0
 }
 
-/// Over one signal for all bounds, which breaks each run at its sixth sample, with a gap of two samples, so that no bound is
-/// near: what only the bound changes. Within the largest gap of a bound each sample is asked when it would be reached.
+/// The same over one signal for all bounds, which interrupts each run at its sixth sample, with a gap of two samples. No bound is near,
+/// so only the effect of the bound itself remains. Within the largest gap of a bound, each sample requires a check of when the bound
+/// would be reached.
 fn against_duration_alone(samples_of_bound: usize) -> f64 {
     let values: Vec<f64> = (0..100_000).map(|index| if index % 6 == 5 { -1.0 } else { 1.0 }).collect();
     let texts: Vec<String> =
@@ -198,7 +199,7 @@ fn against_duration_alone(samples_of_bound: usize) -> f64 {
     per_sample(&texts, &values) / 100.0
 }
 
-/// Nanoseconds for each further sample of two variables that must not be high together, after so many of each that were.
+/// Nanoseconds for each further sample of two variables that must not be high together, after `before` such samples of each.
 fn absent_together(before: usize) -> f64 {
     let text = "(:absent (:and (x0 uav > 0) (x1 uav > 0)) :for 10s)".to_string();
     let more = 1_000;
@@ -220,7 +221,7 @@ fn absent_together(before: usize) -> f64 {
     ns / (2 * more) as f64
 }
 
-/// Conditions whose samples cost arithmetic: what is measured is that; they come true seldom.
+/// Conditions with arithmetic for each sample. The arithmetic is measured, so the conditions are rarely satisfied.
 const NUMBERS: &[(&str, &str)] = &[
     ("persisted values", "(:measurement (x0 uav) :value (> 100) :estimation (:persist :with-timeout 1s))"),
     ("means of runs", "(:episode (x0 uav) :quality (:max-gap 1s) :value (> 0) :stats (:mean (> 100)))"),
@@ -244,7 +245,7 @@ const NUMBERS: &[(&str, &str)] = &[
 
 const WINGS_LEVEL: &str = "(:episode (x0 uav) :quality (:max-gap 1s) :value (:range -7 7) :timing (:duration (>= 5s)))";
 
-/// Returns a session that keeps so many samples, and has had them.
+/// Returns a session that keeps `kept` samples and has received that many.
 fn with_history(kept: usize) -> MonitorSession {
     let seconds = kept as f64 * 0.02;
     let declarations = format!("(defun keep () (mean-over 'x0 'uav {seconds}s))");
@@ -256,7 +257,7 @@ fn with_history(kept: usize) -> MonitorSession {
     session
 }
 
-/// Nanoseconds for each remembered sample when a watch of the wings' level looks back over `kept` of them.
+/// Nanoseconds for each remembered sample when a watch for level wings looks back over `kept` of them.
 fn look_back(kept: usize) -> f64 {
     let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
     let ns = least(
@@ -271,7 +272,7 @@ fn look_back(kept: usize) -> f64 {
     ns / kept as f64
 }
 
-/// Nanoseconds for each further sample of the wings' level, with so many in the history.
+/// Nanoseconds for each further sample of level wings, with `kept` samples in the history.
 fn beside_history(kept: usize) -> f64 {
     let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
     let more = 100_000;
@@ -291,7 +292,7 @@ fn beside_history(kept: usize) -> f64 {
     ns / more as f64
 }
 
-/// Megabytes that the process holds, and the most it ever held.
+/// Megabytes of memory that the process uses, and its peak.
 fn memory_mb() -> [f64; 2] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = |key: &str| status.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
@@ -299,7 +300,7 @@ fn memory_mb() -> [f64; 2] {
     ["VmRSS:", "VmHWM:"].map(|key| kibibytes(key).unwrap_or(f64::NAN) * 1024.0 / 1e6)
 }
 
-/// Ten monitors of all kinds, ten seconds of history, and samples without end: what is kept must not grow.
+/// Ten monitors of all kinds, ten seconds of history, and unlimited samples: the kept data must not grow.
 fn soak(samples: usize) {
     let (texts, _) = mixed(20);
     let (library, conditions) = conditions("(defun keep () (mean-over 'x0 'uav 10s))", &texts);
@@ -311,7 +312,7 @@ fn soak(samples: usize) {
     let (mut done, mut results) = (0, 0);
     println!("| samples | results | kept of x0 | resident | at most |\n|---|---|---|---|---|");
     while done < samples {
-        // Combinations of two variables see the second one now and then.
+        // Combinations of two variables get a sample of the second one occasionally.
         let instants: Vec<Time> = (done..done + values.len()).map(instant).collect();
         session.samples(&variable(0), &instants, &values);
         session.event(Value::symbol("tick"), instant(done + values.len() - 1));
@@ -329,7 +330,7 @@ fn soak(samples: usize) {
 struct MeasurementFile(Option<serde_json::Value>);
 
 impl MeasurementFile {
-    /// One row: what, measured and bar in nanoseconds, and the peers' row of the same work.
+    /// One row: the name, measurement and bar in nanoseconds, and the peers' row for the same work.
     fn row(&self, what: &str, ns: f64, bar: Option<f64>, row: Option<&str>) {
         let verdict = match bar {
             Some(bar) if ns <= bar => "met",

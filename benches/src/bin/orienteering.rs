@@ -1,9 +1,9 @@
-//! Quality of plans of orienteering, next to peers, at equal processor time.
+//! Quality of plans for orienteering, compared with peers at equal processor time.
 //!
-//! `problems FOLDER` writes generated problems as files for the peers; `ours SECONDS..` plans them and prints JSON;
-//! `report FOLDER` sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side; `proven SECONDS..`
-//! counts the problems of few targets that are solved to proven optimality. Gaps are to the best plan of any run, ours
-//! of a long run among them: proven optima exist for the narrow windows only.
+//! `problems FOLDER` writes generated problems as files for the peers; `ours SECONDS..` plans them and prints JSON; `report FOLDER`
+//! compares `ours.json`, `pyvrp.json` and `ortools.json` of the folder; `proven SECONDS..` counts the problems with few targets that are
+//! solved to proven optimality. Gaps are relative to the best plan of any run, including our long run, because proven optima exist for
+//! narrow windows only.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
@@ -14,11 +14,11 @@ use apex_solvers::planners::single_visit::SingleVisit;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Of the 76 problems with windows every so-many-th is measured where `APEX_BENCH_EVERY` says nothing else.
+/// Without `APEX_BENCH_EVERY`, one in this many of the 76 problems with windows is measured.
 const EVERY: usize = 10;
-/// Of these every so-many-th is cut to few targets.
+/// One in this many of the measured problems is reduced to few targets.
 const EVERY_OF_FEW: usize = 4;
-/// Plans made again after a change: the one whose first is found in median time counts.
+/// Number of plans made after a change; the reported one has the median time to its first plan.
 const REPLANS: usize = 25;
 /// Units of work of a second.
 const UNITS_PER_S: u64 = 1_000_000;
@@ -78,8 +78,7 @@ fn problems(folder: &Path) {
     }
 }
 
-/// Returns the time that this thread has spent on a processor. It is updated at switches of tasks, so the function
-/// causes one.
+/// Returns the processor time of this thread. The system updates it at task switches, so the function causes one.
 fn cpu_s() -> f64 {
     std::thread::yield_now();
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
@@ -134,7 +133,7 @@ fn ours(spans: &[&str]) -> Value {
     Value::Object(all)
 }
 
-/// Returns a thousand targets, one of which has become worthless, and a flight that must end 2 % sooner.
+/// Returns a problem of a thousand targets after a change: one target has become worthless, and the flight must end 2 % earlier.
 fn replan() -> Value {
     let mut problem = formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("our own text").problem;
     let (before, _, _) = planned(&SingleVisit, &problem, 10_000_000);
@@ -207,7 +206,7 @@ fn cut(mut problem: SingleVisitProblem, count: usize) -> SingleVisitProblem {
     problem
 }
 
-/// Counts the problems of 20 and of 40 targets that are solved with a bound that proves it.
+/// Counts the problems of 20 and of 40 targets that are solved with a bound that proves optimality.
 fn proven(spans: &[&str]) {
     for count in [20, 40] {
         for seconds in spans {

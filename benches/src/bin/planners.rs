@@ -1,12 +1,11 @@
-//! Planners of surveillance next to each other on test missions: mean log ratio of expected costs at equal CPU time.
+//! Comparison of surveillance planners on test missions: mean log ratio of expected costs at equal CPU time.
 //!
-//! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner for the same time, the
-//! anytime planner's gap to its best of runs from other seeds for the longer one (0: not asked), and to the proven bound. MISSIONS are as many, from 0,
-//! or FROM..TO; `all` means all cells.
-//! `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets flown without end against the bound by ages, on a grid of
-//! so many points.
-//! `planners pairs FROM TO OURS_MILLISECONDS THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV
-//! each: expected costs and CPU seconds. `planners tally FILE ..`: what the rows of all files say of each cell and of all.
+//! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner with the same time, and the gap of
+//! the anytime planner to its best result from other seeds in the longer time (0: not measured), and to the proven bound. MISSIONS is a
+//! number, counted from 0, or FROM..TO; `all` means all cells. `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets, flown
+//! without end, against the bound by ages on a grid with this number of points. `planners pairs FROM TO OURS_MILLISECONDS
+//! THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV for each, with expected costs and CPU seconds.
+//! `planners tally FILE ..`: summary of the rows of all files, for each cell and for all.
 
 use apex_model::problem::{Plan, Problem};
 use apex_planning::meter::Meter;
@@ -64,13 +63,13 @@ fn cost(solver: &str, problem: &Problem, milliseconds: u64, seed: u64) -> (f64, 
     }
 }
 
-/// Returns the least cost that the anytime planner finds from one seed after another, each to its end, for this time.
+/// Returns the least cost found by the anytime planner from successive seeds, each run to its end, within this time.
 fn best_of(problem: &Problem, milliseconds: u64) -> f64 {
     let (mut best, mut left_ms, mut seed) = (f64::INFINITY, milliseconds as f64, 7);
     while left_ms > 0.0 {
         let (found, _, took_ms) = cost("anytime", problem, left_ms as u64, seed);
         best = best.min(found);
-        // A clock that stands still must not hold it.
+        // A clock that stands still must not prevent the end.
         left_ms -= took_ms.max(1.0);
         seed += 1;
     }
@@ -102,8 +101,7 @@ fn cycles(missions: u64, points: usize, names: &[String]) {
     println!("{near} of {count} cells at most 2 %, mean {:.2} %", all / f64::from(count));
 }
 
-/// Prints the costs of all three planners, mission after mission over all cells, so that an interrupted run has whole
-/// missions.
+/// Prints the costs of all three planners, one mission after another over all cells, so that an interrupted run has complete missions.
 fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[String]) {
     println!("mission,cell,two_opt,wam,anytime,two_opt_s,wam_s,anytime_s");
     for number in missions {
@@ -118,7 +116,7 @@ fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[
     }
 }
 
-/// Mean log ratio of the anytime planner to the better of the others, by cells.
+/// Mean log ratio of the anytime planner to the better of the others, for each cell.
 fn tally(rows: &str) {
     let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut spent_s = [0.0; 3];

@@ -1,7 +1,7 @@
-//! Sets what Criterion measured next to the bars and next to the peers, as a Markdown table.
+//! Compares the measurements of Criterion with the bars and the peers, as a Markdown table.
 //!
-//! `report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..`: reads the medians of the last run, so it must follow one, and the
-//! figures that other programs kept.
+//! `report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..` reads the medians of the last run, so it must follow a run, and the figures stored
+//! by other programs.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 
 use serde_json::Value;
@@ -9,17 +9,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The group whose figures are bytes; all others are nanoseconds.
+/// The group with figures in bytes; all others are in nanoseconds.
 const MEMORY: &str = "memory";
 
-/// A bar: what is measured, at which count, and what the median must not exceed.
+/// A bar: the measurement, its count, and the maximum of its median.
 struct Bar {
     quantity: &'static str,
     group: &'static str,
     function: &'static str,
     count: &'static str,
     at_most: f64,
-    /// The peer's row of the same work.
+    /// The peer's row for the same work.
     peer: Option<&'static str>,
 }
 
@@ -131,7 +131,7 @@ const BARS: &[Bar] = &[
     bar("load 25,000 procedures of 4 steps", ["load", "many procedures", "100000"], 0.5e9, None),
 ];
 
-/// (group, function) -> count -> median in nanoseconds, per element where the row says elements.
+/// (group, function) -> count -> median in nanoseconds, per element for rows that have elements.
 type Medians = BTreeMap<(String, String), BTreeMap<u64, f64>>;
 
 fn main() -> ExitCode {
@@ -165,7 +165,7 @@ fn collect(folder: &Path, rows: &mut Medians) {
         let word = |key: &str| benchmark.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
         let count = word("value_str").parse().unwrap_or(0);
         let elements = benchmark.pointer("/throughput/Elements").and_then(Value::as_f64).unwrap_or(1.0);
-        // A throughput of one row is for reading; only rows of many small lives are divided by it.
+        // The throughput of a single row is informative only; rows of many small lives are divided by it.
         let divisor = if word("group_id") == "task life" { elements } else { 1.0 };
         if let Some(median) = estimates.pointer("/median/point_estimate").and_then(Value::as_f64) {
             rows.entry((word("group_id"), word("function_id"))).or_default().insert(count, median / divisor);
@@ -187,7 +187,7 @@ fn collect_others(folder: &Path, rows: &mut Medians) {
     }
 }
 
-/// Every row with its growth: how many times longer the greatest count takes than the least.
+/// Every row with its growth: the ratio of the times for the greatest and the least count.
 fn print_growth(rows: &Medians) {
     println!("| measured | median at each count | growth |\n|---|---|---|");
     for ((group, function), counts) in rows {

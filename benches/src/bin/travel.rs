@@ -1,7 +1,7 @@
-//! Travel matrices among zones: processor time and growth, next to extremitypathfinder.
+//! Travel matrices among zones: processor time and growth, compared with extremitypathfinder.
 //!
-//! `travel world FILE`: writes the world of 100 places and 50 zones for the peer. `travel report FILE PEER.json`: our matrix
-//! of the same world with its lengths compared, matrices on the Earth with zones' margins and changing wind, growth.
+//! `travel world FILE` writes the world of 100 places and 50 zones for the peer. `travel report FILE PEER.json` prints our matrix of the
+//! same world with a comparison of the lengths, matrices on the Earth with margins of zones and changing wind, and the growth.
 
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Air, EndpointId, Network, PlaneZone, Setting};
@@ -49,7 +49,8 @@ struct World {
     places: Vec<Point>,
 }
 
-/// Zones in cells of a grid, so that none overlap (the peer wants that), ragged, of five to eight corners; places between.
+/// Ragged zones of five to eight corners in the cells of a grid, so that none overlap (a requirement of the peer), with places between
+/// them.
 fn world(places: usize, zones: usize, seed: u64) -> World {
     let mut random = Generator::new(seed);
     let columns = (zones as f64 * 1.12).sqrt().ceil() as usize;
@@ -196,7 +197,7 @@ fn report(peer: &serde_json::Value) {
         }
     }
     let (prepare_s, ways_s) = (peer["prepare_s"].as_f64().unwrap_or(0.0), peer["ways_s"].as_f64().unwrap_or(0.0));
-    // The peer's ways are symmetric and were asked for one direction only.
+    // The peer's ways are symmetric and were computed for one direction only.
     let peer_s = prepare_s + ways_s;
     println!("| {PLACES} places, {ZONES} zones, processor time | s | bar |\n|---|---|---|");
     println!("| extremitypathfinder, no wind, half of the matrix | {peer_s:.2} | |");

@@ -1,8 +1,8 @@
 //! Time per unit of work: every planner of surveillance and of single visits, from 10 to 1,000 targets. A unit
 //! represents a microsecond (`apex_planning::solver::WORK_UNIT`); the aim is between half of one and two.
 //!
-//! `units [UNITS]` prints a row for each planner and number of targets. What is counted is processor time of this thread, so that
-//! other work on the machine matters little.
+//! `units [UNITS]` prints a row for each planner and number of targets. The time is processor time of this thread, so that other load on
+//! the machine has little influence.
 #![allow(clippy::print_stdout, reason = "it prints its measurements")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be had must stop the measurement")]
 

@@ -1,4 +1,4 @@
-//! A planner of a third party in a separate program: the whole `apex` command, with one planner more.
+//! A third party's planner in a separate program: the whole `apex` command, with one additional planner.
 
 use apex_model::problem::{Plan, Problem};
 use apex_planning::random::Generator;
@@ -7,7 +7,7 @@ use apex_planning::surveillance::scenario::Scenario;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Flies a round through all targets, and exchanges two of them as long as that costs less.
+/// Flies a round through all targets, and exchanges two of them as long as that lowers the cost.
 struct Swaps;
 
 impl Solver for Swaps {

@@ -9,10 +9,10 @@ use apex_runtime::live_lines::OpenQuestions;
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::mpsc::{Receiver, sync_channel};
 
-/// Words to the run that wait for it: wake-ups, the end of standard input, Ctrl-C.
+/// Maximum number of waiting control messages: wake-ups, the end of standard input, Ctrl-C.
 const WAITING_MAX: usize = 100;
 
-/// Listens to standard input, or to `port`, and to Ctrl-C; what is said comes out of the sources, and the rest of the receiver.
+/// Reads standard input, or `port`, and handles Ctrl-C; inputs arrive through the sources, control messages through the receiver.
 ///
 /// # Errors
 /// The port cannot be had, or the system gives no signal handler.
@@ -20,7 +20,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
     ctrlc::set_handler(move || {
-        // There is nothing to end cleanly: the run is over already.
+        // The run is over already, so it cannot be ended.
         if stop.send(Control::Stop).is_err() {
             std::process::exit(130);
         }
@@ -50,7 +50,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
     Ok((sources, controls))
 }
 
-/// A port of this machine; says which one it is.
+/// Binds a port of this machine and prints its number.
 ///
 /// # Errors
 /// Another program has it.

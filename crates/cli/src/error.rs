@@ -9,9 +9,9 @@ use std::process::ExitCode;
 /// A failure of a command, ready to be printed.
 #[derive(Debug)]
 pub struct CliError {
-    /// True: the user's input is at fault (exit code 2); false: something failed (exit code 1).
+    /// True: the user's input is wrong (exit code 2); false: an operation failed (exit code 1).
     pub of_user: bool,
-    /// Failure with its place, one line; empty when diagnostics have been printed already.
+    /// Failure with its place, one line; empty if diagnostics were printed already.
     pub message: String,
     /// Reason, if known.
     pub reason: Option<String>,
@@ -30,7 +30,7 @@ impl CliError {
         CliError { of_user: false, message: message.into(), reason: None, help: None }
     }
 
-    /// Returns an error whose diagnostics are printed already: only its exit code counts.
+    /// Returns an error whose diagnostics were printed already: only its exit code counts.
     pub fn already_reported() -> CliError {
         CliError::user("")
     }
@@ -80,7 +80,7 @@ impl From<MissionError> for CliError {
 /// Reads a text file.
 ///
 /// # Errors
-/// An error that names the file, the reason why it cannot be read, and the remedy.
+/// An error with the file, the reason and the remedy.
 pub fn read_text(path: &Path) -> CliResult<String> {
     Ok(files::read_text(path)?)
 }

@@ -11,8 +11,7 @@ use std::io::{BufRead, BufReader, Write};
 /// Runs one episode over the link, from its greeting to its end or reset.
 pub type Episode<'a> = dyn FnMut(&mut SimulatorLink<'_>) -> CliResult<ForeignEnd> + 'a;
 
-/// Runs episodes until the simulator stops or the application ends; after a reset the next one begins. A recorded
-/// run cannot be reset.
+/// Runs episodes until the simulator stops or the application ends; a reset begins the next one. A recorded run cannot be reset.
 ///
 /// # Errors
 /// The simulator could not connect; as `episode`.

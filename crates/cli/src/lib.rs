@@ -1,4 +1,4 @@
-//! The `apex` command as a library: a program of a third party is the whole command with additional planners.
+//! The `apex` command as a library: a third party's program is the whole command with additional planners.
 //!
 //! ```no_run
 //! let planners = apex_cli::shipped();
@@ -29,8 +29,8 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Runs the command with these arguments (the program's name first) and planners. Like every command it prints what it has to
-/// say; what `clap` answers, as for `--help`, ends the process.
+/// Runs the command with these arguments (the program's name first) and planners. It prints its own output; an answer of `clap`, such as
+/// `--help`, ends the process.
 ///
 /// Planners that do not ship work in separate processes: this program is started again for each problem.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> ExitCode {
@@ -43,10 +43,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -
     run(options, &Arc::new(planners))
 }
 
-/// Like [`main`], but nothing ends the process, and all planners work in it.
+/// Like [`main`], but it never ends the process, and all planners run in it.
 ///
 /// # Errors
-/// What is wrong with the arguments, as `clap` words it; also the text of `--help`.
+/// The error in the arguments, as worded by `clap`; also the text of `--help`.
 pub fn try_main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> Result<ExitCode, String> {
     let options = Options::try_parse_from(arguments).map_err(|told| told.to_string())?;
     Ok(run(options, &Arc::new(planners)))

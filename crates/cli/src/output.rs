@@ -1,5 +1,5 @@
-//! Standard output and standard error. A reader that has seen enough (`apex trace F | head -1`) is not a failure; a full
-//! disk is one, and never a panic.
+//! Standard output and standard error. A reader that closes the output (`apex trace F | head -1`) is not a failure; a full disk is one,
+//! and never a panic.
 
 use crate::error::{CliError, CliResult};
 use apex_runtime::escaping::Escaped;
@@ -48,7 +48,7 @@ pub fn put(out: Option<&Path>, text: &str) -> CliResult {
     })
 }
 
-/// Prints text that holds colours of our own, as diagnostics do; the renderer has escaped what comes from outside.
+/// Prints text with colours, such as diagnostics; the renderer has escaped text from outside.
 ///
 /// # Errors
 /// Like [`print`].
@@ -63,7 +63,7 @@ pub fn print_rendered(text: impl fmt::Display) -> CliResult {
 /// Prints one line to standard error. A failure to write it is ignored: the exit code still reports the error. Control
 /// characters of names and messages are escaped: they must not move a terminal's cursor or change its title.
 pub fn print_error(text: impl fmt::Display) {
-    // Nothing can be done about it, and the exit code still says what happened.
+    // The error cannot be reported, and the exit code still states the result.
     let _ = writeln!(Escaped::new(io::stderr().lock()), "{text}");
 }
 
@@ -85,7 +85,7 @@ fn unwritable(error: io::Error) -> CliError {
         .help("the output is incomplete; check its destination and the free space there")
 }
 
-/// A buffered output that remembers whether its reader went away.
+/// A buffered output that records whether its reader has closed it.
 pub struct Listened {
     out: BufWriter<Box<dyn Write>>,
     gone: Rc<Cell<bool>>,

@@ -1,4 +1,4 @@
-//! Opening flight records, with their warnings on the terminal.
+//! Opens flight records and prints their warnings.
 
 use crate::error::{CliError, CliResult};
 use crate::output;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Opens a record and prints a warning if it is incomplete.
 ///
 /// # Errors
-/// A missing file, another kind of file, a record of a newer Apex, a damaged one.
+/// A missing file, another kind of file, a record of a newer Apex, or a damaged one.
 pub fn open(path: &Path) -> CliResult<RecordReader> {
     let (reader, warning) = apex_mission::recording::open(path)?;
     if let Some(warning) = warning {
@@ -23,12 +23,12 @@ pub fn open(path: &Path) -> CliResult<RecordReader> {
     Ok(reader)
 }
 
-/// Returns a record that cannot be written, with the exit code that it deserves.
+/// Returns the error for a record that cannot be written, with its exit code.
 pub fn written(error: RecordError) -> CliError {
     apex_mission::recording::written(error).into()
 }
 
-/// Options of a record as the command line states them.
+/// Returns the options of a record as stated on the command line.
 pub fn options(power_safe: bool, spare_folder: Option<&PathBuf>) -> RecordOptions {
     let durability = if power_safe { Durability::Power } else { Durability::Program };
     RecordOptions { durability, spare_folder: spare_folder.cloned(), ..RecordOptions::default() }
@@ -46,7 +46,7 @@ pub fn signing_key(path: &Path) -> CliResult<SigningKey> {
     })
 }
 
-/// Tells the operator at once when a flight is not recorded any longer, and when it is again.
+/// Informs the operator at once when a flight is no longer recorded, and when it is recorded again.
 pub struct RecordingWatch;
 
 impl Observer for RecordingWatch {

@@ -1,4 +1,4 @@
-//! Planners in separate processes: programs that the user names, and the planners that a third party has linked in.
+//! Planners in separate processes: programs that the user names, and planners that a third party has linked.
 
 use crate::error::{CliError, CliResult};
 use apex_planning::Registry;
@@ -7,10 +7,10 @@ use apex_runtime::solver_process::SolverProgram;
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// Returns the planners, and one more for each `NAME=COMMAND`.
+/// Returns the planners, plus one for each `NAME=COMMAND`.
 ///
 /// # Errors
-/// A text of another form, and a name that is taken or cannot be one.
+/// A text of another form, or a name that is in use or invalid.
 pub fn with_programs(planners: &Arc<Registry>, programs: &[String]) -> CliResult<Arc<Registry>> {
     if programs.is_empty() {
         return Ok(Arc::clone(planners));

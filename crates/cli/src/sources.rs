@@ -1,4 +1,4 @@
-//! Programs with their diagnostics on the terminal; times and lengths as users type them.
+//! Loads programs and prints their diagnostics; reads times and lengths as typed by users.
 
 use crate::error::{CliError, CliResult};
 use crate::output;
@@ -30,11 +30,10 @@ pub fn load_program(path: &Path) -> CliResult<Arc<Library>> {
     if checked.has_errors() { Err(CliError::already_reported()) } else { Ok(Arc::new(checked.library)) }
 }
 
-/// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed, those of the names that it
-/// mentions too.
+/// Loads the mission in a folder, or of a `mission.pdl`; prints the diagnostics of its program, including those about names.
 ///
 /// # Errors
-/// Like [`load_program`]; everything that can be wrong with the mission's settings and data; names that the mission does not have.
+/// Like [`load_program`]; also all errors in the mission's settings and data, and names that the mission does not have.
 pub fn load_mission(path: &Path, planners: &Registry) -> CliResult<Mission> {
     let library = load_program(path)?;
     let mission = Mission::of_program(path, library)?;
@@ -42,10 +41,10 @@ pub fn load_mission(path: &Path, planners: &Registry) -> CliResult<Mission> {
     Ok(mission)
 }
 
-/// Prints what is wrong with the names that a mission's program mentions.
+/// Prints the diagnostics about names in a mission's program.
 ///
 /// # Errors
-/// The mission lacks one of these names; the message is printed.
+/// If the mission lacks one of these names; the message is printed.
 pub fn check_names_of(mission: &Mission, planners: &Registry) -> CliResult {
     let findings = check_names(mission, planners);
     let is_serious = |each: &&Diagnostic| each.severity != Severity::Note;
@@ -80,7 +79,7 @@ pub fn inputs_of(path: &Path) -> CliResult<ScriptedInputs> {
     held_inputs_of(path).map(ScriptedInputs::Held)
 }
 
-/// Prints the diagnostics for a user who runs the program: not the notes.
+/// Prints the diagnostics for a user who runs the program: warnings and errors, no notes.
 pub fn print_warnings_and_errors(checked: &Checked) {
     let serious: Vec<_> = checked.diagnostics.iter().filter(|each| each.severity != Severity::Note).cloned().collect();
     print_diagnostics(&serious, &checked.library);
@@ -93,10 +92,10 @@ fn print_diagnostics(diagnostics: &[Diagnostic], library: &Library) {
     }
 }
 
-/// Reads an instant of mission time as users type it: `90`, `20s`, `P1M30S`, `1:30:00`.
+/// Reads an instant of mission time as typed by users: `90`, `20s`, `P1M30S`, `1:30:00`.
 ///
 /// # Errors
-/// Says what was given and what is understood.
+/// The given text and the accepted forms.
 pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
     let bad = || {
         CliError::user(format!("`{option} {text}` is not a time"))
@@ -114,7 +113,7 @@ pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
 /// Returns a length above 0 in metres, written as in PDL.
 ///
 /// # Errors
-/// Says what was given and what is understood.
+/// The given text and the accepted forms.
 pub fn parse_length_m(text: &str, option: &str) -> CliResult<f64> {
     use apex_model::quantity::Dimension;
     let value = apex_pdl::read_value(text).ok();

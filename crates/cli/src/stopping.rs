@@ -1,15 +1,15 @@
-//! Ctrl-C and SIGTERM: a flight ends cleanly, with its report and its record.
+//! Ctrl-C and SIGTERM: end a flight in an orderly way, with its report and its record.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Exit code of a program that Ctrl-C ends: 128 and the number of the signal.
 pub const INTERRUPTED: i32 = 130;
 
-/// Calls `stop` at the first Ctrl-C or SIGTERM; the second ends the program at once. A program that embeds this command may
-/// listen itself: then it stays so.
+/// Calls `stop` at the first Ctrl-C or SIGTERM; the second ends the program at once. If a program that embeds this command has its own
+/// handler, that handler stays.
 pub fn at_signal(stop: impl Fn() + Send + 'static) {
     let again = AtomicBool::new(false);
-    // Only one handler is possible, and the first keeps its place.
+    // Only one handler is possible, and the first one stays.
     let _ = ctrlc::set_handler(move || {
         if again.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED);

@@ -1,11 +1,11 @@
-//! Files that commands write tables into.
+//! Files into which commands write tables.
 
 use crate::error::{CliError, CliResult};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// Refuses to write a table over one of the files that it is made from; `option` named `out`.
+/// Rejects an output file, named by `option`, that is one of the input files.
 ///
 /// # Errors
 /// `out` is one of `inputs`.
@@ -27,7 +27,7 @@ pub fn created(path: &Path) -> CliResult<BufWriter<File>> {
     Ok(BufWriter::new(file))
 }
 
-/// Returns the error of a table that could not be written; without a path it is on standard output.
+/// Returns the error for a table that could not be written; without a path it is standard output.
 pub fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
     apex_log_monitor::unwritten_table(path, error).into()
 }

@@ -1,4 +1,4 @@
-//! Missions whose data are wrong: every message says what, where, why and what to do; nothing is flown or left behind.
+//! Missions with invalid data: every message states failure, place, reason and remedy; nothing is flown, and no file is left.
 
 mod common;
 
@@ -190,7 +190,7 @@ fn figures_of_the_application_are_checked() {
     add(":failure (:mission-cost)", &[place, "expected keys, each with a number"]);
 }
 
-/// `structure-watch` whose radio mast has another outline.
+/// Returns `structure-watch` with another outline of the radio mast.
 #[track_caller]
 fn mast(outline: &str, phrases: &[&str]) {
     let square = "[[[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4113], [-121.1005, 37.4095]]]";

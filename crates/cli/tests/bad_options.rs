@@ -1,4 +1,4 @@
-//! Invalid options: reported before anything is touched, with exit code 2.
+//! Invalid options are reported before anything is changed, with exit code 2.
 
 mod common;
 
@@ -60,7 +60,7 @@ fn an_address_must_be_one() {
     let desk = Desk::with_flight();
     let said = desk.apex(&["serve", "flight.apex", "--address", "here"]);
     said.complained(2, &["`--address here` is not an address", "127.0.0.1"]);
-    // An address of the documentation range is never one of this machine's.
+    // An address of the documentation range never belongs to this machine.
     let said = desk.apex(&["serve", "flight.apex", "--address", "192.0.2.1", "--port", "0"]);
     said.complained(1, &["cannot serve on 192.0.2.1:0", "--address"]);
 }

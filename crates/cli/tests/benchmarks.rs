@@ -1,4 +1,4 @@
-//! `apex plan` on benchmark files: what is read, what is printed, and what mistakes look like.
+//! `apex plan` on benchmark files: input, output, and messages about mistakes.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 

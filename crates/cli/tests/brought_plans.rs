@@ -17,7 +17,7 @@ fn plan(desk: &Desk, what: &str, more: &[&str]) -> Said {
     desk.apex(&[&["plan", what, "--budget", "300ms", "--bound-budget", "50ms"], more].concat())
 }
 
-/// Asks for the file's plan as JSON.
+/// Requests the file's plan as JSON.
 fn again(desk: &Desk, what: &str, more: &[&str]) -> Said {
     plan(desk, what, &[&["--plan", "p.json", "--json"], more].concat())
 }
@@ -27,7 +27,7 @@ fn a_plan_that_is_brought_back_is_worth_the_same() {
     let desk = Desk::new();
     for what in [CELL, &mission("structure-watch"), &mission("western-states")] {
         let planned = answer(&plan(&desk, what, &["--json"]).well());
-        // The whole answer, or the plan alone; times as they are, or made again.
+        // The whole answer, or only the plan; with its times, or with new ones.
         for (text, more) in [(planned.to_string(), &[][..]), (planned["plan"].to_string(), &["--retime"][..])] {
             desk.write("p.json", &text);
             let brought = answer(&again(&desk, what, more).well());
@@ -161,7 +161,7 @@ fn every_broken_rule_is_named_and_times_can_be_made_anew() {
     );
     let mended = answer(&again(&desk, CELL, &["--retime"]).well());
     assert_eq!(mended["plan"]["Surveillance"]["visits"].as_array().unwrap().len(), 5);
-    // Who comes later than need be waits: that is a plan as well.
+    // A vehicle that arrives later than necessary waits: the plan is valid.
     edited(&desk, |body| body["visits"][4]["end_s"] = json!(body["visits"][4]["end_s"].as_f64().unwrap() + 5.0));
     again(&desk, CELL, &[]).well();
 }

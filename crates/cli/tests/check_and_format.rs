@@ -1,4 +1,4 @@
-//! `apex check` and `apex fmt`, alone and with every mistake that comes to mind.
+//! `apex check` and `apex fmt` in normal use and with many kinds of mistakes.
 
 mod common;
 

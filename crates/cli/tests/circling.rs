@@ -1,4 +1,4 @@
-//! A mission that a fixed wing watches: it circles around its sites, in the plan and in the air.
+//! A mission of a fixed wing: it circles around its sites, in the plan and in flight.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -67,7 +67,7 @@ fn a_fixed_wing_looks_from_circles_and_is_never_later_than_its_plan_says() {
     for pair in seen.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
         let way_s = problem["travel"]["between_s"][index(&pair[0].1)][index(&pair[1].1)].as_f64().unwrap();
         let (flown_s, planned_s) = (pair[1].0 - pair[0].0, way_s + DWELL_S);
-        // Commands and reports come at half seconds.
+        // Commands and reports are at half seconds.
         assert!(flown_s <= planned_s + 1.0, "{pair:?}: {flown_s} of {planned_s}");
         // And the plan is not timid: half a circle of 4.4 km, and the radius that is saved where the circle is met.
         assert!(flown_s >= planned_s - 230.0, "{pair:?}: {flown_s} of {planned_s}");
@@ -105,7 +105,7 @@ fn what_circles_cost_is_said_and_they_are_drawn() {
     assert!(loiters.count() >= 3, "{items:?}");
     let pdl = desk.apex(&["plan", ".", "--format", "pdl"]).well();
     pdl.told(&["(visit saddle around (39.6 -119.8 3000.0) for P1M with camera-1)"]);
-    // Who hovers turns on the spot: nothing is said of turns.
+    // A hovering vehicle turns on the spot: the output does not mention turns.
     let hovering = json(&desk.apex(&["plan", &mission("structure-watch"), "--budget", "2ms", "--json"]).well().out);
     assert_eq!(hovering["turns"], Value::Null);
 }
@@ -126,7 +126,7 @@ fn in_calm_air_altitudes_that_make_no_difference_are_still_ways_to_observe() {
     desk.write("mission.pdl", &calm.join("\n"));
     let answer = json(&desk.apex(&["plan", ".", "--budget", "20ms", "--json"]).well().out);
     assert!(answer["plan"]["SingleVisit"]["visits"].as_array().unwrap().len() > 8, "{}", answer["plan"]);
-    // Each fire's lines are met in their direction; here the air is still, so turns are those of 3.4 km.
+    // Each fire's lines are joined in their direction; the air is still here, so turns have a radius of 3.4 km.
     let turns = &answer["turns"];
     assert!((turns["radius_m"].as_f64().unwrap() - 3_378.2).abs() < 1.0 && turns["time_s"].as_f64().unwrap() > 300.0);
 }

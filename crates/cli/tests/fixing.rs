@@ -1,4 +1,4 @@
-//! `apex check --fix`: what it changes, what it leaves alone, and that nothing is ever half written.
+//! `apex check --fix`: files that it changes, files that it leaves unchanged; no file is ever half written.
 
 mod common;
 

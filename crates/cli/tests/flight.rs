@@ -1,4 +1,4 @@
-//! A flight and everything that can be asked of its record: `fly`, `replay`, `why`, `trace`, `serve`; and `plan`.
+//! A flight, and all commands on its record: `fly`, `replay`, `why`, `trace`, `serve`; and `plan`.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Planning again in flight: where planners begin.
+//! Planning again in flight: the plan from which planners start.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Guides show what really happens: every `console` block is run and compared. `UPDATE=1` rewrites them.
+//! The outputs in guides are true: every `console` block is run and compared. `UPDATE=1` rewrites them.
 
 #![allow(clippy::unwrap_used, reason = "a guide that cannot be played is a failed test")]
 
@@ -9,8 +9,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Runs the commands of `text` in `folder` and returns the text with their real outputs. Outputs of `--json` reports are left out,
-/// because they are for programs; a block with a line `[..]` keeps the lines that it shows.
+/// Runs the commands of `text` in `folder` and returns the text with their actual outputs. Outputs of `--json` reports are left out,
+/// because they are for programs; a block with a line `[..]` keeps only the lines that it shows.
 fn played(text: &str, folder: &Path) -> String {
     let mut page = String::new();
     let mut lines = text.lines().peekable();
@@ -35,7 +35,7 @@ const LEFT_OUT: &str = "[..]";
 /// Number of leading characters by which a line that has changed is recognised.
 const LABEL: usize = 20;
 
-/// Returns the lines of the output that the guide shows, as they are now, with a mark wherever lines are left out.
+/// Returns the present form of the output lines that the guide shows, with a mark wherever lines are left out.
 fn excerpt(shown: &[&str], real: &str) -> String {
     let real: Vec<&str> = real.lines().collect();
     let label = |line: &str| line.chars().take(LABEL).collect::<String>();

@@ -1,4 +1,4 @@
-//! Runs with input from outside: scripted and typed answers, wall time, an outside simulator.
+//! Runs with input from outside: scripted and typed answers, wall-clock time, an outside simulator.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot start its program has failed")]
 
@@ -35,7 +35,7 @@ fn scripted_answers_come_after_their_time() {
     desk.apex(&answers).complained(2, &["answers.jsonl:1: \"value\" is missing"]);
 }
 
-/// A run under way, and what it says on standard error.
+/// Starts a run and returns its lines on standard error.
 fn started(desk: &Desk, arguments: &[&str]) -> (Child, impl Iterator<Item = String>) {
     let mut command = desk.command(arguments);
     let mut run = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

@@ -1,4 +1,4 @@
-//! Missions flown by `apex run`: at the clock of the example simulator, and with a vehicle in real time.
+//! Missions flown by `apex run`: by the clock of the example simulator, and with a vehicle in real time.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -36,7 +36,7 @@ fn an_outside_simulator_flies_a_mission() {
     for phrase in ["(take-off 110m)", "(hover (", "(observed ", "(land home)", "end: the initial task is done"] {
         assert!(out.contains(phrase), "{phrase} is not in\n{out}");
     }
-    // Visits are booked and scored: only a flown one has a gap between observations.
+    // Visits are recorded and scored: only a flown visit has a gap between observations.
     for phrase in ["Structure Watch: ended at", "Expected cost of ignorance", "new plan: "] {
         assert!(err.contains(phrase), "{phrase} is not in\n{err}");
     }

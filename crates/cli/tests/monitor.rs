@@ -10,7 +10,7 @@ use std::path::Path;
 /// Real logs for tests; they are not a part of the project.
 const LOGS: &str = "/work/shared/data/flight-logs";
 
-/// Returns the path of a real log; `None` if there are none, which is said.
+/// Returns the path of a real log; without real logs prints a note and returns `None`.
 fn log(name: &str) -> Option<String> {
     let path = Path::new(LOGS).join(name);
     if path.is_file() {
@@ -110,7 +110,7 @@ fn mistakes_say_what_to_do() {
         1,
         &["there is no sample of (rol uav)", "it has (roll-angle uav)", "not every verdict is `satisfied`"],
     );
-    // What was never measured was not shown to be absent.
+    // A variable without samples is not reported as absent.
     desk.write("f.csv", "time,roll\n0,1\n1,2\n");
     let of_log = ["monitor", "(rol aircraft-1 > 3)", "--expect", "not-satisfied", "--inputs", "f.csv"];
     desk.apex(&of_log).complained(1, &["not every verdict is `not-satisfied`", "without a sample of (rol aircraft-1)"]);
@@ -168,7 +168,7 @@ fn what_became_of_each_sample_is_in_the_table() {
     desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["written over its source"]);
 }
 
-/// Counts that a plain scan of the files' bytes gives, made apart from these readers.
+/// Counts from a plain scan of the files' bytes, independent of these readers.
 #[test]
 fn rolls_above_fifteen_degrees_are_found_in_real_logs() {
     let right = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (> 15deg))";
@@ -278,7 +278,7 @@ fn several_logs_are_watched_into_one_table() {
     let last = lines.iter().rfind(|line| line["telling"] == "closed").unwrap(); // english: allow
     assert_eq!((&last["input"], &last["start_ns"]), (&"b,c.csv".into(), &100_250_000.into()));
     assert_eq!((&last["duration_ns"], &lines.last().unwrap()["until_ns"]), (&99_750_000.into(), &300_000_000.into()));
-    // A verdict of any of them can fail.
+    // A verdict about any of the inputs can fail.
     desk.write("calm.csv", "t,roll\n0,0\n1,0\n");
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--inputs", "calm.csv", "--expect", "satisfied"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
@@ -334,7 +334,7 @@ fn columns_that_no_condition_reads_change_no_result() {
         ["(:episode (roll aircraft-1) :quality (:max-gap 1s) :value (> 15))", "(:not (late aircraft-1 > 5))"]
     {
         let own = desk.apex(&["monitor", condition, "--inputs", "a.csv"]).well().out;
-        // A condition that is judged at every instant makes everything be read.
+        // A condition that is judged at every instant requires all data to be read.
         let with_all = desk.apex(&["monitor", condition, "(:function (> +met+ 90s))", "--inputs", "a.csv"]).well().out;
         let of_first: String =
             with_all.lines().filter_map(|line| line.strip_prefix("1: ")).map(|line| format!("{line}\n")).collect();

@@ -8,7 +8,7 @@ use common::{Desk, Said};
 use serde_json::Value;
 
 const FAMILY: &str = "\"importance\": 120, \"rate_per_h\": 0.06, \"cost\": \"saturating\", \"cost_growth_per_h\": 2.0";
-/// The shipped barn's family, as its owner would write it.
+/// The costs of the shipped barn, written as a function.
 const HAY: &str = "\n(defun hay-cost (age) (* 60 (- 1 (exp (- (/ age 30min))))))\n";
 
 fn costs(desk: &Desk) -> Vec<(String, Value)> {
@@ -99,7 +99,7 @@ fn a_function_of_the_program_is_a_cost() {
         let exact = 60.0 * (1.0 - (-age_s / 1_800.0).exp());
         assert!((line - exact).abs() <= 1e-3 * exact.max(0.06), "{line} {exact} at {age_s} s");
     }
-    // The oldest age: an hour, ten minutes before it, and the way of the firefighters.
+    // The greatest age: an hour, plus ten minutes before it, plus the arrival of the firefighters.
     assert_eq!(number(points.last().unwrap(), 0), 3_600.0 + 600.0 + 520.0);
     assert!(cost_of(&desk, "farmhouse")["Delayed"]["cost"]["Saturating"].is_object(), "others keep their families");
     let checked = desk.apex(&["check", "m"]).well();

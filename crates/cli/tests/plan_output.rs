@@ -1,4 +1,4 @@
-//! `apex plan --format`: the same plan for operators, for the executive, for maps and for ground stations.
+//! `apex plan --format`: one plan in the formats for operators, the executive, maps and ground stations.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -14,7 +14,7 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// Compares with a committed file; `UPDATE=1` rewrites it.
+/// Compares the text with a committed file; `UPDATE=1` rewrites it.
 #[track_caller]
 fn golden(name: &str, text: &str) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/plan_output").join(name);
@@ -134,7 +134,7 @@ fn is_a_plan_file(plan: &Value) {
         assert_eq!(item["doJumpId"], index + 1);
         let params = item["params"].as_array().unwrap();
         assert!(params.len() == 7 && params.iter().all(|param| param.is_null() || number(param)), "{item}");
-        // Above home or above mean sea level; what has no place has no altitude.
+        // Altitudes above home or above mean sea level; items without a place have none.
         let modes = [(0, Some(2)), (3, Some(1)), (2, None)];
         let expected = modes.iter().find(|(frame, _)| item["frame"] == *frame).unwrap().1;
         if let Some(mode) = expected {
@@ -207,7 +207,7 @@ fn a_printed_procedure_is_checked_and_flown() {
     desk.apex(&["fly", "m", "--record", "flown.apex", "--no-progress"]).well().told(&["of flight"]);
     let why = desk.apex(&["why", "flown.apex", "patrol", "--at", "20min"]).well();
     why.told(&["pursued by procedure", "plan.pdl"]);
-    // What is flown is what was planned, in its order.
+    // The flown order is the planned one.
     let planned: Vec<String> = desk
         .read("m/plan.pdl")
         .lines()

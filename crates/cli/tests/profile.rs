@@ -1,4 +1,4 @@
-//! `apex profile`: measured, completed, shown, compared; and what mistakes look like.
+//! `apex profile`: measuring, completing, showing, comparing, and messages about mistakes.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 

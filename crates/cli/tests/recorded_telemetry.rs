@@ -1,4 +1,4 @@
-//! The paper's two examples as whole missions, from the command line: checked, run over recorded telemetry, asked why.
+//! The paper's two examples as whole missions on the command line: checked, run over recorded telemetry, explained.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Flight records that cannot be written, are cut off, were tampered with or are something else.
+//! Flight records that cannot be written, are incomplete, were modified, or are other files.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that cannot prepare its files has failed")]
 
@@ -107,7 +107,7 @@ fn what_can_be_trusted_is_recovered_into_a_new_record() {
     let desk = Desk::with_flight();
     let path = desk.path("flight.apex");
     let bytes = fs::read(&path).unwrap();
-    // The last group holds the report; what comes before is the flight.
+    // The last group contains the report; the groups before it contain the flight.
     let forged = replaced(&bytes, b"\"reason\"", b"\"wish!!\"");
     assert_ne!(forged, bytes, "the report is in the record");
     fs::write(&path, &forged).unwrap();
@@ -140,7 +140,7 @@ fn a_record_of_another_version_says_so() {
     desk.apex(&["replay", "flight.apex"]).complained(2, &["version 99 of the record format", "use a newer Apex"]);
 }
 
-/// `bytes` with every `from` replaced by `to` of the same length.
+/// Returns `bytes` with every `from` replaced by `to` of the same length.
 fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let mut bytes = bytes.to_vec();
@@ -152,7 +152,7 @@ fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A flight that is killed on its way leaves a record that reports it, and that explains what it holds.
+/// A killed flight leaves a record that is marked as incomplete and that still explains its contents.
 #[test]
 fn a_flight_that_was_cut_off_is_marked_incomplete() {
     let desk = Desk::new();
@@ -203,7 +203,7 @@ fn output_on_a_full_disk_is_a_failure_and_no_panic() {
     }
 }
 
-/// Needs the right to mount; without it there is no small disk to fill, and the runtime's tests fill a file instead.
+/// Needs the right to mount a file system; without it there is no small disk to fill, and the runtime's tests fill a file instead.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_flight_outlives_a_full_disk_and_leaves_nothing_that_passes_for_whole() {
@@ -256,7 +256,7 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     assert_eq!(key.len(), 64, "{}", said.out);
     desk.apex(&["verify", "f.apex", "--signer", &key]).well();
     desk.apex(&["verify", "f.apex", "--signer", &"0".repeat(64)]).complained(1, &["is not signed by", &key]);
-    // Without its signature the record says whose is missing.
+    // Without its signature file, the record names the key whose signature is missing.
     fs::rename(desk.path("f.apex.sig"), desk.path("elsewhere")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex does not hold", "f.apex.sig"]);
     // The signature of another flight is none.

@@ -6,7 +6,7 @@ mod common;
 
 use common::Desk;
 
-/// Returns the mission that watches structures, shorter, with the library and one more step.
+/// Returns the mission that watches structures, shortened, with the library and one additional step.
 fn watched(step: &str) -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":libraries (", ":libraries (\"replanning\" ");
@@ -28,7 +28,7 @@ fn flown(desk: &Desk, more: &[&str]) -> String {
     report
 }
 
-/// Returns the line of the report that names `what`, and those after it.
+/// Returns the line of the report that names `what`, and the following lines.
 fn after<'r>(report: &'r str, what: &str) -> &'r str {
     report.split_once(what).map_or_else(|| panic!("no {what:?} in {report}"), |(_, after)| after)
 }

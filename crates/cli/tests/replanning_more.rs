@@ -1,4 +1,4 @@
-//! Planning again in flight: each kind of update alone, the clock more than once, and new plans that are taken up.
+//! Planning again in flight: each kind of update alone, several times by the clock, and adopted plans.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where it is surprised")]
 

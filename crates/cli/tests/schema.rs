@@ -1,4 +1,4 @@
-//! The JSON of problems and plans against their schemas: what is printed obeys them, and the reader is as strict as they are.
+//! The JSON of problems and plans against their schemas: output is valid, and the reader is as strict as the schemas.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -89,7 +89,7 @@ fn every_shipped_sensor_file_obeys_the_schema() {
     }
 }
 
-/// Problems that have every kind of member between them.
+/// Returns problems that together contain every kind of member.
 fn examples() -> Vec<Value> {
     let desk = Desk::new();
     let text = desk.apex(&["plan", "small-fixed-uniform-3-globular", "--problem"]).well().out;
@@ -129,7 +129,7 @@ fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
     }
 }
 
-/// One change somewhere: a value of another kind or size, a member lost, added or misspelt, a list cut or grown.
+/// Makes one random change: a value of another kind or size, a member removed, added or misspelt, a list shortened or extended.
 fn mutate(value: &mut Value, dice: &mut Generator) -> String {
     let mut below = |count: usize| dice.below(count);
     let mut places = Vec::new();
@@ -183,7 +183,7 @@ fn what_the_schema_refuses_the_reader_refuses() {
         match (allowed, read.code) {
             (true, Some(0)) => neither += 1,
             (false, Some(2)) => both += 1,
-            // What a schema cannot say: names that are unique, tables that fit, times that rise.
+            // Constraints that a schema cannot express: unique names, matching sizes of tables, increasing times.
             (true, Some(2)) if read.err.contains("is invalid") => senseless += 1,
             _ => panic!("{change}: the schema {allowed}, the reader {read:?}\n{problem}"),
         }

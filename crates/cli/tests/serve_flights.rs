@@ -1,4 +1,4 @@
-//! A server that flies missions is stopped: its flights end cleanly.
+//! A stopped server that flies missions ends its flights in an orderly way.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test that cannot start its program has failed")]

@@ -1,4 +1,4 @@
-//! Planners that are programs: they plan and fly like others, and whatever they do ends in a separate process.
+//! Solver programs: they plan and fly like other planners, and their faults stay in a separate process.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 

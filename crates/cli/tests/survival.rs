@@ -1,4 +1,4 @@
-//! `apex plan --survival`: what a plan costs where events are not rare.
+//! `apex plan --survival`: the cost of a plan if events are not rare.
 #![allow(clippy::expect_used, clippy::indexing_slicing, reason = "a test")]
 
 mod common;
@@ -6,7 +6,7 @@ mod common;
 use common::Desk;
 use serde_json::{Value, json};
 
-/// One target that is seen every 300 s, with an event every `mean_s`.
+/// Returns a plan with one target that is seen every 300 s, with an event every `mean_s`.
 fn watched(mean_s: f64) -> Value {
     json!({"Surveillance": {
         "targets": [{

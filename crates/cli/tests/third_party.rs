@@ -1,5 +1,5 @@
-//! Planners of third parties, good and bad, in flight: what the good one plans is flown; what bad ones do is named in the record,
-//! and the flight continues.
+//! Good and bad planners of third parties in flight: the plans of the good one are flown; faults of bad ones are named in the record, and
+//! the flight continues.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -72,10 +72,10 @@ fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     let missions = ["--cells", cell, "--missions", "6", "--budgets", "1ms", "--no-progress"];
     let build = ["profile", "build", &profile, "--planners", "nearest-neighbour"];
     run(&[build.as_slice(), missions.as_slice()].concat());
-    // One planner more is measured on the same missions.
+    // An additional planner is measured on the same missions.
     run(&["profile", "update", &profile, "--planners", "shortcut", "--table", &table, "--no-progress"]);
     assert!(desk.read("mine.csv").contains("shortcut"), "{}", desk.read("mine.csv"));
-    // The planner that the table chooses flies: no option names it.
+    // The table chooses the planner; no option names it.
     run(&["fly", &folder, "--record", &record, "--table", &table, "--until", "3min", "--no-progress"]);
     desk.apex(&["trace", "r.apex", "--type", "plan"]).well().told(&["because shortcut answered request 0"]);
     // A program without that planner reports it.
@@ -85,7 +85,7 @@ fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     desk.apex(&["plan", "m", "--table", "broken.csv"]).complained(2, &["broken.csv:2:"]);
 }
 
-/// Better than going to the nearest: asks another planner.
+/// A better planner than nearest neighbour: uses another planner.
 struct Shortcut;
 
 impl Solver for Shortcut {
@@ -156,7 +156,7 @@ impl Solver for Bad {
 fn fly_with(name: &'static str, more: &[&str]) -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
-    // Without a plan this mission fails; here it continues.
+    // Without a plan this mission would fail; with this step it continues.
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
     desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
     let mut planners = apex_solvers::shipped();
@@ -187,7 +187,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         let desk = fly_with(name, &["--until", "5min", "--solver-timeout", timeout, "--solver-memory", memory]);
         let trace = desk.apex(&["trace", "r.apex"]).well();
         assert!(trace.out.contains(named), "{name}: `{named}` is not in\n{}", trace.out);
-        // The executive continues: it handles the failure, watches the radio, and flies until the time is up.
+        // The executive continues: it handles the failure, watches the radio, and flies until the end time.
         let late = desk.apex(&["trace", "r.apex", "--from", "4:50"]).well();
         assert!(trace.out.contains("(without-a-plan)") && late.out.contains("signal-level"), "{name}\n{}", trace.out);
         desk.apex(&["replay", "r.apex"]).well();
@@ -196,7 +196,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
 
 #[test]
 fn a_paced_flight_holds_mission_time_until_a_planner_that_hangs_is_abandoned() {
-    // Mission time stands still meanwhile (decision 0120): the pace that an operator chose does not decide what is flown.
+    // Mission time stops meanwhile (decision 0120): the pace that an operator chose does not affect the flight.
     let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-timeout", "3s"]);
     let trace = desk.apex(&["trace", "r.apex"]).well();
     assert!(trace.out.contains("(without-a-plan)"), "{}", trace.out);

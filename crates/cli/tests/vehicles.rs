@@ -1,4 +1,5 @@
-//! A mission's own vehicle file: flown, planned with, visible to PDL, stored in the record, and refused with its field.
+//! A mission with a user-defined vehicle file: flown, planned with, visible to PDL, stored in the record, and rejected with the name of
+//! the wrong field.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -7,7 +8,7 @@ mod common;
 use apex_vehicle::{ShippedSensor, ShippedVehicle};
 use common::Desk;
 
-/// Returns a shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model's with one change.
+/// Returns a shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model with one change.
 fn desk(mission: &str, name: &str, from: &str, to: &str) -> Desk {
     let text = ShippedVehicle::find(name).unwrap().text;
     assert_eq!(text.matches(from).count(), 1, "{from}");

@@ -19,7 +19,7 @@ impl Bits {
         bits
     }
 
-    /// Adds a number; one beyond the bound is ignored.
+    /// Adds a number; a number beyond the bound is ignored.
     pub fn insert(&mut self, number: usize) {
         if let Some(word) = self.0.get_mut(number / WORD) {
             *word |= 1 << (number % WORD);
@@ -33,12 +33,12 @@ impl Bits {
         }
     }
 
-    /// Returns true if it holds the number.
+    /// Returns true if the set has the number.
     pub fn contains(&self, number: usize) -> bool {
         self.0.get(number / WORD).is_some_and(|word| word >> (number % WORD) & 1 == 1)
     }
 
-    /// Returns true if it holds nothing.
+    /// Returns true if the set is empty.
     pub fn is_empty(&self) -> bool {
         self.0.iter().all(|word| *word == 0)
     }
@@ -48,7 +48,7 @@ impl Bits {
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Returns true if every number of it is in `other`.
+    /// Returns true if every number of this set is in `other`.
     pub fn is_subset(&self, other: &Bits) -> bool {
         self.0.iter().zip(&other.0).all(|(mine, theirs)| mine & !theirs == 0)
     }
@@ -63,7 +63,7 @@ impl Bits {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & theirs).count_ones() as usize).sum()
     }
 
-    /// Returns the number of members that `other` does not have.
+    /// Returns how many numbers of this set are not in `other`.
     pub fn beyond(&self, other: &Bits) -> usize {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & !theirs).count_ones() as usize).sum()
     }
@@ -90,7 +90,7 @@ impl Bits {
         both
     }
 
-    /// Returns the numbers of it that are not in `other`.
+    /// Returns the numbers of this set that are not in `other`.
     pub fn without(&self, other: &Bits) -> Bits {
         let mut rest = self.clone();
         rest.subtract(other);
@@ -107,7 +107,7 @@ impl Bits {
         self.0.iter().enumerate().flat_map(|(index, word)| Bits::numbers(index, *word))
     }
 
-    /// Returns the numbers of one word, which is the one with this index.
+    /// Returns the numbers of one word; `index` is the position of the word.
     pub(crate) fn numbers(index: usize, word: u64) -> impl Iterator<Item = usize> {
         let mut rest = word;
         std::iter::from_fn(move || {
@@ -126,7 +126,7 @@ impl Bits {
     }
 }
 
-/// Returns the sets of which no other one is a part, in order; of equal ones, one.
+/// Returns, in order, the sets that contain no other set as a part; of equal sets, one.
 pub(crate) fn minimal(mut sets: Vec<Bits>) -> Vec<Bits> {
     sets.sort_by_cached_key(|set| (set.len(), set.clone()));
     sets.dedup();

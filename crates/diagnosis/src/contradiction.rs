@@ -1,7 +1,8 @@
-//! Outcomes that no set of failures explains: the smallest set of tests without which the rest is consistent.
+//! Outcomes that no set of failures explains: the smallest sets of tests without which the other outcomes are consistent.
 //!
-//! Either a test has a wrong result, or the model lacks a dependency. Iterative deepening over the number of tests left out: of an
-//! unexplained failed test, either it is left out, or for one failure mode all passed tests that clear it are.
+//! Either a test has a wrong result, or the model lacks a dependency. The search deepens iteratively over the number of tests left out. A
+//! failed test without an explanation leaves two ways: leave out that test, or leave out all passed tests that clear one of its failure
+//! modes.
 //! Bound: [`RETRACTIONS_MAX`] sets of tests.
 
 use crate::bits::{Bits, minimal};
@@ -15,13 +16,14 @@ use std::collections::BTreeSet;
 /// Outcomes that exclude each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contradiction {
-    /// Failed tests, by index, that no failure explains together with the passed tests. The diagnosis leaves them out.
+    /// Failed tests, by index, that no failure explains together with the passed tests. The diagnosis ignores them.
     pub unexplained: Vec<usize>,
-    /// Sets of tests, by index, without each of which the other outcomes are consistent; all of one size, at most [`ALTERNATIVES_MAX`].
+    /// Sets of tests, by index. Without any one of these sets the other outcomes are consistent. All sets have the same size, and there
+    /// are at most [`ALTERNATIVES_MAX`].
     pub left_out: Vec<Vec<usize>>,
     /// No smaller set of tests does. False where a limit ended the search.
     pub is_smallest: bool,
-    /// No other set of this size does. False where a limit ended the search.
+    /// True if no other set of this size makes the rest consistent; false if a limit ended the search.
     pub are_all: bool,
 }
 
@@ -39,9 +41,9 @@ pub(crate) struct Retraction<'a> {
 /// Defect of a set of outcomes.
 enum Wrong {
     Nothing,
-    /// A failed test whose conflict has no failure mode left.
+    /// A failed test with no failure mode left in its conflict.
     Unexplained(usize),
-    /// A group whose candidates would all have made a passed test fail.
+    /// A group without a valid candidate: each one would also have made a passed test fail.
     Excluded(Box<ConflictGroup>),
 }
 
@@ -137,7 +139,7 @@ impl<'a> Retraction<'a> {
         Wrong::Nothing
     }
 
-    /// Returns a failed test whose conflict has no failure mode left.
+    /// Returns a failed test with no failure mode left in its conflict.
     fn unexplained(&self, left_out: &Bits) -> Option<usize> {
         let good = TestEvidence::good(self.model, self.exclusions, self.outcomes, left_out);
         let mut failed = self.outcomes.iter().zip(&self.model.tests).enumerate();
@@ -149,7 +151,7 @@ impl<'a> Retraction<'a> {
         found.map(|(index, _)| index)
     }
 
-    /// Ways to explain a failed test: to leave it out, or all passed tests that clear one of its failure modes.
+    /// Ways to make a failed test consistent: leave it out, or leave out all passed tests that clear one of its failure modes.
     fn explaining(&self, test: usize, left_out: &Bits) -> Vec<Bits> {
         let tests = self.outcomes.len();
         let clauses = self.model.tests.get(test).map_or(&[][..], |test| test.clauses());
@@ -172,8 +174,8 @@ impl<'a> Retraction<'a> {
         Bits::of(self.outcomes.len(), passed.map(|(test, _)| test))
     }
 
-    /// Tests of which one must be left out so that a group has a candidate: its failed tests, and passed tests that exclude sets of its
-    /// failure modes or clear failure modes of its conflicts.
+    /// Tests of which one must be left out before a group can have a candidate: the group's failed tests, and passed tests that exclude
+    /// sets of its failure modes or clear failure modes of its conflicts.
     fn allowing(&self, group: &ConflictGroup, left_out: &Bits) -> Vec<Bits> {
         let tests = self.outcomes.len();
         let failed = Bits::of(tests, group.conflicts.iter().map(|conflict| conflict.test));

@@ -1,8 +1,9 @@
 //! Run-time diagnosis: from test outcomes to the health of every failure mode and the minimal candidate sets.
 //!
-//! A passed test clears the failure modes that alone would have made it fail. The failed tests are conflicts: sets of remaining failure
-//! modes of which one is present. Candidates are the minimal sets that hit every conflict and would not have made a passed test fail.
-//! *bad* is in every candidate, *suspect* in some, *good* is cleared, *unknown* is everything else, also what a bad one masks.
+//! A passed test clears every failure mode that alone would have made it fail. Each failed test is a conflict: a set of remaining failure
+//! modes, at least one of which is present. Candidates are the minimal sets that hit every conflict and would not have made a passed test
+//! fail. A mode is *bad* if it is in every candidate, *suspect* if it is in some, *good* if it is cleared, and *unknown* otherwise, which
+//! includes modes masked by a bad one.
 //! Bound: one change of an outcome solves the groups that it changes, each within [`crate::limits::NODES_MAX`] partial sets.
 
 use crate::bits::{Bits, minimal};
@@ -20,12 +21,12 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Health {
-    /// Nothing: it is in no candidate, and no passed test clears it.
+    /// The outcomes say nothing about the failure mode: it is in no candidate, and no passed test clears it.
     #[default]
     Unknown,
     /// A passed test clears it.
     Good,
-    /// It is in some candidates; where a search ended at its limit, it may be in some.
+    /// The failure mode is in some candidates, or may be in some if a search ended at its limit.
     Suspect,
     /// It is in every candidate.
     Bad,
@@ -77,15 +78,15 @@ pub struct GroupDiagnosis {
 pub struct Diagnosis {
     /// Health of each failure mode.
     pub modes: Vec<Health>,
-    /// Health of each component: bad if every candidate has one of its failure modes.
+    /// Health of each component: bad if every candidate contains one of its failure modes.
     pub components: Vec<Health>,
-    /// Groups of failed tests: a candidate for all of them is one candidate of each.
+    /// Groups of failed tests: a candidate for all failed tests consists of one candidate from each group.
     pub groups: Vec<GroupDiagnosis>,
     /// Outcomes that exclude each other.
     pub contradiction: Option<Contradiction>,
 }
 
-/// A group with its diagnosis, kept while its conflicts stay as they are.
+/// A group with its diagnosis, kept until its conflicts change.
 #[derive(Clone, Debug)]
 struct Solved {
     group: ConflictGroup,
@@ -95,7 +96,7 @@ struct Solved {
     bad_components: Vec<usize>,
 }
 
-/// Diagnoses a model as outcomes of tests come in. Its diagnosis is a function of the outcomes alone.
+/// Diagnoses a model while outcomes of tests arrive. The diagnosis depends only on the present outcomes, not on their order.
 #[derive(Clone, Debug)]
 pub struct Diagnoser {
     model: Arc<Model>,
@@ -114,7 +115,7 @@ impl Diagnoser {
             (0..model.modes.len()).filter(|mode| model.modes.get(*mode).is_some_and(|mode| !mode.is_intermittent)),
         );
         let exclusion = |implicants: &[Bits]| {
-            // A failure that comes and goes may have been absent when the test passed.
+            // An intermittent failure may have been absent when the test passed.
             let lasting = implicants.iter().filter(|implicant| implicant.is_subset(&permanent));
             let (single, several): (Vec<&Bits>, Vec<&Bits>) = lasting.partition(|implicant| implicant.len() == 1);
             let clears = Bits::of(model.modes.len(), single.into_iter().filter_map(Bits::first));
@@ -147,12 +148,12 @@ impl Diagnoser {
         &self.diagnosis
     }
 
-    /// Takes the outcome of a test; true if it is another than before. A test that the model does not have is ignored.
+    /// Sets the outcome of a test; true if it has changed. A test that the model does not have is ignored.
     pub fn set(&mut self, test: usize, outcome: Outcome) -> bool {
         self.set_all([(test, outcome)])
     }
 
-    /// Takes several outcomes and diagnoses once; true if one is another than before.
+    /// Sets several outcomes and diagnoses once; true if any has changed.
     pub fn set_all(&mut self, outcomes: impl IntoIterator<Item = (usize, Outcome)>) -> bool {
         let mut changed = false;
         for (test, outcome) in outcomes {
@@ -187,7 +188,7 @@ impl Diagnoser {
             if excluded.is_empty() {
                 break (evidence.good, evidence.unexplained);
             }
-            // A test that is not explained accuses nothing: its other conflicts are left out, too, and the groups made again.
+            // An unexplained test is evidence against nothing, so its other conflicts are dropped, too, and the groups are formed again.
             excluded.into_iter().for_each(|test| left_out.insert(test));
             known.append(&mut self.solved);
         };
@@ -239,15 +240,15 @@ impl Solved {
 }
 
 impl Diagnosis {
-    /// Returns the likeliest candidates for all failed tests, at most `keep`; the empty set where no test failed. The shares are those of
-    /// the candidates found in each group, multiplied.
+    /// Returns the likeliest candidates for all failed tests, at most `keep`; the empty set if no test failed. The share of each is the
+    /// product of the shares of its parts among the candidates found in each group.
     pub fn candidates(&self, keep: usize) -> Vec<Candidate> {
         let modes = self.modes.len();
         let mut whole = vec![Candidate { modes: Bits::new(modes), cost: 0.0, share: 1.0 }];
         for group in &self.groups {
             let mut joined = Vec::new();
             for (index, one) in whole.iter().enumerate() {
-                // Of sorted lists, only pairs before this one can be among the first.
+                // In sorted lists, only pairs within this bound can be among the first `keep`.
                 for other in group.candidates.iter().take(keep / (index + 1)) {
                     joined.push(Candidate {
                         modes: one.modes.union(&other.modes),
@@ -283,8 +284,8 @@ fn solve(model: &Model, costs: &[f64], group: ConflictGroup) -> Solved {
         .zip(odds)
         .map(|(found, odds)| Candidate { modes: found.set, cost: found.cost, share: odds / all })
         .collect();
-    // Every minimal clause has, for each of its modes, a minimal hitting set with it; without a set that must not be held as a whole,
-    // health follows from the clauses alone. With one, it follows from the candidates if all are known.
+    // For each mode of a minimal clause there is a minimal hitting set that contains it. So without sets that must not be present as a
+    // whole, health follows from the clauses alone. With such sets, it follows from the candidates if all are known.
     let by_candidates = !group.nogoods.is_empty() && end == SearchEnd::All;
     let sets: Vec<&Bits> = candidates.iter().map(|candidate| &candidate.modes).collect();
     let (bad, mut suspect) = if by_candidates {

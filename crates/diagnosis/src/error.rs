@@ -1,13 +1,13 @@
-//! The error of a model or results file: what failed and where, why, what to do.
+//! The error of a model or results file: the problem, its place, the reason, and advice.
 
 use std::fmt;
 
 /// A text that is not a model, or not the results of its tests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DiagnosisError {
-    /// Name of the file as the caller gave it.
+    /// The file's name as given by the caller.
     pub file: String,
-    /// `line:column` of text that cannot be read, or the path of a field, such as `tests[3].needs[0]`; empty for the whole file.
+    /// `line:column` for text that cannot be read, otherwise the path of a field, such as `tests[3].needs[0]`; empty for the whole file.
     pub place: String,
     /// Cause.
     pub reason: String,
@@ -60,7 +60,7 @@ impl FileName<'_> {
     }
 }
 
-/// Returns the name among `known` that is most like `wanted`, as a hint.
+/// Returns the name among `known` that is closest to `wanted`, as a hint.
 pub(crate) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> String {
     let likeness = |name: &&str| (strsim::jaro_winkler(wanted, name) * 1e6) as u64;
     match known.max_by_key(likeness).filter(|name| strsim::jaro_winkler(wanted, name) > 0.75) {

@@ -1,4 +1,4 @@
-//! Evidence that test outcomes give about failure modes: healthy modes, conflicts, and sets that are not present together.
+//! Evidence of test outcomes about failure modes: healthy modes, conflicts, and sets that are not present together.
 
 use crate::bits::Bits;
 use crate::grouping::Conflict;
@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It was not run, or its result is out of date.
+    /// The test was not run, or its result is out of date.
     #[default]
     Unknown,
     /// It passed.
     Passed,
     /// It failed.
     Failed,
-    /// It fails at some times and passes at others: something that it depends on fails, and its passes clear nothing.
+    /// The test fails at some times and passes at others: something that it depends on fails, and its passes clear nothing.
     Intermittent,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Exclusion {
 pub(crate) struct TestEvidence {
     pub(crate) good: Bits,
     pub(crate) conflicts: Vec<Conflict>,
-    /// Sets that do not hold a good one.
+    /// Sets of modes that are not all present; sets with a good mode are omitted, since they cannot be.
     pub(crate) nogoods: Vec<Bits>,
     /// Failed tests of which a conflict has no failure mode left.
     pub(crate) unexplained: Vec<usize>,

@@ -1,19 +1,19 @@
-//! Condition for the loss of a signal or the failure of a test: a monotone formula of failure modes, in both normal forms.
+//! The condition for the loss of a signal or the failure of a test: a monotone formula over failure modes, in both normal forms.
 //!
 //! Bound: at most [`TERMS_MAX`] sets in each form; a formula beyond is refused.
 
 use crate::bits::{Bits, minimal};
 use crate::limits::TERMS_MAX;
 
-/// Sets of a product before those that hold others are left out: comparing them takes the square of it.
+/// Largest number of sets in a product before its non-minimal sets are removed: comparing them takes the square of that number.
 const PRODUCT_MAX: usize = 8 * TERMS_MAX;
 
 /// A monotone formula of failure modes in its two minimal normal forms.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Formula {
-    /// Each set fails it: the formula is true if all modes of one of the sets are present.
+    /// Disjunctive form: the formula is true if all modes of any one of these sets are present.
     pub(crate) implicants: Vec<Bits>,
-    /// Each set has a present mode where it fails: the formula is true if every set has one.
+    /// Conjunctive form: the formula is true if every one of these sets has a present mode.
     pub(crate) clauses: Vec<Bits>,
 }
 
@@ -32,7 +32,7 @@ impl Formula {
         Formula { implicants: vec![Bits::new(modes)], clauses: Vec::new() }
     }
 
-    /// Returns a formula that is true if one of these modes is present.
+    /// Returns a formula that is true if any of these modes is present.
     pub(crate) fn one_of(modes: usize, which: &[usize]) -> Formula {
         let implicants = which.iter().map(|mode| Bits::of(modes, [*mode])).collect();
         Formula { implicants: minimal(implicants), clauses: vec![Bits::of(modes, which.iter().copied())] }

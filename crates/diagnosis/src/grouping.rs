@@ -1,10 +1,11 @@
-//! Conflicts that share failure modes, as groups that can be diagnosed separately: every candidate is one set of each group.
+//! Conflicts that share failure modes, as groups that can be diagnosed separately: every candidate is the union of one set from each
+//! group.
 //!
 //! Bound: O(conflicts x groups x words).
 
 use crate::bits::Bits;
 
-/// Failure modes of which one is present, since a test failed.
+/// Failure modes of which at least one is present, because a test failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Conflict {
     pub(crate) test: usize,
@@ -21,7 +22,8 @@ pub(crate) struct ConflictGroup {
     pub(crate) nogoods: Vec<Bits>,
 }
 
-/// Returns the groups of these conflicts, in order of their least failure mode. Sets of `nogoods` that no candidate can hold are left out.
+/// Returns the groups of these conflicts, ordered by their least failure mode. Sets of `nogoods` that no candidate can contain are left
+/// out.
 pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize) -> Vec<ConflictGroup> {
     let mut groups: Vec<ConflictGroup> = Vec::new();
     for conflict in conflicts {
@@ -42,11 +44,11 @@ pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize)
     groups
 }
 
-/// Merges the groups that share modes with `set`, and gives the merged one to `add`.
+/// Merges the groups that share modes with `set`, and passes the merged group to `add`.
 fn join(groups: &mut Vec<ConflictGroup>, set: Bits, add: impl FnOnce(&mut ConflictGroup)) {
     let (mut touched, mut others): (Vec<ConflictGroup>, Vec<ConflictGroup>) =
         groups.drain(..).partition(|group| group.modes.intersects(&set));
-    // The largest takes the others in: each conflict moves seldom.
+    // The others are merged into the largest group, so that few conflicts are moved.
     touched.sort_by_key(|group| group.conflicts.len());
     let mut whole =
         touched.pop().unwrap_or(ConflictGroup { modes: set.clone(), conflicts: Vec::new(), nogoods: Vec::new() });

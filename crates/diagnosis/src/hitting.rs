@@ -1,9 +1,10 @@
-//! Minimal hitting sets: the least sets of failure modes that explain all failed tests, the likeliest first.
+//! Minimal hitting sets: the smallest sets of failure modes that explain all failed tests, the likeliest first.
 //!
-//! Depth first, so that a search that runs out of nodes has found good sets by then. Every set is reached once: of the modes of a
-//! branching clause, those tried before are available to later branches, and those tried later are not; a partial set one of whose
-//! modes no longer hits a clause alone is left (Murakami and Uno 2014). Once as many sets as are kept have been found, partial sets
-//! that cannot be cheaper than the worst of them are left, too; the bound adds the cheapest modes of clauses that have none in common.
+//! The search is depth first, so that it already has good sets if it runs out of nodes. Every set is reached once: among the modes of a
+//! branching clause, modes tried earlier are available to later branches, and modes still to be tried are not. A partial set is abandoned
+//! if one of its modes is no longer the only one to hit some clause (Murakami and Uno 2014). Once enough sets have been found, partial
+//! sets that cannot be cheaper than the worst of these are abandoned, too; the bound adds the cheapest modes of clauses that share no
+//! mode.
 //! Bound: the nodes given, each O(words x (modes of the set + sets that must not be held)).
 
 use crate::bits::Bits;
@@ -11,11 +12,11 @@ use crate::bits::Bits;
 /// Reason for which a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchEnd {
-    /// Every minimal set is among those found.
+    /// All minimal sets were found.
     All,
-    /// There may be more minimal sets, none of which is likelier than those found.
+    /// There may be more minimal sets, but none is likelier than the sets found.
     Likeliest,
-    /// The limit of nodes ended the search: there may be more sets, and likelier ones.
+    /// The node limit ended the search: there may be more sets, even likelier ones.
     NodeLimit,
 }
 
@@ -42,7 +43,7 @@ pub(crate) struct HittingSet {
     pub(crate) cost: f64,
 }
 
-/// Clauses among which the one to branch on is chosen; the first are the smallest where the caller sorts them.
+/// Number of open clauses considered for branching, from the first on; the smallest come first if the caller sorts them.
 const SCANNED_MAX: usize = 12;
 /// Clauses that the bound considers.
 const BOUND_SCANNED_MAX: usize = 48;
@@ -103,7 +104,7 @@ struct HittingSearch<'a> {
 }
 
 impl HittingSearch<'_> {
-    /// Extends a partial set by all of its ways. `available` is as before when it returns.
+    /// Extends a partial set in all possible ways. On return `available` is unchanged.
     fn extend(&mut self, state: &PartialSet, available: &mut Bits) {
         let Some(branch) = self.branch(state, available) else {
             if state.once.len() == self.problem.clauses.len() {
@@ -134,8 +135,8 @@ impl HittingSearch<'_> {
         available.extend(&branch);
     }
 
-    /// Finds one set if the limit of nodes was reached before the first: takes the mode that hits the first open clause and most others for
-    /// its cost, repeatedly, and then removes what is not needed.
+    /// Finds one set if the node limit was reached before any was found. It repeatedly takes the mode that hits the first open clause and
+    /// the most others for its cost, and finally removes unneeded modes.
     fn greedy(&mut self, mut state: PartialSet) {
         loop {
             let clause = self.unhit(&state).next();
@@ -156,7 +157,8 @@ impl HittingSearch<'_> {
         }
     }
 
-    /// Returns the available modes of the clause that has the fewest among the first; `None` if all clauses are hit, or one cannot be.
+    /// Returns the available modes of the clause with the fewest among the first open ones; `None` if all clauses are hit, or one cannot
+    /// be hit.
     fn branch(&self, state: &PartialSet, available: &Bits) -> Option<Bits> {
         let mut fewest: Option<(usize, &Bits)> = None;
         for clause in self.unhit(state).take(SCANNED_MAX) {
@@ -182,7 +184,7 @@ impl HittingSearch<'_> {
             .filter_map(|index| self.problem.clauses.get(index))
     }
 
-    /// Modes of a clause, those first that hit much for their cost.
+    /// Modes of a clause, ordered so that modes that hit many clauses for their cost come first.
     fn in_order(&self, branch: &Bits, state: &PartialSet) -> Vec<usize> {
         let worth = |mode: usize| {
             let hits = self.columns.get(mode).map_or(0, |column| column.beyond(&state.once));
@@ -197,7 +199,7 @@ impl HittingSearch<'_> {
         self.problem.costs.get(mode).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Returns the partial set with one mode more; `None` if a mode of it is then not needed, or it holds what must not be held.
+    /// Returns the partial set with one more mode; `None` if another mode then becomes unneeded, or if the set contains a forbidden set.
     fn with(&self, state: &PartialSet, mode: usize) -> Option<PartialSet> {
         let column = self.columns.get(mode)?;
         let (mut once, mut twice, mut set) = (state.once.clone(), state.twice.clone(), state.set.clone());
@@ -211,7 +213,7 @@ impl HittingSearch<'_> {
         is_good.then(|| PartialSet { set, once, twice, cost: state.cost + self.cost(mode) })
     }
 
-    /// Returns true if no set from here on can be cheaper than the worst of those kept.
+    /// Returns true if no extension of this partial set can be cheaper than the worst kept set.
     fn is_beaten(&self, state: &PartialSet, available: &Bits) -> bool {
         let worst = match self.found.last() {
             Some(worst) if self.found.len() >= self.problem.keep => worst.cost,

@@ -1,9 +1,10 @@
-//! Diagnosis by a dependency model: components with failure modes, signals, tests, and what each test's failure says.
+//! Diagnosis with a dependency model: components with failure modes, signals, tests, and the conclusions from each test's failure.
 //!
 //! A model (multi-signal flow graph; Deb, Pattipati, Raghavan, Shakeri and Shrestha 1995) states which failure modes make which tests
-//! fail, with AND/OR paths for redundancy. From it follow the testability figures, and from test outcomes the health of each failure
-//! mode with the minimal sets of faults that explain the outcomes (Reiter 1987). The crate is pure: it reads text, touches no file,
-//! clock or random source, and iterates over nothing in hash order. `docs/reference/diagnosis.md` describes the files and every figure.
+//! fail, with AND/OR paths for redundancy. The testability figures follow from it. Together with test outcomes it gives the health of
+//! each failure mode, and the minimal sets of faults that explain the outcomes (Reiter 1987). The crate is pure: it reads text, touches
+//! no file, clock or random source, and iterates over nothing in hash order. `docs/reference/diagnosis.md` describes the files and every
+//! figure.
 
 mod bits;
 mod contradiction;

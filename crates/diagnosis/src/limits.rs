@@ -4,24 +4,24 @@
 pub const MODES_MAX: usize = 4_096;
 /// Tests of a model, as [`MODES_MAX`].
 pub const TESTS_MAX: usize = 4_096;
-/// Sets of failure modes that make one signal or test fail, and ways to keep it: redundancy of redundancy multiplies them.
+/// Sets of failure modes that make one signal or test fail, or that keep it working: nested redundancy multiplies them.
 pub const TERMS_MAX: usize = 512;
-/// Minimal candidate sets that are kept for one group of failed tests, the likeliest first.
+/// Minimal candidate sets kept for one group of failed tests, the likeliest first.
 pub const CANDIDATES_MAX: usize = 64;
-/// Partial sets that the search for candidates of one group examines: a change of a test then takes less than 1 ms in the hardest case of
-/// the benchmark `diagnosis`.
+/// Partial sets examined in the search for candidates of one group. With this limit a changed test result takes less than 1 ms in the
+/// hardest case of the benchmark `diagnosis`.
 pub const NODES_MAX: usize = 500;
-/// Sets of tests that are tried in order to find the smallest ones that contradict the rest, in flight as [`NODES_MAX`].
+/// Sets of tests tried, in order, to find the smallest ones that contradict the rest. Limited for use in flight, like [`NODES_MAX`].
 pub const RETRACTIONS_MAX: usize = 60;
-/// Partial sets that decide whether one of them leaves the rest consistent, where passed tests exclude sets of failures.
+/// Partial sets examined to decide whether one set of tests leaves the rest consistent, if passed tests exclude sets of failures.
 pub const RETRACTION_NODES_MAX: usize = 40;
-/// Such a decision counts as so many sets of tests.
+/// Number of sets of tests as which such a decision counts.
 pub const RETRACTION_SEARCH: usize = 20;
 /// Such sets that are named.
 pub const ALTERNATIVES_MAX: usize = 8;
 /// Partial sets that the search for the smallest set of tests examines; a report is not made in flight.
 pub const TEST_SET_NODES_MAX: usize = 500_000;
-/// Pairs of failure modes that this search tells apart; beyond, the set is a small one, not the smallest.
+/// Pairs of failure modes that this search distinguishes. With more pairs, the result is a small set but perhaps not the smallest.
 pub const TEST_SET_PAIRS_MAX: usize = 4_000;
 /// Triples of masked failures that a report lists.
 pub const MASKS_MAX: usize = 100;

@@ -1,4 +1,4 @@
-//! A checked model: components, failure modes, tests, and when each test fails.
+//! A checked model: components, failure modes, tests, and the failure condition of each test.
 
 use crate::bits::Bits;
 use crate::formula::Formula;
@@ -10,11 +10,11 @@ pub struct Model {
     pub name: String,
     /// Components in the order of the file.
     pub components: Vec<Component>,
-    /// Failure modes of all components in the order of the file; tests and diagnoses name them by their index.
+    /// Failure modes of all components in the order of the file; tests and diagnoses refer to them by index.
     pub modes: Vec<FailureMode>,
-    /// Tests in the order of the file; diagnoses name them by their index.
+    /// Tests in the order of the file; diagnoses refer to them by index.
     pub tests: Vec<Test>,
-    /// Signals that no test depends on, by name: they contribute nothing.
+    /// Names of signals that no test depends on, and that therefore contribute nothing.
     pub unused_signals: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ pub struct Component {
 /// One way in which a component fails.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureMode {
-    /// Its name: that of the component if it has one mode, else `component/mode`.
+    /// The mode's name: the component's name if it has only one mode, otherwise `component/mode`.
     pub name: String,
     /// Title for reports.
     pub title: String,
@@ -42,18 +42,18 @@ pub struct FailureMode {
     pub component: usize,
     /// Probability of failing in an hour of flight, above 0 and below 0.5.
     pub probability_per_hour: f64,
-    /// The failure comes and goes: a passed test does not exclude it.
+    /// The failure is intermittent, so a passed test does not exclude it.
     pub is_intermittent: bool,
 }
 
-/// A test and what makes it fail.
+/// A test, and the failures that make it fail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
     /// Its name, a symbol of PDL.
     pub name: String,
     /// Title for reports.
     pub title: String,
-    /// PDL condition that holds while the test fails; `None` if its outcome comes from outside.
+    /// PDL condition that holds while the test fails; `None` if its outcome is supplied from outside.
     pub monitor: Option<Monitor>,
     pub(crate) formula: Formula,
 }
@@ -63,29 +63,29 @@ pub struct Test {
 pub struct Monitor {
     /// Condition under which the test has failed.
     pub fails: String,
-    /// Condition under which it has passed.
+    /// Condition under which the test has passed.
     pub passes: String,
 }
 
 impl Test {
-    /// Returns the minimal sets of failure modes that make it fail together.
+    /// Returns the minimal sets of failure modes that together make the test fail.
     pub fn implicants(&self) -> &[Bits] {
         &self.formula.implicants
     }
 
-    /// Returns the minimal sets of failure modes of which each has a present one when the test fails.
+    /// Returns the minimal sets of failure modes that each have a present mode when the test fails.
     pub fn clauses(&self) -> &[Bits] {
         &self.formula.clauses
     }
 
-    /// Returns true if these failure modes make it fail.
+    /// Returns true if these failure modes make the test fail.
     pub fn fails_with(&self, present: &Bits) -> bool {
         self.formula.implicants.iter().any(|implicant| implicant.is_subset(present))
     }
 }
 
 impl Model {
-    /// Returns the D-matrix by failure modes: the tests that each failure mode alone makes fail.
+    /// Returns the D-matrix by failure modes: for each mode the tests that fail because of it alone.
     pub fn rows(&self) -> Vec<Bits> {
         let mut rows = vec![Bits::new(self.tests.len()); self.modes.len()];
         for (test, column) in self.columns().iter().enumerate() {
@@ -98,7 +98,7 @@ impl Model {
         rows
     }
 
-    /// Returns the D-matrix by tests: the failure modes that alone make each test fail.
+    /// Returns the D-matrix by tests: for each test the failure modes that alone make it fail.
     pub fn columns(&self) -> Vec<Bits> {
         let alone = |test: &Test| {
             let single = test.implicants().iter().filter(|implicant| implicant.len() == 1);

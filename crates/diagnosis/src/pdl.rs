@@ -1,4 +1,4 @@
-//! PDL that follows from a model: a monitor for each test that states how PDL tells it, and a response for each component with one.
+//! PDL generated from a model: a monitor for each test with a stated condition, and a response for each component that states one.
 
 use crate::model::Model;
 use std::fmt::Write;
@@ -6,8 +6,8 @@ use std::fmt::Write;
 impl Model {
     /// Returns the library of PDL that watches the tests of this model and responds to its diagnoses.
     ///
-    /// It serves `(watch the tests of NAME)`, which reports every outcome that changes, and `(respond to failures of NAME)`, which does the
-    /// response of each component that is bad.
+    /// It implements `(watch the tests of NAME)`, which reports every changed outcome, and `(respond to failures of NAME)`, which
+    /// performs the response of each bad component.
     pub fn pdl(&self) -> String {
         let name = &self.symbol();
         let mut text = format!(

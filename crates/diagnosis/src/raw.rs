@@ -1,4 +1,4 @@
-//! A model file as it is written, before it is checked.
+//! A model file as written, before its checks.
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
@@ -63,7 +63,7 @@ pub(crate) struct RawMonitor {
     pub(crate) passes: String,
 }
 
-/// A need of a signal or test: one thing, or any one of several.
+/// A need of a signal or test: one thing, or any one of several things.
 pub(crate) enum RawNeed {
     One(String),
     AnyOf(Vec<String>),

@@ -1,4 +1,4 @@
-//! From the text of a model file to a checked model.
+//! Reading a checked model from the text of a model file.
 
 use crate::bits::Bits;
 use crate::error::{DiagnosisError, FileName, nearest};
@@ -10,18 +10,18 @@ use std::collections::BTreeMap;
 
 /// The version of the format, the value of `format`.
 const FORMAT: &str = "apex-diagnosis-1";
-/// Nesting of signals: each level is one call, and no system is this deep.
+/// Maximum nesting of signals. Each level is one recursive call, and real systems are less deep.
 const DEPTH_MAX: usize = 200;
 
 type ModelResult<T> = Result<T, DiagnosisError>;
 
 impl Model {
-    /// Reads the text of a model file; `file` names it in errors.
+    /// Reads the text of a model file; `file` is its name in errors.
     ///
     /// # Errors
-    /// Text that is not JSON or has members that are unknown, repeated, missing or of another type; no components or tests; names that are
-    /// declared twice or not at all; signals that need each other in a circle; signals and tests that depend on nothing; probabilities
-    /// that are impossible; redundancy beyond [`TERMS_MAX`]; more than [`MODES_MAX`] failure modes or [`TESTS_MAX`] tests.
+    /// Text that is not JSON; members that are unknown, repeated, missing or of the wrong type; no components or no tests; names that are
+    /// declared twice or not at all; signals that need each other in a circle; signals and tests that depend on nothing; impossible
+    /// probabilities; redundancy beyond [`TERMS_MAX`]; more than [`MODES_MAX`] failure modes or [`TESTS_MAX`] tests.
     pub fn parse(file: &str, text: &str) -> Result<Model, DiagnosisError> {
         let file = FileName(file);
         let raw: RawModel = serde_json::from_str(text).map_err(|error| file.unreadable(&error))?;
@@ -79,7 +79,7 @@ impl<'a> ModelReader<'a> {
         }
     }
 
-    /// Checks all names and enters them.
+    /// Checks and registers all names.
     fn declare(&mut self) -> ModelResult<()> {
         let components = self.raw.components.iter().map(|component| component.name.as_str());
         let signals = self.raw.signals.iter().map(|signal| signal.name.as_str());
@@ -191,7 +191,7 @@ impl<'a> ModelReader<'a> {
         Ok(())
     }
 
-    /// Checks that a response is one form in parentheses, so that the generated PDL can be read.
+    /// Checks that a response is one form in parentheses, so that the generated PDL can be parsed.
     fn check_form(&self, text: Option<&str>, place: &str) -> ModelResult<()> {
         let Some(text) = text else { return Ok(()) };
         let mut depth = 0_i32;
@@ -241,7 +241,7 @@ impl<'a> ModelReader<'a> {
     }
 
     fn model(mut self) -> ModelResult<Model> {
-        // All signals, so that circles are found wherever they are.
+        // Resolves all signals, including unused ones, so that every circle is found.
         for signal in 0..self.raw.signals.len() {
             self.signal(signal)?;
         }
@@ -264,7 +264,7 @@ impl<'a> ModelReader<'a> {
         Ok(Some(Monitor { fails: fails.clone(), passes: passes.clone() }))
     }
 
-    /// Returns the formula of a signal, following what it needs.
+    /// Returns the formula of a signal, after resolving its needs.
     fn signal(&mut self, signal: usize) -> ModelResult<Formula> {
         if let Some(known) = self.formulas.get(&signal) {
             return Ok(known.clone());
@@ -288,7 +288,7 @@ impl<'a> ModelReader<'a> {
         Ok(formula)
     }
 
-    /// Returns the condition under which something that needs all of `needs` is lost.
+    /// Returns the condition for the loss of something that needs all of `needs`.
     fn formula(&mut self, needs: &'a [RawNeed], whose: Named, name: &str) -> ModelResult<Formula> {
         let place = place_of(whose, "needs");
         let modes = self.modes.len();
@@ -328,7 +328,7 @@ impl<'a> ModelReader<'a> {
         self.file.error(place, reason, "describe units that are replaced together as one component")
     }
 
-    /// Returns the formula of one thing that `whose` needs.
+    /// Returns the formula of one need of `whose`.
     fn need(&mut self, need: &str, place: &str, whose: &str) -> ModelResult<Formula> {
         match self.names.get(need) {
             Some(Named::Signal(signal)) => self.signal(*signal),

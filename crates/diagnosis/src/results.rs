@@ -1,4 +1,4 @@
-//! Reader of results files, which state outcomes of tests by name.
+//! Reader of results files, which give outcomes of tests by name.
 
 use crate::error::{DiagnosisError, FileName, nearest};
 use crate::evidence::Outcome;
@@ -8,7 +8,7 @@ use serde::Deserialize;
 /// Outcomes of a model's tests, by index.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Results {
-    /// One for each test of the model.
+    /// One outcome for each test of the model.
     pub outcomes: Vec<Outcome>,
 }
 
@@ -28,10 +28,10 @@ struct Raw {
 }
 
 impl Results {
-    /// Reads the text of a results file for `model`; `file` names it in errors.
+    /// Reads the text of a results file for `model`; `file` is its name in errors.
     ///
     /// # Errors
-    /// Text that is not JSON or has members that are unknown, repeated or of another type; a test that the model does not have, or that has
+    /// Text that is not JSON; members that are unknown, repeated or of the wrong type; a test that the model does not have, or that has
     /// two outcomes; no outcome at all.
     pub fn parse(file: &str, text: &str, model: &Model) -> Result<Results, DiagnosisError> {
         let file = FileName(file);

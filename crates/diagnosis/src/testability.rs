@@ -1,7 +1,7 @@
-//! Testability figures of a model: what its tests detect, how far they isolate, and which of them say the same.
+//! Testability figures of a model: the failures that its tests detect, how far they isolate them, and redundant tests.
 //!
-//! Definitions as in multi-signal flow graphs (TEAMS): detection counts single failures, isolation divides detected failures by the
-//! size of their ambiguity group. Tests with several failures at once (redundancy) have no part in them.
+//! Definitions as in multi-signal flow graphs (TEAMS): detection counts single failures, and isolation divides detected failures by the
+//! size of their ambiguity group. Tests that fail only with several simultaneous failures (redundancy) have no part in either.
 //! Bound: O(modes^2 x words) and the limits of the search for the smallest set of tests.
 
 mod masking;
@@ -20,7 +20,7 @@ pub const ISOLATION_SIZES: usize = 3;
 /// Testability figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Testability {
-    /// The D-matrix: for each failure mode the tests that it alone makes fail.
+    /// The D-matrix: for each failure mode the tests that fail because of it alone.
     pub rows: Vec<Bits>,
     /// Failure modes that at least one test detects.
     pub detected: Vec<usize>,
@@ -30,19 +30,19 @@ pub struct Testability {
     pub detection: f64,
     /// As `detection`, weighted by probability.
     pub detection_weighted: f64,
-    /// Share of detected failure modes in an ambiguity group of at most one, two, three failure modes.
+    /// Share of detected failure modes in an ambiguity group of at most one, two and three failure modes.
     pub isolation: [f64; ISOLATION_SIZES],
     /// As `isolation`, with groups counted by their components.
     pub isolation_components: [f64; ISOLATION_SIZES],
-    /// Detected failure modes that the same tests detect, two or more.
+    /// Sets of two or more detected failure modes that the same tests detect.
     pub ambiguity_groups: Vec<Vec<usize>>,
-    /// Tests that the same failure modes make fail, two or more.
+    /// Sets of two or more tests that fail because of the same failure modes.
     pub equal_tests: Vec<Vec<usize>>,
     /// Tests that no single failure mode makes fail: only several together do.
     pub silent_tests: Vec<usize>,
-    /// Pairs of failure modes: all tests that detect the second fail with the first, too, which hides it.
+    /// Pairs of failure modes: the first also fails every test that detects the second, and so hides it.
     pub hidden: Vec<(usize, usize)>,
-    /// Two failures that look like a third one.
+    /// Pairs of failures that together look like a third one.
     pub masks: Vec<Mask>,
     /// Number of masks.
     pub masks_count: usize,

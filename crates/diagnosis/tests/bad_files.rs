@@ -1,4 +1,4 @@
-//! Models and results that cannot be used: each error names the place, the reason and what to do.
+//! Models and results that cannot be used: each error gives the place, the reason and advice.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 

@@ -1,4 +1,4 @@
-//! The worked model: D-matrix, testability figures and twelve diagnosed outcomes, compared with figures that were computed separately.
+//! The worked model: its D-matrix, its testability figures, and twelve diagnosed outcomes, compared with separately computed figures.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 

@@ -1,4 +1,4 @@
-//! Functions of a library, called by their names outside of any task: what a mission's data are computed by.
+//! Calls of library functions by name, outside of any task: for expressions in the data of a mission.
 
 use crate::expression::evaluate;
 use crate::expression::view::View;
@@ -10,11 +10,11 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// Returns the value of a function of the agent's library, or a host function, for these arguments. It sees what the agent knows and no
-/// task, and changes nothing.
+/// Returns the value of a function of the agent's library, or of a host function, for `arguments`. The function sees the agent's
+/// variables and samples but no task, and changes nothing.
 ///
 /// # Errors
-/// Place and reason where there is no such function, it does not take these arguments, or it has no value for them.
+/// Place and reason if the function does not exist, does not accept these arguments, or has no value for them.
 pub fn call(agent: &Agent, function: &Symbol, arguments: &[Value]) -> Result<Value, String> {
     let place = agent.library.functions.get(function).map_or_else(Place::default, |defined| defined.place);
     let constant = |value: &Value| Expr { kind: ExprKind::Constant(value.clone()), place };

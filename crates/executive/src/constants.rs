@@ -27,8 +27,8 @@ pub(crate) fn compute(library: &Library, context: &dyn EvalContext) -> Result<Ve
     }
 }
 
-/// Constants of `library` that have no value: the name of each, what in it cannot be computed, and why. Nothing is said
-/// while a function that the host registers is missing: constants may call it.
+/// Returns each constant of `library` that has no value: its name, the place of the expression that fails, and the reason. Returns an
+/// empty list while a function that the host registers is missing, because constants may call it.
 pub fn failing_constants(library: &Arc<Library>, host: HostFunctions) -> Vec<(Symbol, Place, String)> {
     let mut declared = library.host_functions.iter();
     if library.constants.is_empty() || declared.any(|(name, function)| !function.command && host.get(name).is_none()) {
@@ -36,10 +36,10 @@ pub fn failing_constants(library: &Arc<Library>, host: HostFunctions) -> Vec<(Sy
     }
     let mut agent = Agent::default();
     agent.attach(Arc::clone(library), host);
-    // No task: the checker lets nothing into a constant that would ask for one.
+    // The expressions are evaluated without a task: the checker rejects constants whose expressions refer to one.
     let view = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let mut failures = values(library, &view).1;
-    // One that only uses another is not reported as well.
+    // A constant that fails only because it uses another failing constant is not reported.
     let at = |place: Place| (place.file, place.line, place.column);
     failures.retain(|(name, place, _)| {
         let before = library.constants.iter().filter(|(_, expr)| at(expr.place) <= at(*place));

@@ -39,8 +39,8 @@ use std::sync::Arc;
 /// Makes the agent described by `declaration`. Its root task is created by the first [`step`].
 ///
 /// # Errors
-/// An error message when the library cannot be executed: it declares a host function that the host did not register,
-/// or a constant that cannot be computed.
+/// An error message if the library cannot be executed: it declares a host function that the host did not register, or a constant that
+/// cannot be computed.
 pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFunctions) -> Result<Agent, String> {
     registration::all_registered(&library, &host)?;
     let mut agent = Agent {

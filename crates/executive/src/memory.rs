@@ -1,6 +1,6 @@
-//! Memory: how far back a program looks, clause by clause, and what that takes (`condition-rules.md`, rules 20 and 23).
+//! Memory: how far back the clauses of a program look, and the size of that memory (`condition-rules.md`, rules 20 and 23).
 //!
-//! What is derived here is what an agent obeys: [`crate::load`] prepares the histories by the same demands.
+//! The report and the agent share one derivation: [`crate::load`] prepares the histories by the same demands.
 
 use crate::monitoring::memory::retention;
 use crate::state::histories::history::{Occurrence, Sample};
@@ -38,7 +38,7 @@ pub struct MemoryUse {
     pub logged: u64,
 }
 
-/// Returns the remembered data of everything that the library declares or looks back at, for each object of it.
+/// Returns the memory of every variable and message that the library declares or looks back at, for each object.
 pub fn kept(library: &Library) -> Vec<MemoryUse> {
     let demands = demands(library);
     let everything = demands.iter().filter(|demand| demand.subject == Subject::EveryAttribute);
@@ -64,7 +64,7 @@ pub fn kept(library: &Library) -> Vec<MemoryUse> {
     subjects.into_iter().map(of).collect()
 }
 
-/// Returns the limit as the agents have it: of several the greatest.
+/// Returns the limit that the agents have; with several agents the greatest.
 fn limit(library: &Library, limit: Limit) -> u64 {
     library.crew().iter().map(|agent| agent.limits.of(limit)).max().unwrap_or_else(|| limit.most())
 }
@@ -93,7 +93,7 @@ fn samples<'a>(
     let within = match (span, rate_per_s) {
         (None, _) => Some(most),
         (Some(Duration::ZERO), _) => Some(least),
-        // Both ends of the window, and the sample that held when it begins.
+        // Both ends of the window, plus the sample that is valid at its start.
         (Some(span), Some(rate)) => Some(libm::ceil(span.seconds() * rate) as u64 + 2),
         (Some(_), None) => None,
     };
@@ -158,7 +158,7 @@ impl MemoryUse {
     }
 }
 
-/// Returns the report of `apex check --memory`: what is kept, because of which clauses, and which of them have no bound.
+/// Returns the report of `apex check --memory`: the kept data, the clauses that require them, and the clauses without a bound.
 pub fn report(library: &Library) -> String {
     let (demands, mut text) = (demands(library), String::new());
     let place = |demand: &Demand| library.describe_place(demand.place);

@@ -1,4 +1,4 @@
-//! Bugs planted on purpose, to measure what finds them. Only with the feature `planted-bugs`, which no shipped build has.
+//! Deliberate bugs that measure which tests find them. They exist only with the feature `planted-bugs`, which no shipped build has.
 
 /// A bug that can be planted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,21 +15,21 @@ pub enum Bug {
     RanksReversed,
     /// Ancestors continue before their descendants.
     AncestorsFirst,
-    /// A duration that must be longer than a limit need only reach it.
+    /// A duration that must exceed a limit counts when it equals the limit.
     LongerIsAtLeast,
     /// A value counts as held beyond the gap that is allowed.
     GapToNowForgotten,
-    /// A sample that comes late, but not too late, is not considered.
+    /// A late sample within the permitted lateness is ignored.
     LateSampleIgnored,
-    /// Of two samples of one instant the first counts.
+    /// Of two samples of one instant, the first one counts.
     FirstDuplicateWins,
     /// A line is trusted across a gap that is too long.
     GapOfLineForgotten,
-    /// A value turns as soon as it comes back at all.
+    /// Any return of a value counts as a turning point, whatever the hysteresis.
     HysteresisForgotten,
-    /// Something counts as absent while it continues.
+    /// A part counts as absent while it continues.
     AbsentWhileItGoesOn,
-    /// A sample just at a bound is not reported to the conditions that wait for it.
+    /// A sample equal to a bound is not passed to the conditions that wait for it.
     ThresholdMisses,
 }
 
@@ -58,7 +58,7 @@ pub const IN_CONTROL: [Bug; 7] = [
 #[cfg(feature = "planted-bugs")]
 static PLANTED: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(0);
 
-/// Plants `bug` in this process; none takes out what was planted.
+/// Activates `bug` in this process; `None` deactivates it.
 #[cfg(feature = "planted-bugs")]
 pub fn plant(bug: Option<Bug>) {
     let number = bug.map_or(0, |bug| bug as u8 + 1);

@@ -1,4 +1,4 @@
-//! Registration: the host functions that a library declares, and those that the host brings.
+//! Registration: compares the host functions that a library declares with those that the host program registered.
 
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
@@ -7,7 +7,7 @@ use apex_model::symbol::Symbol;
 /// Checks that the host brings every function that `library` declares.
 ///
 /// # Errors
-/// Place and name of the first one that is missing, and what to do.
+/// Place and name of the first missing function, and the remedy.
 pub(crate) fn all_registered(library: &Library, host: &HostFunctions) -> Result<(), String> {
     let missing = |name: &Symbol, command: bool| !command && host.get(name).is_none();
     match library.host_functions.iter().find(|(name, function)| missing(name, function.command)) {

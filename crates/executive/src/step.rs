@@ -1,8 +1,8 @@
-//! The step: the one way in. What came in is worked through instant by instant, in phases of fixed order.
+//! The step: the only entry point. It processes the input instant by instant, in phases of fixed order.
 //!
-//! Every instant at which something happens up to the batch's `now`, an event or a wake, is one cycle: record ->
-//! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
-//! do not depend on how events were divided into batches, nor on how often time was advanced.
+//! Every instant up to the batch's `now` at which an event or a wake occurs is one cycle: record -> notice -> enable -> choose -> contend
+//! -> commit -> act, repeated until nothing changes. So the decisions depend neither on the division of events into batches nor on how
+//! often time was advanced.
 
 use crate::control::conflicts::{deadlock, resources};
 use crate::control::cycle::{Cycle, Work};
@@ -21,10 +21,10 @@ use apex_model::time::Time;
 
 /// Rounds until the next task is ended, once an instant has been found to be restless.
 const LIVELOCK_ROUNDS_MAX: u64 = 100;
-/// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
+/// Number of tasks that may be ended at one instant because they never come to rest, before the whole agent is ended.
 const LIVELOCK_TASKS_MAX: u32 = 100;
 
-/// Advances `agent` to `batch.now` with the batch's events; returns what it wants done, in order.
+/// Advances `agent` to `batch.now` with the batch's events; returns the effects in order.
 pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     if agent.is_finished() {
         return Vec::new();
@@ -57,7 +57,7 @@ fn instant_of(event: &Event, cycle: &Cycle<'_>, now: Time) -> Time {
     event.at.max(cycle.agent.now).min(now)
 }
 
-/// Returns the next instant at which something happens, up to `now`; events are in order of arrival.
+/// Returns the next instant with an event or a wake, up to `now`; events are in order of arrival.
 fn next_instant(cycle: &Cycle<'_>, events: &[Event], now: Time) -> Option<Time> {
     let event = events.first().map(|event| instant_of(event, cycle, now));
     let begin = (!cycle.agent.started).then_some(now);
@@ -106,12 +106,12 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     invariants::check(cycle.agent);
 }
 
-/// Rounds that this instant may take: each message from outside may cause as many as one alone.
+/// Returns the number of rounds that this instant may take: each message from outside may cause as many as one alone.
 fn cascade_rounds(cycle: &Cycle<'_>) -> u64 {
     cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.outside_messages_at(cycle.now))
 }
 
-/// Returns true if nothing happened at this instant but one sample that affects no monitor. Most samples are such.
+/// Returns true if the only event of this instant is a sample that affects no monitor, as for most samples.
 fn is_quiet(cycle: &Cycle<'_>, events: &[Event]) -> bool {
     matches!(events, [_])
         && matches!(cycle.work.stimuli.as_slice(), [only] if monitoring_clauses::is_unheard(cycle, only))
@@ -155,7 +155,7 @@ fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     }
 }
 
-/// Returns a task whose monitor is about to be judged or shown a stimulus.
+/// Returns a task whose monitor is about to be judged or receives a stimulus.
 fn watched(cycle: &Cycle<'_>) -> Option<TaskId> {
     let firing = cycle.work.firings.first().map(|firing| firing.task);
     let touched = || cycle.work.touched.first().and_then(|id| cycle.agent.watches.get(id.0)).map(|watch| watch.task);

@@ -12,7 +12,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-/// A task as tests see it.
+/// State of a task for tests.
 #[derive(Clone, Debug)]
 pub(crate) struct TestTask {
     pub(crate) start: Time,

@@ -50,7 +50,7 @@ fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(400)
 }
 
-/// Returns the same worlds in every run, unless `PROPTEST_RNG_SEED` asks for others.
+/// Returns a configuration with the same worlds in every run, unless `PROPTEST_RNG_SEED` selects others.
 fn config() -> ProptestConfig {
     let mut config = ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() };
     if config.rng_seed == RngSeed::Random {
@@ -80,7 +80,7 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Like [`agree`], and in the end all are in these states.
+/// Like [`agree`]; in addition, the tasks must end in these states.
 fn agree_on(world: &World, states: &[State]) {
     agree(world).unwrap();
     let mut twin = Twin::new(world);
@@ -88,8 +88,8 @@ fn agree_on(world: &World, states: &[State]) {
     assert_eq!(twin.states, states);
 }
 
-/// A task displaced for one resource has let go of the others too, also of one that is judged only later: the fuel of
-/// t0 goes to t2, and t3, which is as weak and was made later, keeps its own.
+/// A task displaced from one resource releases its others too, even one that is arbitrated later: the fuel of t0 goes to t2, and t3,
+/// which is as weak and was created later, keeps its own.
 #[test]
 fn what_the_displaced_held_besides_is_free_at_once() {
     let node = |needs, priority: Option<f64>| Node {
@@ -113,8 +113,8 @@ fn what_the_displaced_held_besides_is_free_at_once() {
     agree_on(&world, &[State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
 }
 
-/// A task that precedes another one has the weight of that one only while it exists: the priority that kept
-/// t1 on the path is lost with t2, although no task waits for the resource of t2.
+/// A task has the priority of the one that it precedes by rank only while that one exists: the priority that kept t1 on the path is lost
+/// with t2, although no task waits for the resource of t2.
 #[test]
 fn who_lent_a_priority_takes_it_away_by_leaving() {
     let node = |needs, waits, priority, rank| {
@@ -131,7 +131,7 @@ fn who_lent_a_priority_takes_it_away_by_leaving() {
     agree_on(&world, &[State::Ongoing, State::Interrupted, State::Absent]);
 }
 
-/// Fuel is used up at the instant at which t3 loses the camera: t4 below it can never begin, and what handles that waits for t3.
+/// The fuel is consumed at the instant at which t3 loses the camera: t4 below it can never begin, and its failure handler waits for t3.
 #[test]
 fn what_handles_a_failure_waits_for_a_parent_that_stops() {
     let node = |parent, is_group, waits, needs, priority| Node {

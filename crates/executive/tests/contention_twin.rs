@@ -1,5 +1,5 @@
-//! Queues decide as a comparison of all claimants does, over whole runs: what many claimants need, say, urge and rank is mixed
-//! at random, and a second run compares all of them at each hand-off. It has one more claimant, which comes after all others and
+//! Arbitration by queues gives the same results as a comparison of all claimants, over whole runs. Needs, durations, urgencies and ranks
+//! are mixed at random. A second run compares all claimants at each hand-off: it has one more claimant, which comes after all others and
 //! whose priority must be computed.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::fmt::Write as _;
 use support::{agent, message, run, story};
 
-/// Programs in one run of the test; `CONTENTION_PROGRAMS` asks for more, `CONTENTION_SEED` for others.
+/// Programs in one run of the test; `CONTENTION_PROGRAMS` sets another number, `CONTENTION_SEED` another seed.
 const PROGRAMS: u64 = 150;
 const UNTIL: f64 = 300.0;
 const WAVES: u32 = 3;
@@ -115,7 +115,7 @@ fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut 
     let _ = writeln!(text, "{body})");
 }
 
-/// A program, and the same with one more claimant.
+/// Returns a program, and the same program with one more claimant.
 fn programs(seed: u64) -> [String; 2] {
     let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
     let taste = Taste::of(&mut dice);
@@ -135,7 +135,7 @@ fn lived(text: &str) -> Vec<String> {
     let events: Vec<_> = (0..WAVES).map(|wave| message(f64::from(3 + wave * 4), &format!("(go {wave})"))).collect();
     let mut agent = agent(text);
     let effects = run(&mut agent, &events, UNTIL);
-    // The claimant that comes last begins after all others; the whole ends with it.
+    // The additional claimant begins after all others, and the program ends with it.
     let others = |line: &String| !["last", "root", "end"].iter().any(|word| line.split(' ').nth(1) == Some(word));
     story(&effects).into_iter().filter(others).collect()
 }

@@ -80,7 +80,7 @@ fn next_look(agent: &Agent) -> Option<Time> {
     agent.next_wake().filter(|(_, why)| why.contains("rising priority")).map(|(at, _)| at)
 }
 
-/// Compares the computed crossing with the first one that the twin sees.
+/// Compares the computed crossing with the first one that the twin finds.
 fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
     let words = |clauses: &[Clause]| clauses.iter().map(|clause| clause.text()).collect::<Vec<_>>().join(" ");
     let pdl = format!(

@@ -1,4 +1,4 @@
-//! The same inputs give the same effects: however they are divided, and whatever was stored and read in between.
+//! The same inputs give the same effects, however they are divided into batches, and whatever was stored and restored in between.
 
 mod support;
 

@@ -1,4 +1,4 @@
-//! The price of handing a resource on must not grow with those who wait for it, whatever they need and say.
+//! The cost of handing a resource over must not grow with the number of waiting tasks, whatever they need or state.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 #![allow(
@@ -14,7 +14,7 @@ use apex_model::event::Batch;
 use std::time::{Duration, Instant};
 use support::{agent, seconds};
 
-/// Declarations, the profile of a competitor by number, and what else its step says.
+/// Declarations, the profile of competitor number n, and the other clauses of its step.
 type KindOfCompetitor = (&'static str, &'static str, fn(usize) -> String, &'static str);
 
 /// Competitors with known durations, as `use NUMBER SECONDS` of one procedure.
@@ -28,7 +28,7 @@ fn program((_, declared, profile, clause): KindOfCompetitor, order: &str, count:
     )
 }
 
-/// Returns the least time that a hand-off takes among `count` competitors.
+/// Returns the least time of a hand-off among `count` competitors.
 fn least(text: &str) -> Duration {
     let mut agent = agent(text);
     step(&mut agent, &Batch { now: seconds(0.0), events: Vec::new() });

@@ -1,4 +1,4 @@
-//! Outcomes that the language's pages promise, and the paper's own listings as printed.
+//! Outcomes that the language reference states, and the paper's own listings as printed.
 
 mod support;
 
@@ -124,7 +124,7 @@ fn a_picture_interrupted_by_a_calibration_starts_over_when_it_resumes() {
     );
 }
 
-/// Section IV, example 1, as printed: the `select` stands after the step, and serves it.
+/// Section IV, example 1, as printed: the `select` follows the step and belongs to it.
 const WINGS_LEVEL: &str = "
 (defindexical +this-aircraft+ 'aircraft-1)
 (defindexical +max-roll-angle-deviation+ 3)

@@ -44,7 +44,7 @@ fn two_tasks_that_wake_each_other_at_one_instant_are_stopped() {
     ends_with_limit(pdl, "REPETITIONS_PER_INSTANT_MAX");
 }
 
-/// Each of its turns sends a message, so that the one that keeps it going is forgotten before any other limit is reached.
+/// Each turn of the loop sends a message, so that the message that keeps the loop going is dropped before any other limit is reached.
 #[test]
 fn a_loop_without_time_that_ends_by_forgetting_says_so() {
     let pdl =

@@ -1,4 +1,4 @@
-//! Tests of `(log ..)`: the samples that it keeps of a variable without other demand, and the reports about odd samples.
+//! Tests of `(log ..)`: the samples that it keeps of a variable without other demand, and the reports about unusual samples.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
 mod support;
@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use support::{agent, message, run_from, sample, seconds};
 
-/// Returns an agent that logs the roll angle, declared so, with `limits` until it is asked to stop.
+/// Returns an agent that logs the roll angle, declared as `declared`, with `limits`, until it is stopped.
 fn logging(declared: &str, limits: &str) -> Agent {
     agent(&format!(
         "(state-variable (roll ?aircraft) :unit deg {declared})
@@ -63,7 +63,7 @@ fn without_limits_all_is_kept() {
 fn a_frequency_limit_keeps_no_denser_than_it_says_and_the_two_newest() {
     let agent = after(":frequency-limit 2s");
     assert_eq!(kept(&agent), [10, 30, 50, 70, 90, 95, 100], "two seconds apart, except for the two newest");
-    // What was thinned was not asked for: no task learns that something is missing.
+    // Samples left out by thinning were not requested: the history does not count them as dropped.
     assert_eq!(history(&agent).forgotten_until, None);
 }
 
@@ -100,7 +100,7 @@ fn odd_samples_are_counted_and_told_and_late_ones_can_be_seen() {
         sample(5.0, "(roll uav)", "6"),
     ];
     run_from(&mut agent, &events, seconds(0.0), 6.0);
-    // Measured at 4 s and at 2 s, they come at 7 s.
+    // Samples of 4 s and 2 s that arrive at 7 s.
     let late = [sample(4.0, "(roll uav)", "4"), sample(2.0, "(roll uav)", "2"), sample(7.0, "(roll uav)", "3kg")];
     let events = late.into_iter().zip(10..).map(|(event, sequence)| Event { sequence, ..event }).collect();
     let told = step(&mut agent, &Batch { now: seconds(7.0), events });
@@ -117,8 +117,8 @@ fn odd_samples_are_counted_and_told_and_late_ones_can_be_seen() {
     assert_eq!(aside, [seconds(2.0)], "it is kept aside");
 }
 
-/// Returns the kept messages that begin with `seen`, in whole seconds, while a procedure that logs them is at work and after
-/// its end; no other demand exists.
+/// Returns the kept messages that begin with `seen`, in whole seconds, while a procedure that logs them is ongoing and after its end;
+/// there is no other demand.
 fn messages_kept(limits: &str) -> [Option<Vec<i64>>; 2] {
     let mut agent = agent(&format!(
         "(procedure (index (do-domain))

@@ -25,12 +25,12 @@ impl<'p> Awaited<'p> {
         Awaited { procedure, producers }
     }
 
-    /// Results of other steps that the step with this number mentions, each once.
+    /// Results of other steps mentioned by the step with this number, each once.
     pub fn by(&self, step: usize) -> Vec<Symbol> {
         self.mentioned(step, false)
     }
 
-    /// Results of other steps that its preconditions mention, each once.
+    /// Results of other steps mentioned by the step's preconditions, each once.
     pub fn by_conditions_of(&self, step: usize) -> Vec<Symbol> {
         self.mentioned(step, true)
     }

@@ -1,7 +1,7 @@
-//! Functions over the forms of PDL that the checker and the executive share: their text, the variables that they
-//! mention, and the results that steps of a procedure await of each other.
+//! Functions on the forms of PDL that the checker and the executive share: their text, their variables, and the results that steps of a
+//! procedure await from each other.
 //!
-//! The forms themselves are types of `apex-model`, the only crate of Apex that this one imports.
+//! The forms themselves are types of `apex-model`, the only crate of Apex that this crate imports.
 
 pub mod awaited;
 pub mod print;

@@ -1,4 +1,4 @@
-//! Pattern variables that a clause mentions, from which information dependencies between steps follow.
+//! Pattern variables mentioned in a clause; they determine the information dependencies between steps.
 
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Timing,
@@ -8,7 +8,7 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::Activity;
 use apex_model::symbol::Symbol;
 
-/// Receives every variable in order of writing, as often as it is written.
+/// Receives every occurrence of a variable, in textual order.
 type Sink<'a> = &'a mut dyn FnMut(&Symbol);
 
 /// Variables of an expression.
@@ -68,7 +68,7 @@ pub fn of_template(template: &Template, sink: Sink<'_>) {
     }
 }
 
-/// Variables of a pattern, those that it may bind included.
+/// Variables of a pattern, including those that it may bind.
 pub fn of_pattern(pattern: &Pattern, sink: Sink<'_>) {
     match pattern {
         Pattern::Literal(_) | Pattern::Anonymous => {}

@@ -1,4 +1,4 @@
-//! Lines that sweep the ground of a target. What a sensor sees from them is the matter of `apex-observation`.
+//! Lines that sweep the ground of a target. `apex-observation` computes what a sensor sees from them.
 //!
 //! Bound: a sweep has at most [`SWEEP_LINES_MAX`] lines, each O(corners).
 
@@ -7,7 +7,7 @@ pub use crate::perimeter::perimeter_lines;
 use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position, RAD_PER_DEG};
 use crate::plane::{self, Plane, Point};
 
-/// Lines of one sweep: more would take days.
+/// Maximum number of lines of one sweep: more would take days.
 pub const SWEEP_LINES_MAX: usize = 1_000;
 /// Corners of the polygon that represents a circle.
 const CIRCLE_CORNERS: usize = 32;
@@ -23,7 +23,7 @@ pub enum CoverageArea {
         /// Radius.
         radius_m: f64,
     },
-    /// Everything inside these corners, in order, not closed.
+    /// The area inside these corners, in order, not closed.
     Polygon(Vec<Position>),
 }
 
@@ -34,13 +34,13 @@ pub struct SweepSettings {
     pub swath_m: f64,
     /// Share of the swath seen twice, 0..0.9.
     pub overlap: f64,
-    /// Direction of the lines, clockwise from north; none takes the one with the fewest lines.
+    /// Direction of the lines, clockwise from north; `None` for the direction with the fewest lines.
     pub track_deg: Option<f64>,
     /// Length added at both ends of each line, to roll level.
     pub run_in_m: f64,
 }
 
-/// Returns the parallel lines that see all of `ground`, beginning at the nearest of the four corners to `approach`, flown in alternate
+/// Returns the parallel lines from which all of `ground` is seen, beginning at the corner nearest to `approach`, flown in alternate
 /// directions. A row with gaps is flown through.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn sweep_lines(
     Ok(from_nearest_corner(lines, approach))
 }
 
-/// Returns the corners of the ground; those of a circle hold all of it.
+/// Returns the corners of the ground; those of a circle enclose it.
 ///
 /// # Errors
 /// An error message if the ground is invalid.
@@ -80,7 +80,7 @@ pub(crate) fn corners_of(ground: &CoverageArea) -> Result<Vec<Position>, String>
             if !radius_m.is_finite() || *radius_m <= 0.0 || *radius_m > EARTH_RADIUS_M_MEAN {
                 return Err(format!("a circle of radius {radius_m} m cannot be swept"));
             }
-            // Corners outside the circle, so that their hull holds all of it.
+            // Corners outside the circle, so that their hull contains it.
             let reach_m = radius_m / libm::cos(std::f64::consts::PI / CIRCLE_CORNERS as f64);
             let corner = |index| geodesy::destination(*centre, 360.0 * index as f64 / CIRCLE_CORNERS as f64, reach_m);
             (0..CIRCLE_CORNERS).map(corner).collect()
@@ -110,7 +110,7 @@ fn fewest_lines_direction(points: &[Point]) -> Option<Point> {
     directions.min_by(|a, b| width(*a).total_cmp(&width(*b)))
 }
 
-/// Rows left to right of `along`; each reaches as far as the polygon does within the row's swath.
+/// Returns rows from left to right of `along`; each extends as far as the polygon does within the row's swath.
 fn rows_across(points: &[Point], along: Point, spacing_m: f64, swath_m: f64) -> Result<Vec<(Point, Point)>, String> {
     let offset = |point: Point| along.cross(point);
     let extent = points.iter().map(|point| offset(*point));

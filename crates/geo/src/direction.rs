@@ -1,8 +1,8 @@
-//! Fast geometry: positions as directions from the middle of the Earth.
+//! Fast geometry: positions as directions from the centre of the Earth.
 //!
-//! On the sphere of geocentric directions an angle times the Earth's radius there is a distance, accurate to 1 in
-//! 10,000 up to 2,500 km, and arcs between two directions stay within [`ARC_APART_M_MAX`] of the geodesic. A caller
-//! that needs an exact answer uses `geodesy` if the fast answer is too close to a limit. Bound: every function is O(1).
+//! On the sphere of geocentric directions, an angle times the local Earth radius is a distance, accurate to 1 in 10,000 up to 2,500 km,
+//! and arcs between two directions stay within [`ARC_APART_M_MAX`] of the geodesic. A caller that needs an exact answer uses `geodesy` if
+//! the fast answer is too close to a limit. Bound: every function is O(1).
 
 use crate::geodesy::{Position, RAD_PER_DEG};
 
@@ -53,7 +53,7 @@ impl Direction {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// Returns the vector product: square to both, of length 1 where they are a quarter turn apart.
+    /// Returns the vector product: perpendicular to both, of length 1 if they are at right angles.
     pub fn cross(self, other: Direction) -> Direction {
         Direction {
             x: self.y * other.z - self.z * other.y,
@@ -85,7 +85,7 @@ impl Direction {
         self.chord(other) * EARTH_RADIUS_M_MIN
     }
 
-    /// Returns the direction a quarter turn from here on the way to `other`; `None` if both are the same or opposite.
+    /// Returns the direction 90 degrees from here on the way to `other`; `None` if both are equal or opposite.
     pub fn quarter_turn_to(self, other: Direction) -> Option<Direction> {
         let along = self.dot(other);
         let ahead = Direction { x: other.x - along * self.x, y: other.y - along * self.y, z: other.z - along * self.z };

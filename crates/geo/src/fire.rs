@@ -1,8 +1,8 @@
 //! Growth of a fire as an ellipse in wind.
 //!
 //! Head rate: a tenth of the open wind at 10 m (Cruz and Alexander 2019, forests and shrubs, dry and windy; error up to 50 %). Shape:
-//! length to breadth by the wind at mid-flame height (Finney 1998, FARSITE); the wind there is taken as 0.4 of the open wind. The fire
-//! starts at a focus: it spreads ahead by the head rate and back by the head rate over `head_to_back`.
+//! length to breadth by the wind at mid-flame height (Finney 1998, FARSITE), which is assumed to be 0.4 of the open wind. The fire starts
+//! at a focus: it spreads ahead at the head rate, and back at the head rate over `head_to_back`.
 
 use crate::plane::{Point, edges};
 use libm::{cos, exp, sin, sqrt};
@@ -54,12 +54,12 @@ impl FireSpread {
 
 /// Corners of a grown outline.
 pub const OUTLINE_CORNERS: usize = 72;
-/// Points per side of the outline's box at which it is taken to spread.
+/// Points per side of the outline's box from which the fire is assumed to spread.
 const SPREADING_PARTS: f64 = 64.0;
 
-/// The outline of a burning area after `age_s`: every point of it burns on as an ellipse (Huygens' principle with the ellipses of
-/// Richards 1990), the wind blowing along `towards`, a unit vector. Seen from `middle`, which lies inside: where the true outline has
-/// bays that `middle` does not see, they are closed. Bound: O(points of the outline * [`OUTLINE_CORNERS`]).
+/// Returns the outline of a burning area after `age_s`: every point of it burns on as an ellipse (Huygens' principle with the ellipses of
+/// Richards 1990), with wind along `towards`, a unit vector. The outline is seen from `middle`, which is inside: bays of the true outline
+/// that are not visible from `middle` are closed. Bound: O(points of the outline * [`OUTLINE_CORNERS`]).
 pub fn grown(outline: &[Point], middle: Point, spread: &FireSpread, towards: Point, age_s: f64) -> Vec<Point> {
     let age_s = age_s.max(0.0);
     let along_m = 0.5 * (spread.head_mps + spread.back_mps) * age_s;
@@ -78,7 +78,7 @@ pub fn grown(outline: &[Point], middle: Point, spread: &FireSpread, towards: Poi
     (0..OUTLINE_CORNERS).map(corner).collect()
 }
 
-/// Points along the outline, its corners among them.
+/// Returns points along the outline, its corners included.
 fn sources(outline: &[Point]) -> Vec<Point> {
     let extent = |side: fn(&Point) -> f64| {
         let low = outline.iter().map(side).fold(f64::INFINITY, f64::min);
@@ -92,7 +92,7 @@ fn sources(outline: &[Point]) -> Vec<Point> {
     edges(outline).flat_map(along).collect()
 }
 
-/// Farthest point of an ellipse on a ray from the origin; none where the ray misses it.
+/// Returns the farthest point of an ellipse on a ray from the origin; `None` if the ray misses it.
 fn ellipse_reach_m(centre: Point, ray: Point, towards: Point, (along_m, across_m): (f64, f64)) -> Option<f64> {
     // In units of the half axes the ellipse is a circle of radius one.
     let scaled = |vector: Point| {
@@ -155,7 +155,7 @@ mod tests {
         near(most(|point| point.x), 500.0 + 0.5 * 3_600.0, 3.0);
         near(most(|point| -point.x), 500.0 + spread.back_mps * 3_600.0, 3.0);
         near(most(|point| point.y), 500.0 + spread.half_breadth_mps * 3_600.0, 3.0);
-        // Nothing that burned is left out, and an hour more burns more.
+        // All burned ground stays burned, and a further hour burns more.
         let later = grown(&square, Point::default(), &spread, east, 7_200.0);
         assert!(square.iter().all(|corner| crate::plane::inside(*corner, &outline)));
         assert!(outline.iter().all(|corner| crate::plane::inside(*corner, &later)));

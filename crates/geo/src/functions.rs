@@ -1,7 +1,7 @@
-//! Geometry for PDL: the host functions `distance`, `bearing`, `offset`, `within-p` and their kin.
+//! Geometry for PDL: the host functions `distance`, `bearing`, `offset`, `within-p` and similar ones.
 //!
-//! A location is a list `(latitude_deg longitude_deg [altitude_m])` of plain reals. Lengths and angles are quantities
-//! with their dimension: a bare number is refused, because 500 could be feet as well as metres.
+//! A location is a list `(latitude_deg longitude_deg [altitude_m])` of plain reals. Lengths and angles are quantities with their
+//! dimension: a bare number is rejected, because 500 could be feet as well as metres.
 
 use crate::coverage::turn_radius_m;
 use crate::geodesy::{self, Position, RAD_PER_DEG};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 type Body = fn(&[Value]) -> Result<Value, String>;
 
-/// Name, least and most arguments, body; one row per function, in the order of the manual.
+/// Name, least and greatest number of arguments, body; one row per function, in the order of the manual.
 const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("distance", 2, 2, |a| Ok(length(geodesy::distance_m(at(a, 0)?.position, at(a, 1)?.position)))),
     ("slant-distance", 2, 2, slant_distance),
@@ -42,7 +42,7 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("solar-elevation", 2, 2, |a| {
         Ok(angle(sun::solar_elevation_deg(at(a, 0)?.position, number(a, 1, Dimension::NONE)?)))
     }),
-    // A mission replaces these by functions that know its airspace, terrain and landing places.
+    // A mission replaces these by functions that use its airspace, terrain and landing places.
     ("way-to", 5, 6, |_| Ok(Value::nil())),
     ("way-to-circle", 5, 6, |_| Ok(Value::nil())),
     ("way-to-line", 6, 7, |_| Ok(Value::nil())),

@@ -33,8 +33,7 @@ pub fn azimuth_deg(from: Position, to: Position) -> f64 {
     inverse(from, to).1
 }
 
-/// Returns the position after `distance_m` along the geodesic that leaves `from` at `azimuth_deg`. Negative distances
-/// go back.
+/// Returns the position after `distance_m` along the geodesic that leaves `from` at `azimuth_deg`. A negative distance is behind `from`.
 pub fn destination(from: Position, azimuth_deg: f64, distance_m: f64) -> Position {
     if distance_m == 0.0 {
         return from;
@@ -61,8 +60,8 @@ pub fn midpoint(from: Position, to: Position) -> Position {
     interpolate(from, to, 0.5)
 }
 
-/// Returns the distance along and across the geodesic `from` → `to` at which `point` lies; right of track is positive.
-/// On the mean sphere: good to 0.6 % of the distance from `from`.
+/// Returns the distance of `point` along and across the geodesic `from` → `to`; right of track is positive. On the mean sphere: accurate
+/// to 0.6 % of the distance from `from`.
 pub fn along_cross_track_m(from: Position, to: Position, point: Position) -> (f64, f64) {
     let (distance_m, azimuth_point_deg) = inverse(from, point);
     let azimuth_track_deg = azimuth_deg(from, to);

@@ -6,7 +6,7 @@ use crate::direction::{ARC_APART_M_MAX, ARC_RAD_MAX, Direction, EARTH_RADIUS_M_M
 use crate::geodesy::{self, Position};
 pub use apex_model::problem::LandingPlace;
 
-/// Samples of one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
+/// Maximum number of samples of one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
 pub const LEG_LOOKS_MAX: usize = 40_000;
 /// Least step between looks: an excursion shorter than this may be missed.
 pub const LOOK_M_MIN: f64 = 500.0;
@@ -41,8 +41,8 @@ pub fn leg_is_within(places: &[LandingPlace], from: Position, to: Position, dist
     false
 }
 
-/// Landing places with the distance from them that must be kept, ready for many questions: what directions decide beyond
-/// doubt is not computed on the ellipsoid.
+/// Landing places with the greatest permitted distance, prepared for many queries: the ellipsoid is used only if directions alone cannot
+/// decide.
 #[derive(Clone, Debug)]
 pub struct Reach {
     places: Vec<LandingPlace>,
@@ -55,7 +55,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Returns the reach of all points within `distance_m_max` of one of `places`.
+    /// Returns the reach: all points within `distance_m_max` of one of `places`.
     pub fn new(places: Vec<LandingPlace>, distance_m_max: f64) -> Reach {
         let directions = places.iter().map(|place| Direction::of(place.position)).collect();
         // A ten-thousandth for the distance, the rest for arcs that are not geodesics.
@@ -86,9 +86,8 @@ impl Reach {
         nearest(&self.places, position).is_some_and(|(_, distance_m)| distance_m <= self.distance_m_max)
     }
 
-    /// Returns the points at which the edges of two places' reaches meet outside of all others: the shortest paths
-    /// within reach bend there. Taken on the sphere just inside of what is certainly near enough (0.15 % of the
-    /// distance and 400 m inside).
+    /// Returns the points at which the edges of two places' reaches meet outside of all others: the shortest paths within reach bend
+    /// there. Computed on the sphere, slightly inside the reach (by 0.15 % of the distance and 400 m).
     pub fn crossings(&self) -> Vec<Position> {
         let least = libm::cos(self.sure_rad * (1.0 - 1e-9));
         if self.sure_rad <= 0.0 || self.sure_rad > 1.5 {
@@ -108,7 +107,7 @@ impl Reach {
         found.into_iter().map(Direction::position).collect()
     }
 
-    /// Like [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
+    /// Like [`leg_is_within`]; unless `exact`, returns false for undecided legs, which is fast.
     pub fn holds_leg(
         &self,
         (from, from_direction): (Position, Direction),
@@ -119,7 +118,7 @@ impl Reach {
         if quick {
             let least = libm::cos(self.sure_rad);
             let near = |place: &Direction| place.dot(from_direction) >= least && place.dot(to_direction) >= least;
-            // What is near one place at both ends is near it in between.
+            // A point between two ends near one place is near that place.
             if self.directions.iter().any(near) {
                 return true;
             }
@@ -161,8 +160,8 @@ impl Reach {
     }
 }
 
-/// Returns the distance over ground that a glide from `height_m` above the landing place gives, with `tail_wind_mps` (negative for
-/// head wind) at a gliding speed; 0 where the wind is stronger than the speed.
+/// Returns the distance over ground of a glide from `height_m` above the landing place, with `tail_wind_mps` (negative for head wind) at
+/// a gliding speed; 0 if the wind is stronger than the speed.
 pub fn glide_range_m(height_m: f64, glide_ratio: f64, speed_mps: f64, tail_wind_mps: f64) -> f64 {
     let still_m = height_m.max(0.0) * glide_ratio.max(0.0);
     if speed_mps > 0.0 { (still_m * (speed_mps + tail_wind_mps) / speed_mps).max(0.0) } else { 0.0 }
@@ -203,7 +202,7 @@ mod tests {
             prop_assert_eq!(reach.holds(from, from_direction), near);
             let slow = leg_is_within(&places, from, to, limit_m);
             let quick = reach.holds_leg((from, from_direction), (to, to_direction), true);
-            // Stepping may overlook a gap shorter than a step, never the other way round.
+            // Stepping may miss a gap shorter than a step, but never reports a gap that does not exist.
             prop_assert!(quick == slow || (slow && !leg_is_within(&places, from, to, limit_m - LOOK_M_MIN)));
         }
     }

@@ -9,7 +9,7 @@ use apex_model::value::Value;
 pub struct Location {
     /// Latitude and longitude.
     pub position: Position,
-    /// Altitude above mean sea level, where given.
+    /// Altitude above mean sea level, if stated.
     pub altitude_m: Option<f64>,
 }
 

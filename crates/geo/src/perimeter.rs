@@ -1,15 +1,15 @@
-//! Flying along the outline of a target, for those of which only the perimeter is wanted.
+//! Lines along the outline of a target, for targets of which only the perimeter is wanted.
 //!
-//! The outline is simplified (Douglas and Peucker) so that fewer turns are flown and every point of the true outline
-//! still lies well inside the swath. Bound: O(corners^2), lines at most [`PERIMETER_LINES_MAX`].
+//! The outline is simplified (Douglas and Peucker), for fewer turns; every point of the true outline is still well inside the swath.
+//! Bound: O(corners^2), lines at most [`PERIMETER_LINES_MAX`].
 
 use crate::geodesy::{self, Position};
 use crate::plane::{self, Plane, Point};
 
-/// Lines of one outline: a simpler outline is asked for beyond.
+/// Maximum number of lines of one outline; above it the outline must be simpler.
 pub const PERIMETER_LINES_MAX: usize = 1_000;
-/// The simplified outline strays from the true one by no more than this share of the swath: half of what is seen to
-/// either side is left for the vehicle's own deviations.
+/// Greatest deviation of the simplified outline from the true one, as a share of the swath: half of the visible ground on either side
+/// remains for the vehicle's own deviations.
 pub const OUTLINE_SHARE_OF_SWATH: f64 = 0.25;
 
 /// Returns lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
@@ -36,7 +36,7 @@ pub fn perimeter_lines(
     while points.len() > 1 && points.first() == points.last() {
         points.pop();
     }
-    // Distances on the plane are never shorter than on the ground, so that the tolerance is kept there too.
+    // Distances on the plane are never shorter than on the ground, so that the tolerance holds there too.
     let mut turns: Vec<Position> =
         simplified(&points, OUTLINE_SHARE_OF_SWATH * swath_m).into_iter().map(|point| plane.position(point)).collect();
     if turns.len() < 2 {
@@ -52,7 +52,7 @@ pub fn perimeter_lines(
     Ok(turns.iter().zip(next).map(|(from, to)| (*from, *to)).collect())
 }
 
-/// Returns the corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
+/// Returns the corners of a closed outline that suffice to stay within `tolerance_m` of all of it.
 fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
     // Cut at the two corners that are far apart: each half is an open line with ends that stay.
     let far_from = |from: Point| {
@@ -84,7 +84,7 @@ fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
             open.extend([(from, index), (index, to)]);
         }
     }
-    // The last corner closes the ring: it is the first once more.
+    // The last corner closes the ring: it equals the first.
     ring.iter().zip(&kept).take(end).filter(|(_, kept)| **kept).map(|(point, _)| *point).collect()
 }
 

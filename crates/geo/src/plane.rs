@@ -1,8 +1,8 @@
 //! A local plane: the gnomonic projection, in which great circles are straight lines, and plane geometry on it.
 //!
-//! Legs and edges of airspace are straight lines here, so that crossing tests are exact in topology. The plane serves an
-//! area of up to [`REACH_DEG_MAX`] around its centre. Distances are stretched away from the centre, never shrunk;
-//! [`Plane::stretch`] says by how much. Great circle and geodesic differ by less than 200 m on a leg of 1,000 km.
+//! Legs and edges of airspace are straight lines here, so that crossing tests are topologically exact. The plane covers an area of up to
+//! [`REACH_DEG_MAX`] around its centre. Away from the centre distances are stretched, never shrunk; [`Plane::stretch`] returns the
+//! factor. Great circle and geodesic differ by less than 200 m on a leg of 1,000 km.
 
 use crate::geodesy::{EARTH_RADIUS_M_MEAN, Position, RAD_PER_DEG, wrap_180};
 
@@ -34,7 +34,7 @@ impl Point {
         self.x * other.x + self.y * other.y
     }
 
-    /// Returns the vector product: positive when `other` is to the left.
+    /// Returns the vector product: positive if `other` is to the left.
     pub fn cross(self, other: Point) -> f64 {
         self.x * other.y - self.y * other.x
     }
@@ -44,7 +44,7 @@ impl Point {
         libm::hypot(self.x, self.y)
     }
 
-    /// Returns the vector of length 1 in the same direction; `None` for a vector of no length.
+    /// Returns the unit vector in the same direction; `None` for a vector of length zero.
     pub fn unit(self) -> Option<Point> {
         let length = self.length();
         (length > 0.0 && length.is_finite()).then(|| Point { x: self.x / length, y: self.y / length })

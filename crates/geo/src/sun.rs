@@ -12,7 +12,7 @@ pub const SUNRISE_ELEVATION_DEG: f64 = -0.833;
 pub const NIGHT_ELEVATION_DEG: f64 = -6.0;
 /// Step of the search for changes of light.
 pub const SCAN_STEP_S: f64 = 600.0;
-/// Steps of one search: thirty days.
+/// Maximum number of steps of one search: thirty days.
 pub const SCAN_STEPS_MAX: usize = 4_320;
 
 const J2000_UNIX_S: f64 = 946_728_000.0;
@@ -58,8 +58,8 @@ pub fn is_light(light: Light, position: Position, unix_s: f64) -> bool {
     }
 }
 
-/// Returns the spans within `[from_s, until_s]` in which there is `light` at `position`, to the second. Times are seconds since
-/// `zero_unix_s`. Spans shorter than [`SCAN_STEP_S`] may be missed.
+/// Returns the intervals within `[from_s, until_s]` with `light` at `position`, to the second. Times are seconds since `zero_unix_s`.
+/// Intervals shorter than [`SCAN_STEP_S`] may be missed.
 pub fn light_windows(light: Light, position: Position, zero_unix_s: f64, from_s: f64, until_s: f64) -> Vec<TimeWindow> {
     if light == Light::Any {
         return vec![TimeWindow { from_s, until_s }];
@@ -76,7 +76,7 @@ pub fn light_windows(light: Light, position: Position, zero_unix_s: f64, from_s:
         if lit(next_s) != open_since_s.is_some() {
             let change_s = change_between(&lit, time_s, next_s);
             match open_since_s.take() {
-                // The change is the first second of the new light; the window closes before it.
+                // The change is the first second of the new light; the window ends before it.
                 Some(since_s) => windows.push(TimeWindow { from_s: since_s, until_s: change_s - 1.0 }),
                 None => open_since_s = Some(change_s),
             }

@@ -8,7 +8,7 @@ use crate::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
 use apex_model::problem::Area;
 use serde::{Deserialize, Serialize};
 
-/// Posts along one side of a block whose highest elevation is stored.
+/// Number of posts along one side of a block whose highest elevation is stored.
 pub const BLOCK: usize = 16;
 /// Posts of one grid.
 pub const POSTS_MAX: usize = 64 << 20;
@@ -27,10 +27,10 @@ pub struct TerrainGrid {
     step_deg: (f64, f64),
     rows: usize,
     columns: usize,
-    /// Above mean sea level; NaN where it is not known.
+    /// Elevations above mean sea level; NaN where unknown.
     elevations_m: Vec<f32>,
     block_columns: usize,
-    /// Highest elevation of each block, negative infinity if nothing is known.
+    /// Highest elevation of each block; negative infinity if none is known.
     blocks_m: Vec<f32>,
     range_m: (f64, f64),
 }
@@ -43,8 +43,8 @@ struct PostWindow {
 }
 
 impl TerrainGrid {
-    /// Returns a grid whose first post lies at `south_west`, with `step_deg` between rows and between columns. `elevations_m` has `rows`
-    /// times `columns` numbers from the southern row on, NaN where the elevation is not known.
+    /// Returns a grid whose first post is at `south_west`, with `step_deg` between rows and between columns. `elevations_m` has `rows`
+    /// times `columns` numbers from the southern row on, NaN where unknown.
     ///
     /// # Errors
     /// An error message that names the figure that is wrong.
@@ -132,7 +132,7 @@ impl TerrainGrid {
         Some((1.0 - up) * low + up * high)
     }
 
-    /// Returns the posts of all cells that a box of this half width touches; `None` if it lies outside.
+    /// Returns the posts of all cells that a box of this half width touches; `None` if the box is outside.
     fn window(&self, position: Position, radius_m: f64) -> Option<PostWindow> {
         let north_deg = radius_m / METRES_PER_DEGREE_MIN;
         let poleward_deg = (position.latitude_deg.abs() + north_deg).min(89.9);
@@ -140,7 +140,7 @@ impl TerrainGrid {
         self.window_deg(position, north_deg, east_deg)
     }
 
-    /// Returns the posts of all cells from so many degrees south and west of a place to so many north and east of it.
+    /// Returns the posts of all cells from `north_deg` and `east_deg` on either side of a place.
     fn window_deg(&self, position: Position, north_deg: f64, east_deg: f64) -> Option<PostWindow> {
         let row = (position.latitude_deg - self.south_west.latitude_deg) / self.step_deg.0;
         let column = self.east_deg(position.longitude_deg) / self.step_deg.1;
@@ -149,7 +149,7 @@ impl TerrainGrid {
         Some(PostWindow { rows, columns })
     }
 
-    /// Returns the highest elevation of a window: whole blocks by what is stored of them, the rest post by post.
+    /// Returns the highest elevation of a window: of whole blocks by their stored maximum, of the rest post by post.
     fn highest_m_in(&self, window: PostWindow) -> f64 {
         let mut highest_m = f32::NEG_INFINITY;
         for block_row in window.rows.0 / BLOCK..=window.rows.1 / BLOCK {
@@ -184,7 +184,7 @@ fn span(middle: f64, half: f64, count: usize) -> Option<(usize, usize)> {
     (low <= last && high >= 0.0).then(|| (low.max(0.0) as usize, high.min(last) as usize))
 }
 
-/// The ground of a mission: one grid or more. Where grids overlap, the first that knows the elevation counts.
+/// The terrain of a mission: one grid or more. Where grids overlap, the first that contains the elevation counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Terrain {
     grids: Vec<TerrainGrid>,
@@ -196,7 +196,7 @@ impl Terrain {
         (!grids.is_empty()).then_some(Terrain { grids })
     }
 
-    /// Returns the elevation above mean sea level; `None` if it is not known.
+    /// Returns the elevation above mean sea level; `None` if it is unknown.
     pub fn elevation_m_at(&self, position: Position) -> Option<f64> {
         self.grids.iter().find_map(|grid| grid.elevation_m_at(position))
     }
@@ -207,7 +207,7 @@ impl Terrain {
         ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
     }
 
-    /// Returns the highest elevation in an area; `None` if nothing is known.
+    /// Returns the highest elevation in an area; `None` if none is known.
     pub fn highest_m_in(&self, area: &Area) -> Option<f64> {
         let middle_deg = 0.5 * (area.south_deg + area.north_deg);
         let height_deg = 0.5 * (area.north_deg - area.south_deg);
@@ -234,14 +234,14 @@ impl Terrain {
         self.grids.iter().map(side_m).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
-    /// Returns the highest elevation within `radius_m` of a place; `None` if nothing is known.
+    /// Returns the highest elevation within `radius_m` of a place; `None` if none is known.
     pub fn highest_m_near(&self, position: Position, radius_m: f64) -> Option<f64> {
         let windows = self.grids.iter().filter_map(|grid| Some(grid.highest_m_in(grid.window(position, radius_m)?)));
         windows.max_by(f64::total_cmp).filter(|highest_m| highest_m.is_finite())
     }
 
-    /// Returns the highest elevation within `half_width_m` of the geodesic between two places, `skip_m` at its beginning and at its end
-    /// left out; none if nothing is known or nothing is left.
+    /// Returns the highest elevation within `half_width_m` of the geodesic between two places, without `skip_m` at its beginning and at
+    /// its end; `None` if no elevation is known or no part remains.
     pub fn highest_m_along(&self, from: Position, to: Position, half_width_m: f64, skip_m: (f64, f64)) -> Option<f64> {
         let (length_m, azimuth_deg) = geodesy::inverse(from, to);
         let (begin_m, end_m) = (skip_m.0, length_m - skip_m.1);

@@ -1,4 +1,4 @@
-//! Greatest duration of a flight before it counts as failed: limits of commands, for PDL.
+//! Time limits of flight commands, for PDL: the greatest duration of a flight before it counts as failed.
 //!
 //! Bound: linear in the number of places of a way.
 
@@ -12,21 +12,21 @@ use apex_model::value::Value;
 const PROGRESS_SHARE: f64 = 0.5;
 /// Share of the greatest climb rate that counts: climb rates fall towards the ceiling.
 const CLIMB_SHARE: f64 = 0.25;
-/// For what is short: reaction, acceleration, settling.
+/// Seconds for reaction, acceleration and settling.
 const BASE_S: f64 = 300.0;
-/// Full circles that are allowed for: turns at both ends, two more approaches. At a bank of 15 degrees a circle takes
-/// `2 pi V / (g tan 15 deg)`, 2.39 s for each m/s; a wind of half the airspeed V widens it by 1.5^2.
+/// Full circles included in the limit: turns at both ends, two further approaches. At a bank of 15 degrees a circle takes `2 pi V / (g
+/// tan 15 deg)`, 2.39 s for each m/s; a wind of half the airspeed V widens it by 1.5^2.
 const CIRCLES: f64 = 4.0;
 const CIRCLE_S_PER_M_S: f64 = 2.25 * 2.39;
-/// A flight whose length is not known, because a place is given by name or the vehicle has not said where it is.
+/// Limit in seconds for a flight of unknown length, because a place is given by name or the vehicle's position is unknown.
 const UNKNOWN_S: f64 = 3.0 * 3_600.0;
 
 /// Evaluates `(flight-time-limit PLACES AIRSPEED CLIMB-RATE [ALTITUDE [WAIT]])`: the duration after which a flight along `PLACES` to
-/// `ALTITUDE` has failed. `PLACES` is a list of locations in the order of the flight, and of durations that are spent waiting; lists inside
-/// it are searched for both. `ALTITUDE` (a length, or metres) and `WAIT` (a duration, or seconds) may be nil.
+/// `ALTITUDE` has failed. `PLACES` is a list of locations in the order of the flight, and of durations of waiting; nested lists are
+/// searched for both. `ALTITUDE` (a length, or metres) and `WAIT` (a duration, or seconds) may be nil.
 ///
-/// Twice the time in still air at `AIRSPEED`, plus all changes of altitude at a quarter of `CLIMB-RATE`, plus the durations, plus 5
-/// minutes and four full circles. A place that is given by name, and a list with fewer than two places, add three hours.
+/// The value is twice the time in still air at `AIRSPEED`, plus all changes of altitude at a quarter of `CLIMB-RATE`, plus the durations,
+/// plus 5 minutes and four full circles. A place given by name, and a list with fewer than two places, add three hours.
 pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     let [places, airspeed, climb_rate, rest @ ..] = arguments else {
         return Err("it takes a list of places, an airspeed and a climb rate".to_owned());

@@ -27,7 +27,7 @@ pub struct WindTriangle {
     pub heading_deg: f64,
 }
 
-/// Sub-steps of one leg: with [`LEG_STEP_M`], legs up to 5,000 km are cut finely and longer ones coarser.
+/// Maximum number of sub-steps of one leg: with [`LEG_STEP_M`], legs up to 5,000 km are divided finely and longer ones more coarsely.
 pub const LEG_STEPS_MAX: usize = 200;
 /// Length of a sub-step: wind layers are far wider.
 pub const LEG_STEP_M: f64 = 25_000.0;
@@ -40,8 +40,8 @@ pub fn speed_mps_max(field: &WindField) -> f64 {
     speeds.fold(0.0, f64::max)
 }
 
-/// Returns the wind at a place, altitude (above mean sea level) and time. Later layers win over earlier ones; still air where
-/// no layer holds. With `blend`, wind is interpolated between the middles of the layers that hold here and now.
+/// Returns the wind at a place, altitude (above mean sea level) and time. Later layers have precedence over earlier ones; the air is
+/// still where no layer applies. With `blend`, wind is interpolated between the centres of the applicable layers.
 pub fn at(field: &WindField, position: Position, altitude_m: f64, time_s: f64) -> Wind {
     let here = |layer: &&WindLayer| {
         let window = TimeWindow { from_s: layer.from_s, until_s: layer.until_s };
@@ -87,8 +87,8 @@ fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> 
     }
 }
 
-/// Returns the ground speed and heading for flying `track_deg` at `true_airspeed_mps`; `None` if the wind is too strong to hold
-/// the track or to get on along it.
+/// Returns the ground speed and heading for flying `track_deg` at `true_airspeed_mps`; `None` if the wind is too strong to hold the track
+/// or to make progress along it.
 pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<WindTriangle> {
     let track_rad = track_deg * RAD_PER_DEG;
     let (sine, cosine) = (libm::sin(track_rad), libm::cos(track_rad));

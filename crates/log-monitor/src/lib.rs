@@ -1,5 +1,5 @@
-//! Conditions over logs, flight records and lines of measurements: what `apex monitor` and `apex export` read, and what
-//! `apex monitor` finds.
+//! Conditions over logs, flight records and lines of measurements: the inputs of `apex monitor` and `apex export`, and the results of
+//! `apex monitor`.
 
 mod monitor;
 mod source;

@@ -30,7 +30,7 @@ pub struct LogMonitorTerms {
     pub conditions: Vec<Condition>,
     /// The instant from which they are watched; none is that of the first input.
     pub created: Option<Time>,
-    /// First and last instant of what counts.
+    /// First and last instant that count.
     pub span: (Option<Time>, Option<Time>),
     /// Style of the lines.
     pub style: Style,
@@ -42,7 +42,7 @@ pub struct LogMonitorTerms {
 pub struct Destinations<'a> {
     /// Receives the lines.
     pub out: &'a mut dyn Write,
-    /// The input's name, where there are several: each line begins with it.
+    /// The input's name if there are several inputs; each line begins with it.
     pub name: Option<String>,
     /// The table with its file.
     pub table: Option<(&'a mut ResultTable, &'a Path)>,
@@ -50,7 +50,7 @@ pub struct Destinations<'a> {
     pub note: Note<'a>,
 }
 
-/// Conditions that are watched over one input.
+/// Conditions watched over one input.
 pub struct LogMonitor<'a> {
     session: MonitorSession,
     terms: LogMonitorTerms,
@@ -60,7 +60,7 @@ pub struct LogMonitor<'a> {
     /// The state variables that the input is known to have.
     known: Vec<StateVariable>,
     heard: bool,
-    /// Something in the input came after the span: the input continues beyond it.
+    /// True once the input had something after the span, so that the input continues beyond it.
     over: bool,
 }
 
@@ -78,8 +78,8 @@ impl<'a> LogMonitor<'a> {
         Ok(LogMonitor { session, terms, to, intervals: Vec::new(), known: Vec::new(), heard: false, over: false })
     }
 
-    /// Watches `source` to its end and returns the verdicts, one word for each condition. Results of what was read before a
-    /// fault are reported all the same; a file that is not a log has none.
+    /// Watches `source` to its end and returns the verdicts, one word for each condition. If reading fails, results before the failure
+    /// are still reported; an input that is not a log has none.
     ///
     /// # Errors
     /// The source cannot be read; a condition cannot be watched; results cannot be written.
@@ -95,12 +95,12 @@ impl<'a> LogMonitor<'a> {
         fed.map(|_| verdicts)
     }
 
-    /// True once something of the input counted, or the watch ended.
+    /// True once any part of the input counted, or the watch ended.
     pub fn has_begun(&self) -> bool {
         self.heard
     }
 
-    /// A picture (SVG) of what was watched; none where no sample is a number.
+    /// A picture (SVG) of the watched variables; `None` if no sample is a number.
     ///
     /// # Errors
     /// The picture cannot be drawn.
@@ -172,7 +172,7 @@ impl<'a> LogMonitor<'a> {
         for number in 0..self.terms.conditions.len() as u64 {
             let Some(judgement) = self.session.verdict(MonitorId(number)) else { continue };
             let mut verdict = verdict_word(&judgement.verdict).to_string();
-            // A whole log without a sample says nothing: `--expect not-satisfied` must not be met by it.
+            // A whole log without a sample gives no evidence, so it must not satisfy `--expect not-satisfied`.
             if !missing.is_empty() && !self.terms.style.live && verdict == "not-satisfied" {
                 verdict = format!("{verdict} without a sample of {}", missing.join(" "));
             }
@@ -222,7 +222,7 @@ fn unwritten(error: std::io::Error) -> MissionError {
     MissionError::output("cannot write to standard output").because(error)
 }
 
-/// The error of a table that could not be written; without a path it is on standard output.
+/// The error of a table that could not be written; without a path, the table goes to standard output.
 pub fn unwritten_table(path: Option<&Path>, error: &std::io::Error) -> MissionError {
     let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
     MissionError::output(format!("cannot write {name}"))

@@ -40,11 +40,11 @@ pub enum Source {
 const RECORD_MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Source {
-    /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts. `note` receives what the user
-    /// should know of the source.
+    /// Recognises the kind of input at `path`. `mapping` applies to logs; with `own_time` the times are those of the log's clock. `note`
+    /// receives messages for the user about the source.
     ///
     /// # Errors
-    /// The file cannot be read, is in no known format, or has no use for a mapping that is given.
+    /// The file cannot be read, has no known format, or does not use the given mapping.
     pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool, note: Note<'_>) -> MissionResult<Source> {
         let mapping = mapping.map(read_mapping).transpose()?;
         if path.as_os_str() == "-" {
@@ -65,7 +65,7 @@ impl Source {
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
         let begins = first.iter().find(|byte| !byte.is_ascii_whitespace());
-        // A `#` also begins texts and tables; a name that ends like a log's says what is meant.
+        // A `#` may also begin texts and tables, so a name with the extension of a log decides.
         let named = Format::of(&[], &extension);
         let in_lines = match begins {
             Some(b'{') => named != Some(Format::Csv),
@@ -83,10 +83,10 @@ impl Source {
         Ok(Source::Log(Box::new(LogFile::new(path, format, mapping, own_time))))
     }
 
-    /// Texts that declare the state variables of the source, next to those of `library`.
+    /// Texts that declare the state variables of the source, in addition to those of `library`.
     ///
     /// # Errors
-    /// A log without a mapping, or one that cannot be read.
+    /// A log without a mapping, or a log that cannot be read.
     pub fn declarations(&mut self, library: &Library) -> MissionResult<Option<SourceText>> {
         let Source::Log(log) = self else { return Ok(None) };
         let (path, format) = (log.path().to_path_buf(), log.format());
@@ -99,7 +99,7 @@ impl Source {
         Ok(Some(SourceText { name: mapping.name.clone(), text }))
     }
 
-    /// The PDL in a flight record, where it is `wanted`: it declares the record's state variables.
+    /// The PDL in a flight record, if it is `wanted`: it declares the record's state variables.
     ///
     /// # Errors
     /// The record is damaged.
@@ -113,13 +113,13 @@ impl Source {
         Ok(recorded.into_iter().map(text).collect())
     }
 
-    /// Hands everything over, in order of time. `note` receives what cannot be read of a log.
+    /// Passes everything to `sink`, in order of time. `note` receives the parts of a log that cannot be read.
     ///
-    /// With `wanted` samples of other attributes may be left out; their first and last instant are handed over all the same.
-    /// Returns the state variables of a log.
+    /// With `wanted`, samples of other attributes may be left out, but their first and last instant are still passed on. Returns the
+    /// state variables of a log.
     ///
     /// # Errors
-    /// The source cannot be read; those of `sink`.
+    /// The source cannot be read; errors of `sink`.
     pub fn feed<E: From<MissionError>>(
         self,
         library: &Library,
@@ -141,7 +141,7 @@ impl Source {
     /// Nanoseconds of UTC at mission time 0.
     ///
     /// # Errors
-    /// The input is not a log, or does not say it.
+    /// The input is not a log, or does not state the time.
     pub fn utc_of_zero(&self) -> MissionResult<i64> {
         let unknown = |why: String| {
             MissionError::data("`--utc`: the civil time of this input is not known")
@@ -224,7 +224,7 @@ fn feed_log<E: From<MissionError>>(
     Ok(fed.variables)
 }
 
-/// The list of what the log holds, as text or JSON.
+/// The list of the log's contents, as text or JSON.
 ///
 /// # Errors
 /// The log cannot be read.
@@ -268,7 +268,7 @@ fn of_mapping(error: MappingError) -> MissionError {
     MissionError { reason: error.reason, help: error.help, ..MissionError::data(error.message) }
 }
 
-/// Says what could not be read.
+/// Reports the parts that could not be read.
 fn tell_damages(path: &Path, damages: &ReadErrors, note: Note<'_>) {
     for what in &damages.first {
         note(&format!("note: {}: {what}", path.display()));

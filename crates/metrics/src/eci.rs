@@ -1,8 +1,8 @@
-//! Expected cost of ignorance (paper, section II.A): exact for the families of the model, by quadrature for others.
+//! Expected cost of ignorance (paper, section II.A): exact for the model's cost families, by quadrature for other costs.
 //!
-//! Between two observations at `t1` and `t2` a target costs the integral over `t` of `p(t) Cost(t2 - t)`. With `p`
-//! piecewise constant that is a sum of differences of [`cost_integral`]. Observations reset ignorance at their end, the
-//! last interval is closed at the horizon, and a target never visited costs its whole horizon.
+//! Between two observations at `t1` and `t2` a target costs the integral over `t` of `p(t) Cost(t2 - t)`. With piecewise constant `p`
+//! this is a sum of differences of [`cost_integral`]. Each observation resets ignorance at its end, and the last interval ends at the
+//! horizon. A target that is never visited has one interval up to the horizon.
 //! Bound: O(visits + rate steps) per target.
 
 use crate::quadrature;
@@ -55,7 +55,8 @@ fn table_at(points: &[(f64, f64)], age_s: f64) -> f64 {
     }
 }
 
-/// Returns the integral of [`cost_at`] over ages from 0 to `age_s`: the cost of an interval of this length at one event per second.
+/// Returns the integral of [`cost_at`] over ages from 0 to `age_s`: the cost of an interval of this length at a rate of one event per
+/// second.
 pub fn cost_integral(cost: &CostFunction, age_s: f64) -> f64 {
     if age_s <= 0.0 {
         return 0.0;
@@ -98,7 +99,7 @@ fn table_integral(points: &[(f64, f64)], age_s: f64) -> f64 {
         if age_s <= *age {
             break;
         }
-        // At a jump (two points of one age) the piece has no width; the later cost continues from there.
+        // At a jump (two points of the same age) the piece has no width, and the later cost applies from there on.
         sum += 0.5 * (cost_from + cost) * (age - from);
         (from, cost_from) = (*age, *cost);
     }
@@ -106,7 +107,7 @@ fn table_integral(points: &[(f64, f64)], age_s: f64) -> f64 {
     sum + 0.5 * (cost_from + cost_until) * (age_s - from)
 }
 
-/// Returns the cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`.
+/// Returns the cost of ignorance between an observation that ends at `from_s` and one that ends at `until_s`.
 pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> f64 {
     if until_s <= from_s {
         return 0.0;
@@ -132,8 +133,8 @@ pub(crate) fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterat
     })
 }
 
-/// [`interval_cost`] for a cost function that is not of the model's families, by quadrature. `jumps` are ages at which
-/// the function is not smooth, where known.
+/// [`interval_cost`] by quadrature, for a cost function outside the model's families. `jumps` are the known ages at which the function is
+/// not smooth.
 ///
 /// # Errors
 /// An error message if the function is not finite or not integrable to the tolerance.
@@ -152,7 +153,7 @@ pub fn interval_cost_of(
     Ok(sum)
 }
 
-/// Cost of one target over the mission.
+/// Cost of one target over the whole mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetCost {
     /// The target's name.
@@ -174,7 +175,7 @@ pub struct ExpectedCost {
     pub targets: Vec<TargetCost>,
 }
 
-/// Returns the cost of one target whose observations end at `ends_s`, in order of time; those after the horizon do not count.
+/// Returns the cost of one target with observations that end at `ends_s`, in order of time. Observations after the horizon do not count.
 pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item = f64>, horizon_s: f64) -> TargetCost {
     let Ok(cost) = over_intervals(target, ends_s, horizon_s, |from_s, until_s| {
         Ok::<f64, Infallible>(interval_cost(target, from_s, until_s))
@@ -182,7 +183,7 @@ pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item =
     cost
 }
 
-/// Like [`target_cost`], with what an interval costs from its beginning and end.
+/// Like [`target_cost`], with a function that gives the cost of an interval from its beginning and end.
 pub(crate) fn over_intervals<E>(
     target: &SurveillanceTarget,
     ends_s: impl IntoIterator<Item = f64>,
@@ -202,7 +203,7 @@ pub(crate) fn over_intervals<E>(
     Ok(cost)
 }
 
-/// Returns the expected cost of ignorance of flying `visits` (in order of time): a plan's, or what was truly flown.
+/// Returns the expected cost of ignorance of `visits` (in order of time), either planned or actually flown.
 pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]) -> ExpectedCost {
     let cost_of = |target: &SurveillanceTarget| {
         let ends = visits.iter().filter(|visit| visit.target == target.name).map(|visit| visit.end_s);

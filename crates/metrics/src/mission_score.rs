@@ -1,7 +1,7 @@
-//! Costs of a flight in the mission score of single-visit missions (paper, section II.B):
-//! `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P (R C_v + M C_m))`.
+//! Costs of a flight in the score of single-visit missions (paper, section II.B): `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P
+//! (R C_v + M C_m))`.
 //!
-//! Hours and wages; probability of failure with what it would cost. What a flight observes is scored by `apex-observation`.
+//! These are hours and wages, and the probability of a failure with its cost. `apex-observation` scores the observations of a flight.
 
 use apex_model::problem::{CrewMember, FailureTerm, SingleVisitProblem};
 
@@ -22,7 +22,7 @@ pub fn failure_cost(failure: &FailureTerm, flight_hours: f64) -> f64 {
         * (failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost)
 }
 
-/// P over a flight: failures come at a constant rate.
+/// P over a flight, with failures at a constant rate.
 pub fn failure_probability(failure: &FailureTerm, flight_hours: f64) -> f64 {
     -libm::expm1(-failure.probability_per_hour * flight_hours.max(0.0))
 }

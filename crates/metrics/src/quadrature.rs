@@ -1,12 +1,12 @@
-//! Adaptive Gauss-Kronrod quadrature (7 and 15 points). It checks closed forms, and integrates cost functions that users define.
+//! Adaptive Gauss-Kronrod quadrature (7 and 15 points). It serves to check closed forms, and to integrate user-defined cost functions.
 //!
-//! Both rules miss jumps beyond the outermost nodes, and symmetric pairs of jumps around the middle. So the function is also compared
-//! with the polynomial through the nodes at both ends.
+//! Both rules miss jumps beyond the outermost nodes, and pairs of jumps that are symmetric about the middle. So the function is also
+//! compared with the polynomial through the nodes at both ends.
 //! Bound: at most [`PIECES_MAX`] bisections, 17 evaluations each.
 
 use std::sync::LazyLock;
 
-/// Maximum number of pieces of one integral; bisecting one jump to the last bit takes 60.
+/// Maximum number of pieces of one integral. Bisecting down to the last bit of one jump takes 60.
 pub const PIECES_MAX: usize = 4_000;
 
 const NODES: [f64; 7] = [
@@ -35,15 +35,16 @@ const GAUSS_MIDDLE: f64 = 0.417_959_183_673_469_4;
 
 /// Points of comparison, in halves of a piece's width from its middle, and the width that the comparison represents.
 const COMPARED: [(f64, f64); 2] = [(-1.0, 0.009), (1.0, 0.009)];
-/// Distance from an end, as a share of the greater end, within which a point counts as the end: jumps there belong to the next piece.
+/// Distance from an end, as a share of the larger end's value, within which a point counts as the end: a jump there belongs to the next
+/// piece.
 const END_SHARE: f64 = 1e-13;
 
-/// Returns the nodes of a piece, with those of its other half.
+/// Returns the nodes of a piece, including those mirrored into its other half.
 fn nodes() -> impl Iterator<Item = f64> + Clone {
     NODES.iter().map(|node| -node).chain([0.0]).chain(NODES.iter().rev().copied())
 }
 
-/// Weight of each node's value in the polynomial through all of them, at each point of [`COMPARED`].
+/// Weight of each node's value in the polynomial through all nodes, at each point of [`COMPARED`].
 static SHARES: LazyLock<[[f64; 15]; 2]> = LazyLock::new(|| {
     COMPARED.map(|(place, _)| {
         let mut shares = [0.0; 15];
@@ -83,8 +84,8 @@ fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Subinter
     Subinterval { from, until, value: kronrod * half, error: error * half }
 }
 
-/// Returns the integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
-/// `breaks` are places of kinks and jumps, where known; without them the result is as good but slower.
+/// Returns the integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1). `breaks` are
+/// known kinks and jumps; without them the result is as accurate but slower.
 ///
 /// # Errors
 /// An error message if the function yields a value that is not finite or the tolerance is not reached.
@@ -149,7 +150,7 @@ mod tests {
         assert!((jump - 2.0 / 3.0).abs() < 1e-11);
     }
 
-    /// Jumps at every thousandth of the interval, alone and with a second one at the mirrored place.
+    /// Jumps at every thousandth of the interval, alone and with a second jump at the mirrored place.
     #[test]
     fn no_jump_is_overlooked() {
         for thousandth in 0..990 {

@@ -1,9 +1,9 @@
-//! Expected cost of ignorance where events are not rare: of the events after an observation only the first one counts.
+//! Expected cost of ignorance for events that are not rare: only the first event after an observation counts.
 //!
-//! The paper adds up likelihoods (section II.A), which is right as long as two events between two observations hardly ever
-//! happen. Here a target *survives* until its first event: between observations at `t1` and `t2` it costs the integral over
-//! `t` of `p(t) exp(-h(t)) Cost(t2 - t)`, where `h(t)` is the integral of `p` from `t1` to `t`. That is never more than
-//! [`eci`] tells, and the same for rare events. It scores plans; planners and bounds add up likelihoods.
+//! The paper adds up likelihoods (section II.A), which is right as long as two events between two observations are very unlikely. Here a
+//! target *survives* until its first event: between observations at `t1` and `t2` it costs the integral over `t` of `p(t) exp(-h(t))
+//! Cost(t2 - t)`, where `h(t)` is the integral of `p` from `t1` to `t`. That is never more than the result of [`eci`], and equal to it
+//! for rare events. This cost scores plans; planners and bounds add up likelihoods.
 //! Bound: O(visits + rate steps) per target, with quadrature for logistic costs and for saturating ones that hardly begin.
 
 use crate::eci::{self, ExpectedCost, QUADRATURE_TOLERANCE, TargetCost};
@@ -13,7 +13,7 @@ use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, Surveill
 /// Below this share of its time constant a saturating cost is integrated by quadrature: its closed form loses digits.
 const BEGUN: f64 = 0.02;
 
-/// Returns the cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`, of the first event.
+/// Returns the cost of ignorance from the first event between an observation that ends at `from_s` and one that ends at `until_s`.
 ///
 /// # Errors
 /// An error message if quadrature does not converge.
@@ -48,7 +48,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
 }
 
-/// A time of constant likelihood: events in it are from `oldest_s` down to `oldest_s - length_s` old when they are found.
+/// A period of constant likelihood. When found, its events have ages from `oldest_s` down to `oldest_s - length_s`.
 #[derive(Clone, Copy, Debug)]
 struct LikelihoodPeriod {
     events_per_s: f64,
@@ -56,7 +56,7 @@ struct LikelihoodPeriod {
     length_s: f64,
 }
 
-/// Returns the sum of what spans cost for one event per second and a target that has survived until they begin.
+/// Returns the sum of the costs of time spans, for one event per second and a target that has survived until each span begins.
 fn over_pieces(
     rate: &EventRate,
     from_s: f64,
@@ -109,8 +109,8 @@ fn weight(q: f64, length_s: f64) -> f64 {
     if q == 0.0 { length_s } else { -libm::expm1(-q * length_s) / q }
 }
 
-/// Returns the integral of `s exp(-q s)` over `s` from 0 to `length_s`, `q` not negative; for few events by its series, where the
-/// difference would lose all digits.
+/// Returns the integral of `s exp(-q s)` over `s` from 0 to `length_s`, for `q` not negative. For few events it uses the series, because
+/// the difference would lose all digits.
 fn first_moment(q: f64, length_s: f64) -> f64 {
     let x = q * length_s;
     if x > 0.1 {
@@ -126,13 +126,13 @@ fn first_moment(q: f64, length_s: f64) -> f64 {
     length_s * length_s * sum
 }
 
-/// The integral of `exp(-p s) exp(-r (oldest - s))`: what a saturating cost has not gathered yet.
+/// The integral of `exp(-p s) exp(-r (oldest - s))`: the part by which a saturating cost falls short of its limit.
 fn not_yet(p: f64, r: f64, LikelihoodPeriod { oldest_s, length_s, .. }: LikelihoodPeriod) -> f64 {
     let q = p - r;
     if q * length_s > -1.0 {
         return libm::exp(-r * oldest_s) * weight(q, length_s);
     }
-    // A growing exponential is not returned alone: it may be beyond all numbers.
+    // A growing exponential is never computed separately, because it may overflow.
     (libm::exp(-r * oldest_s - q * length_s) - libm::exp(-r * oldest_s)) / -q
 }
 
@@ -145,7 +145,7 @@ fn of_table(points: &[(f64, f64)], span: LikelihoodPeriod) -> f64 {
     constant(*first, youngest_s.min(*first_s), *first_s) + lines.sum::<f64>() + constant(*last, *last_s, span.oldest_s)
 }
 
-/// Returns the part of one straight line between two ages.
+/// Returns the share of one straight line between two ages.
 fn of_line((from_s, cost_from): (f64, f64), (until_s, cost_until): (f64, f64), span: LikelihoodPeriod) -> f64 {
     let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let (young_s, old_s) = (from_s.max(oldest_s - length_s), until_s.min(oldest_s));
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Counted one time step after another: the remaining probability of the target, times its rate.
+    /// The same, computed by time steps: in each step the remaining probability of the target, times its rate.
     #[test]
     fn steps_of_time_come_to_the_same() {
         let rate = EventRate { steps: vec![(0.0, 0.004), (100.0, 0.0), (150.0, 0.02)] };
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn costs_that_hardly_begin_keep_their_digits() {
-        // So slow a cost is a line.
+        // A cost that grows this slowly is practically a line.
         let cost = |cost| interval_cost(&target(cost, EventRate::constant(0.01)), 0.0, 100.0).unwrap();
         let slow = cost(CostFunction::Saturating { maximum: 3.0, rate_per_s: 1e-12 });
         let line = cost(CostFunction::Linear { cost_per_s: 3e-12 });

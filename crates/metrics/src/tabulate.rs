@@ -1,32 +1,32 @@
 //! A user-defined cost as a table of the model, so that planners and bounds can use it.
 //!
-//! # What is promised
-//! Of a function that never falls between the ages 0 and `oldest_s`, with `C` its cost at `oldest_s`: at every age the
-//! table is within `relative_error` of the cost, or of [`LEAST_SHARE`] of `C` where the cost is less. Left out are gaps
-//! around jumps, all together [`JUMP_SHARE`] of `oldest_s` for each `C` of height. So the cost of every interval is met
-//! within `relative_error` of itself plus of its length times [`LEAST_SHARE`] of `C`, and [`JUMP_SHARE`] of `C oldest_s`.
+//! # Guarantee
+//! The function must never fall between the ages 0 and `oldest_s`; `C` is its cost at `oldest_s`. Then at every age the table is within
+//! `relative_error` of the cost, or within `relative_error` of [`LEAST_SHARE`] of `C` where the cost is less. Excepted are gaps around
+//! jumps, in total [`JUMP_SHARE`] of `oldest_s` for each `C` of height. So the cost of every interval is met within `relative_error` of
+//! the sum of that cost and of its length times [`LEAST_SHARE`] of `C`, plus [`JUMP_SHARE`] of `C oldest_s`.
 //!
-//! This is proven, not guessed from samples: a function that never falls lies between its costs at two ages asked, and
-//! neighbours are asked until these are as close. What cannot be seen is whether it falls between two ages asked; then, and
-//! beyond `oldest_s`, where the table stays as it is, nothing is promised.
+//! This is proven, not estimated from samples: between two evaluated ages a function that never falls lies between its costs at them, and
+//! ages are added until neighbouring costs are close enough. A fall between two evaluated ages cannot be detected. In that case, and
+//! beyond `oldest_s`, where the table is constant, nothing is guaranteed.
 //! Bound: at most [`ASKED_MAX`] calls and [`POINTS_MAX`] points.
 
 use crate::user_cost::{self, Function, ROUNDING};
 
-/// Points of one table: planners look through them at every step.
+/// Points of one table; planners search them at every step.
 pub const POINTS_MAX: usize = 1_000;
-/// Calls of the function; a smooth one takes half as many for a relative error of 1e-5.
+/// Calls of the function. A smooth function takes half as many for a relative error of 1e-5.
 pub const ASKED_MAX: usize = 4_000_000;
 /// Costs below this share of the oldest age's are met as closely as this share.
 pub const LEAST_SHARE: f64 = 1e-3;
-/// A jump lies between two points that are so near each other, as a share of the oldest age: forty halvings.
+/// Largest distance between the two points around a jump, as a share of the oldest age: forty halvings.
 pub const JUMP_SHARE: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Returns points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
 ///
 /// # Errors
-/// An error message with the age at which the function has no cost, a negative one, one that is not finite, or falls;
-/// or if it takes too many calls or points.
+/// An error message with the age at which the cost is missing, negative or not finite, or falls; also if too many calls or points are
+/// needed.
 pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64) -> Result<Vec<(f64, f64)>, String> {
     if !oldest_s.is_finite() || oldest_s <= 0.0 {
         return Err(format!("the oldest age is {oldest_s} s; it must be a positive number"));
@@ -35,8 +35,8 @@ pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64)
         return Err(format!("the relative error is {relative_error}; it must be above 0 and at most 0.5"));
     }
     let oldest = user_cost::ask(function, oldest_s)?;
-    // One half for what happens between ages asked, one for the straight lines; a little less, since the lines' half is taken
-    // of the older end.
+    // One half is for the behaviour between evaluated ages, the other for the straight lines; slightly less in total, because the lines'
+    // half is relative to the cost at the older end.
     let share = 0.5 * relative_error / (1.0 + relative_error);
     let near = |cost: f64| share * cost.max(LEAST_SHARE * oldest);
     let asked = asked(function, (oldest_s, oldest), near)?;
@@ -70,7 +70,7 @@ fn asked(
     youngest = between((0.0, 0.0), youngest, oldest)?;
     let mut done = vec![youngest];
     let mut last = youngest;
-    // Ends of intervals that are not done, the next one last.
+    // Ends of intervals still to be done, the next one last.
     let mut ahead = vec![oldest];
     while let Some(next) = ahead.last().copied() {
         if next.1 - last.1 <= near(last.1) || next.0 - last.0 <= JUMP_SHARE * oldest.0 {
@@ -91,8 +91,8 @@ fn asked(
     Ok(done)
 }
 
-/// Returns those of points by rising age between which straight lines pass all others `near` enough: each line extends
-/// as far as one does.
+/// Returns a subset of the points, by rising age, such that straight lines between them pass all other points `near` enough. Each line
+/// extends as far as possible.
 fn straightened(points: &[(f64, f64)], near: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let Some((first, rest)) = points.split_first() else { return Vec::new() };
     let (mut corners, mut corner) = (vec![*first], *first);

@@ -1,18 +1,18 @@
 //! User-defined costs: any function of the age of an event, evaluated where needed and checked against the rules of
 //! costs.
 //!
-//! What is promised of such a function is seen only at the ages at which it is asked: there it must be finite, not
-//! negative and, except for rounding, nowhere less than at a younger age asked.
+//! The rules are checked only at the ages at which the function is evaluated. There it must be finite, not negative and, except for
+//! rounding, nowhere less than at a younger evaluated age.
 
 use crate::eci::{self, ExpectedCost, Likelihoods, TargetCost};
 use crate::survival;
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, SurveillanceVisit};
 use std::collections::BTreeMap;
 
-/// Share of a cost by which a function may fall and be taken for one that is rounded.
+/// Share of a cost by which a function may fall before this no longer counts as rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Calls of one target's cost in one score.
+/// Calls of one target's cost function in one score.
 pub const CALLS_MAX: usize = 4_000_000;
 
 /// Cost of an event by its age in seconds, or an error message.
@@ -22,14 +22,14 @@ pub type Function<'a> = dyn FnMut(f64) -> Result<f64, String> + 'a;
 pub struct UserCost<'a> {
     /// The cost by age.
     pub function: Box<Function<'a>>,
-    /// Ages at which it jumps or has a kink, where known: integrals need fewer calls.
+    /// Known ages at which the function jumps or has a kink; they reduce the calls of integrals.
     pub jumps_s: Vec<f64>,
 }
 
 /// Returns the function's cost at `age_s`.
 ///
 /// # Errors
-/// An error message if it has no cost, or one that is negative or not finite.
+/// An error message if the cost is missing, negative or not finite.
 pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String> {
     let cost =
         function(age_s).map_err(|why| format!("the cost of an event {age_s} s old cannot be computed: {why}"))?;
@@ -44,11 +44,11 @@ pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> S
     format!("the cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age")
 }
 
-/// Returns the expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
-/// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` of events are added up or survived.
+/// Returns the expected cost of ignorance of `visits`, in any order. Targets named in `own` have those costs instead of their families'
+/// costs, integrated by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` states whether events are added up or survived.
 ///
 /// # Errors
-/// An error message that names the target: an unknown one, a visit without a time, or an invalid cost and its age.
+/// An error message that names the target: an unknown target, a visit without a time, or an invalid cost with its age.
 pub fn expected_cost_with(
     problem: &SurveillanceProblem,
     visits: &[SurveillanceVisit],

@@ -1,4 +1,4 @@
-//! Findings of a check of a program, for programs that read them.
+//! Findings of the check of a program as JSON, for other programs.
 
 use apex_executive::memory;
 use apex_model::library::Library;
@@ -63,7 +63,7 @@ fn file_name(checked: &Checked, file: u32) -> Option<String> {
     source.map(|source| source.name.to_string())
 }
 
-/// Returns one object for each history that a program keeps (span in seconds, samples, bytes), then one for each clause that requires it.
+/// Returns one object for each history of a program (span in seconds, samples, bytes), then one for each clause that requires it.
 pub fn memory_json(library: &Library) -> Vec<Value> {
     let kept = memory::kept(library).into_iter().map(|kept| {
         json!({

@@ -1,4 +1,4 @@
-//! Clouds as the mission expects them: decks with a cover, by area, altitude and time.
+//! Clouds as forecast by the mission: decks with a cover, by area, altitude and time.
 //!
 //! Bound: O(decks) per query.
 
@@ -14,15 +14,15 @@ const COLUMNS_OPTIONAL: &[&str] = &["south_deg", "north_deg", "west_deg", "east_
 /// One deck of clouds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudDeck {
-    /// The area in which it is expected; everywhere if none.
+    /// The area of the deck; `None` for everywhere.
     pub area: Option<Area>,
     /// Lower side above mean sea level.
     pub base_m: f64,
     /// Upper side above mean sea level.
     pub top_m: f64,
-    /// Time in which it is expected.
+    /// Time of the deck.
     pub active: TimeWindow,
-    /// Share of the sky that it covers, 0 to 1.
+    /// Share of the sky that the deck covers, 0 to 1.
     pub cover: f64,
 }
 
@@ -64,8 +64,8 @@ fn deck(row: &tables::TableRow<'_>) -> MissionResult<CloudDeck> {
     Ok(deck)
 }
 
-/// Returns the share of the sky between a place in the air and the ground that is free of cloud, seen straight down: the product over the
-/// decks whose base is below.
+/// Returns the share of the vertical lines of sight between a position in the air and the ground that is free of cloud: the product over
+/// the decks whose base is below.
 pub(crate) fn clear_share(decks: &[CloudDeck], position: Position, altitude_m: f64, time_s: f64) -> f64 {
     let below = decks.iter().filter(|deck| {
         altitude_m > deck.base_m && deck.active.contains(time_s) && deck.area.is_none_or(|area| area.contains(position))

@@ -1,4 +1,4 @@
-//! Two reports of one mission side by side.
+//! Comparison of two reports of one mission.
 
 use crate::report::{MissionValue, Report};
 use crate::score::{CostKind, FlightScore};
@@ -25,7 +25,7 @@ pub struct Comparison<'a> {
     pub from: Time,
 }
 
-/// A row: what it is about, and each flight's entry.
+/// A row: its subject, and each flight's entry.
 type ComparisonRow = (String, [String; 2]);
 
 impl Comparison<'_> {
@@ -159,7 +159,7 @@ fn write_row(
     }
 }
 
-/// Returns lines of at most `width` characters, broken at single spaces; a longer word is broken where it reaches the width.
+/// Returns lines of at most `width` characters, broken at single spaces; a longer word is broken at the width.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let width = width.max(1);
     let mut lines = vec![String::new()];

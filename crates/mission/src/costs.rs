@@ -1,4 +1,4 @@
-//! Costs of ignorance that a mission's program computes: functions of the age of an event, put into tables for the planners.
+//! Costs of ignorance that a mission's program defines: functions of the age of an event, tabulated for the planners.
 
 use super::settings::Settings;
 use super::targets::{Target, TargetKind};

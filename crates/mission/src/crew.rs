@@ -1,4 +1,4 @@
-//! The agents of a mission with the functions of that mission.
+//! Creates the agents of a mission with the host functions of that mission.
 
 use crate::error::MissionResult;
 use crate::ways::{Limits, register};

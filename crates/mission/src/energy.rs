@@ -11,7 +11,7 @@ pub(crate) struct PlannedEnergy {
     pub(crate) fuel_kg: f64,
     /// Fuel that must remain; 0 for a battery.
     pub(crate) fuel_reserve_kg: f64,
-    /// Fuel burnt per second that plans count on; 0 for a battery, which limits the flight time alone.
+    /// Fuel burnt per second as planners assume it; 0 for a battery, which limits only the flight time.
     pub(crate) fuel_flow_kg_per_s: f64,
     /// Flight time until the store is empty.
     pub(crate) endurance_s: f64,
@@ -19,8 +19,8 @@ pub(crate) struct PlannedEnergy {
     pub(crate) reserve_s: f64,
 }
 
-/// Returns the energy of the mission's vehicle, as last reported. A rotorcraft is counted with the greater of its drains in cruise and
-/// hover, so that a plan may hover for as long as it likes.
+/// Returns the energy of the mission's vehicle, as last reported. For a rotorcraft the greater of its drains in cruise and hover counts,
+/// so that a plan may hover for any time.
 pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy {
     let (model, vehicle) = (&mission.model, &situation.vehicle);
     let drain = model.drain_planned_per_s(mission.cruise_altitude_m());
@@ -47,8 +47,8 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
     }
 }
 
-/// Returns the reserve that the mission requires, as a multiple of that of the vehicle's own rule: plans keep the greater one, so that a
-/// flight as planned raises no alarm.
+/// Returns the reserve that the mission requires, as a multiple of the vehicle's own: plans keep the greater one, so that a flight as
+/// planned raises no alarm.
 fn reserve_share(mission: &Mission) -> f64 {
     let stated_s = mission.requirements.energy_reserve_s.unwrap_or(0.0);
     (stated_s / mission.model.reserve_s()).max(1.0)

@@ -6,9 +6,9 @@ use std::fmt;
 /// Subject of a [`MissionError`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// The PDL program: it cannot be read, or has errors (see [`MissionError::diagnostics`]).
+    /// The PDL program: it cannot be read, or contains errors (see [`MissionError::diagnostics`]).
     Program,
-    /// A file of the mission's data: it cannot be read, or holds something else than it should.
+    /// A file of the mission's data: it cannot be read, or its content is invalid.
     Data,
     /// An option of `(defapplication ..)`.
     Setting,
@@ -16,7 +16,7 @@ pub enum ErrorKind {
     Planning,
     /// The model of a vehicle, or the vehicle itself.
     Vehicle,
-    /// The file that was given as a flight record, or where one is to be written.
+    /// A file given as flight record, or the path of a record to be written.
     RecordFile,
     /// A flight record that cannot be written: the disk is full, or refuses.
     Record,
@@ -33,7 +33,7 @@ pub enum ErrorKind {
 pub struct MissionError {
     /// Subject.
     pub kind: ErrorKind,
-    /// File, feature, row or option that is at fault, if it is one.
+    /// The file, feature, row or option with the error, if there is one.
     pub place: Option<String>,
     /// Failure, one line.
     pub message: String,
@@ -106,7 +106,7 @@ impl MissionError {
         self
     }
 
-    /// Returns the failure with its place, one line.
+    /// Returns the failure with its place, in one line.
     pub fn headline(&self) -> String {
         match &self.place {
             Some(place) => format!("{place}: {}", self.message),
@@ -114,7 +114,8 @@ impl MissionError {
         }
     }
 
-    /// Replaces a failure by the first error of its program, for callers that show one error. Failures without diagnostics stay.
+    /// Replaces a failure by the first error of its program, for callers that show a single error. Failures without diagnostics are
+    /// unchanged.
     #[must_use]
     pub fn first_diagnostic(self) -> MissionError {
         let Some(checked) = &self.diagnostics else { return self };

@@ -1,4 +1,4 @@
-//! Reading files, and what to say when they cannot be read.
+//! Reads files, with errors that state the reason and the remedy.
 
 use crate::error::{MissionError, MissionResult};
 use std::io::Read;
@@ -6,16 +6,16 @@ use std::io::Read;
 /// Reads a text file.
 ///
 /// # Errors
-/// Says which file, why it cannot be read, and what to do.
+/// The file, the reason for which it cannot be read, and the remedy.
 pub fn read_text(path: &std::path::Path) -> MissionResult<String> {
     text_of(&path.display().to_string(), read_bytes(path)?)
 }
 
-/// Largest file that is read as a whole: a matrix of 5,000 x 5,000 travel times is half of it.
+/// Size of the largest file that is read at once: a matrix of 5,000 x 5,000 travel times is half of it.
 const FILE_BYTES_MAX: u64 = 512 << 20;
-/// Largest amount that is read from a device or pipe, whose length is not known before.
+/// Largest amount that is read from a device or pipe, whose length is unknown.
 const STREAM_BYTES_MAX: u64 = 64 << 20;
-/// Some editors begin a file with this mark; it is not part of the text.
+/// Some editors write this mark at the beginning of a file; it is not part of the text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// Returns the bytes of the file `place` as text, without a byte order mark.
@@ -33,7 +33,7 @@ pub(crate) fn text_of(place: &str, bytes: Vec<u8>) -> MissionResult<String> {
 /// Reads a file.
 ///
 /// # Errors
-/// Says which file, why it cannot be read, and what to do.
+/// The file, the reason for which it cannot be read, and the remedy.
 pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     if path.is_dir() {
         return Err(MissionError::data(format!("{} is a folder", path.display())).help("name a file in it"));
@@ -66,7 +66,7 @@ pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionErro
 /// Maximum number of names in a message.
 const NEARBY_MAX: usize = 12;
 
-/// Names files and missions of the same folder that look alike, or says where a relative path was looked for.
+/// Names similar files and missions of the same folder, or the folder in which a relative path was searched.
 pub fn nearby_help(path: &std::path::Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| std::path::Path::new("."));

@@ -1,4 +1,4 @@
-//! Safe fixes of a program and the files that it requires, pass after pass.
+//! Applies the safe fixes to a program and the files that it requires, in passes.
 
 use crate::error::MissionResult;
 use crate::files::read_text;
@@ -26,14 +26,14 @@ pub struct Made {
     pub title: String,
 }
 
-/// A program while it is fixed.
+/// A program while it is being fixed.
 #[derive(Default)]
 pub struct Program {
-    /// Texts read from files, by the name that the program knows them by. What ships with the command is not among them.
+    /// Texts read from files, by the names that the program uses. Shipped libraries are not among them.
     pub texts: BTreeMap<PathBuf, Text>,
-    /// Only this text is changed; none allows all of them.
+    /// The only text that is changed; `None` permits all.
     pub only: Option<PathBuf>,
-    /// Fixes in the order in which they were made.
+    /// Applied fixes, in order.
     pub made: Vec<Made>,
 }
 
@@ -41,8 +41,8 @@ pub struct Program {
 pub type Reader<'r> = &'r mut dyn FnMut(&Path) -> MissionResult<String>;
 
 impl Program {
-    /// Checks and fixes until nothing safe is left to fix. A pass that leaves more errors than it found is taken back,
-    /// unless it fixed the text's structure: what was wrong behind a missing `)` is seen only then.
+    /// Checks and fixes until no safe fix remains. A pass that increases the number of errors is undone, unless it fixed the text's
+    /// structure: errors behind a missing `)` are visible only afterwards.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -76,7 +76,7 @@ impl Program {
         self.texts.get_mut(path).map(|known| std::mem::replace(&mut known.now, text)).unwrap_or_default()
     }
 
-    /// Returns the texts after one pass, and the fixes made; `None` if there is no safe fix.
+    /// Returns the texts after one pass, and the applied fixes; `None` if there is no safe fix.
     fn fixed(&self, checked: &Checked) -> Option<(BTreeMap<PathBuf, String>, Vec<Made>)> {
         let path_of = |file: u32| {
             let source = checked.library.sources.get(usize::try_from(file).ok()?)?;

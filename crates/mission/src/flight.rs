@@ -1,4 +1,4 @@
-//! One flight of a mission, with whatever moves the vehicle: plan, book, score, report.
+//! One flight of a mission with any kind of vehicle: planning, recording, score, report.
 
 use crate::Mission;
 use crate::crew;
@@ -35,15 +35,15 @@ impl MissionFlight {
         MissionFlight { mission, means }
     }
 
-    /// Returns the terms of a run that ends at `until`, or after the mission's duration if that is earlier, with the scripted inputs
-    /// of the mission.
+    /// Returns the options of a run that ends at `until`, or after the mission's duration if that is earlier, with the scripted inputs of
+    /// the mission.
     pub fn terms(mission: &Mission, until: Option<Time>) -> FlyOptions {
         let limit = Time::ZERO + mission.settings.duration;
         let until = until.map_or(limit, |until| until.min(limit));
         FlyOptions { until, inputs: mission.scenario.clone(), ..FlyOptions::default() }
     }
 
-    /// Flies with `vehicle`. A recorder comes first among the `observers`: nothing is used before it is stored.
+    /// Flies with `vehicle`. A recorder must come first among the `observers`, so that every input is stored before it is used.
     ///
     /// # Errors
     /// A program that cannot be executed, a link or a record that breaks.
@@ -91,7 +91,7 @@ impl FlightOutcome {
     }
 }
 
-/// Writes what a record must hold of a mission other than its program: data files, names, targets.
+/// Records the parts of a mission other than its program: data files, names, targets.
 ///
 /// # Errors
 /// The record cannot be written.

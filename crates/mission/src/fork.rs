@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub struct Changes {
     /// Inputs after the instant.
     pub inputs: Vec<Input>,
-    /// Targets to visit in this order instead of planning; empty leaves planning as it is.
+    /// Targets to visit in this order instead of planning; empty for normal planning.
     pub plan: Vec<String>,
 }
 
@@ -38,12 +38,12 @@ pub struct Fork<'a> {
 }
 
 impl Fork<'_> {
-    /// Repeats the record up to the instant, changes the vehicle by `change`, and flies on with the mission's own
-    /// scenario and the changes. The observers see the flight from its beginning.
+    /// Repeats the record up to the instant, changes the vehicle by `change`, and continues the flight with the mission's scenario and
+    /// the changes. The observers receive the flight from its beginning.
     ///
     /// # Errors
-    /// An input that is not after the instant, an unknown target, a record that this version or this vehicle does not
-    /// repeat, and all errors of a flight.
+    /// An input that is not after the instant, an unknown target, a record that this version or this vehicle cannot repeat, and all
+    /// errors of a flight.
     pub fn fly<V: Vehicle>(
         self,
         vehicle: &mut V,
@@ -99,7 +99,7 @@ fn imposed(plan: &[String], at: Time) -> Vec<Input> {
     ]
 }
 
-/// Returns the same wind, `factor` times as strong; turbulence is as before.
+/// Returns the wind with `factor` times its speed; the turbulence is unchanged.
 pub fn scaled_wind(wind: &WindField, factor: f64) -> WindField {
     let mut wind = wind.clone();
     for layer in &mut wind.layers {

@@ -16,7 +16,7 @@ pub(crate) struct MissionGround {
 impl MissionGround {
     /// Returns the ground of a mission with this terrain, in which no target lies lower than `lowest_m`.
     pub(crate) fn new(terrain: Option<Arc<Terrain>>, lowest_m: f64) -> MissionGround {
-        // Without terrain no higher than any target, so that each one's own elevation counts.
+        // Without terrain the ground is not higher than any target, so that each target's own elevation counts.
         let range_m = terrain.as_ref().map_or((lowest_m - 1.0, lowest_m), |terrain| {
             let (low_m, high_m) = terrain.range_m();
             (low_m.min(lowest_m) - 1.0, high_m)

@@ -1,4 +1,4 @@
-//! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
+//! A mission: the contents of a `(defapplication ..)`, read from files and ready to plan and fly.
 
 pub mod acquisition;
 pub mod check_report;
@@ -97,19 +97,19 @@ pub struct Mission {
     pub start: Position,
     /// Altitude of the start above mean sea level.
     pub start_altitude_m: f64,
-    /// Targets, and named places among them.
+    /// Targets and named places.
     pub targets: Vec<Target>,
     /// Airspace.
     pub zones: Vec<AirspaceZone>,
     /// Airfields.
     pub airfields: Vec<Airfield>,
-    /// The ground, where the mission has files of it; without them it is known at targets and airfields alone.
+    /// The terrain, if the mission has files of it; without them ground is known only at targets and airfields.
     pub terrain: Option<Arc<Terrain>>,
     /// Highest ground of `terrain` between and around targets and airfields; negative infinity without terrain.
     pub highest_ground_m: f64,
     /// Wind that the planner believes in.
     pub forecast: WindField,
-    /// All forecasts by the names of their files: the first is assumed at the start, others when they are said to be out.
+    /// All forecasts by the names of their files: the first is assumed at the start, others when a message announces them.
     pub forecasts: Vec<(String, WindField)>,
     /// Clouds that the planner believes in.
     pub clouds: Vec<clouds::CloudDeck>,
@@ -127,13 +127,13 @@ pub struct Mission {
     pub modems: Vec<Modem>,
     /// Radios as the planner assumes them.
     pub link_map: Vec<link_map::StatedLink>,
-    /// Targets that plans leave out since their link is weak, each with the reason; empty before anything is assumed of links.
+    /// Targets that plans leave out because their link is weak, each with the reason; empty before links are evaluated.
     pub weak_targets: Vec<(String, String)>,
     /// Loss of a link: criterion and response.
     pub lost_link: lost_link::LostLink,
     /// The dependency model by which test outcomes are diagnosed in flight.
     pub diagnosis: Option<Arc<apex_diagnosis::Model>>,
-    /// The living world of the simulation; the simulator reads it.
+    /// The dynamic world of the simulation, for the simulator.
     pub world: Option<WorldText>,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
@@ -158,11 +158,11 @@ impl Mission {
         Mission::read(library, &Sources::Folder(folder))
     }
 
-    /// Loads a mission from its program and data as a flight record stores them: the texts of the program in the order of
-    /// loading, and data files by name. Nothing else is read.
+    /// Loads a mission from its program and data as stored in a flight record: the texts of the program in load order, and data files by
+    /// name. Nothing else is read.
     ///
     /// # Errors
-    /// The program does not check with this version; everything that can be wrong with the settings or the data.
+    /// Errors of the program under this version, and all errors of the settings and the data.
     pub fn from_sources(program: &[SourceFile], data: Vec<(String, Vec<u8>)>) -> MissionResult<Mission> {
         let (library, _, _) = program::load_recorded(program)
             .map_err(|reason| MissionError::program("the recorded mission cannot be loaded").because(reason))?;
@@ -235,7 +235,7 @@ impl Mission {
         Ok(mission)
     }
 
-    /// Reads the assumptions about radio links and the response to the loss of one.
+    /// Reads the assumptions about radio links and the response to a lost link.
     fn read_links(&mut self) -> MissionResult {
         let place_of = |value: &Value| self.place(value);
         let stations = self.modems.iter().filter_map(|modem| Some((modem.name.clone(), modem.level.station?)));
@@ -313,7 +313,7 @@ impl Mission {
     }
 
     /// Returns the lowest altitude that keeps the clearance of requirement `terrain` within `reach_m` of a place and of the turns around
-    /// it; none where the ground is not known.
+    /// it; `None` if the ground is unknown.
     pub(crate) fn clear_altitude_m(&self, position: Position, reach_m: f64) -> Option<f64> {
         let highest_m = self.terrain.as_ref()?.highest_m_near(position, reach_m + self.ground_room_m())?;
         Some(highest_m + self.requirements.terrain_clearance_m.unwrap_or(0.0))
@@ -325,7 +325,7 @@ impl Mission {
         let fields = self.airfields.iter().map(|airfield| airfield.elevation_m);
         let highest_m = targets.chain(fields).fold(self.start_altitude_m, f64::max);
         let cruise = &self.model.planning.cruise;
-        // Over everything where the vehicle can; around what is higher where it cannot.
+        // The altitude is above all ground if the vehicle can reach it; otherwise routes go around higher ground.
         let over_all_m = cruise.altitude_m(highest_m.max(self.highest_ground_m));
         if over_all_m <= self.model.planning.ceiling_share * self.model.ceiling_m {
             over_all_m
@@ -384,19 +384,19 @@ impl Mission {
 /// Reads a file of winds, in the form of a mission's `:weather`.
 ///
 /// # Errors
-/// A file that cannot be read, or holds something else.
+/// A file that cannot be read, or has another content.
 pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     let bytes = files::read_bytes(path)?;
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
 }
 
-/// Returns the distance that plans keep from zones, m: that of single visits where there are fires, else that of surveillance.
+/// Returns the distance that plans keep from zones, m: that of single-visit problems if there are fires, otherwise that of surveillance.
 fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
     let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
     if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
 }
 
-/// Room for turns next to a place: so many turn radii, and for vehicles that turn on the spot.
+/// Space for turns around a place, in turn radii; also for vehicles that turn on the spot.
 const ROOM_RADII: f64 = 3.0;
 const ROOM_M_MIN: f64 = 50.0;
 

@@ -1,4 +1,4 @@
-//! A form of a setting about radio links: its keys and figures, with errors that name them.
+//! Reads a form of a setting about radio links: its keys and figures, with errors that name them.
 
 use crate::error::{MissionError, MissionResult};
 use apex_model::problem::Position;
@@ -35,7 +35,7 @@ impl<'a> LinkForm<'a> {
         self.wrong(format!("unknown key `{key}`; known are {known}"))
     }
 
-    /// Keys with their values; each may be given once.
+    /// Returns the keys with their values; a repeated key is an error.
     pub(crate) fn pairs<'v>(&self, items: &'v [Value]) -> MissionResult<Vec<(&'v str, &'v Value)>> {
         let mut pairs: Vec<(&str, &Value)> = Vec::new();
         for pair in items.chunks(2) {

@@ -1,6 +1,6 @@
 //! Reads the level of a radio by place: `:station home :full-level 1500m :range 5km :shadows ((:around barn :radius 300m :factor 0.1))`.
 //!
-//! `:modems` states so what the world has, `:link-map` what the planner assumes.
+//! `:modems` states the levels of the simulated world, `:link-map` those that the planner assumes.
 
 use crate::error::MissionResult;
 use crate::link_form::LinkForm;
@@ -9,7 +9,7 @@ use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 
-/// Distance at which a ground radio is still full where the mission does not say.
+/// Distance up to which a ground radio has full level, if the mission does not state it.
 const FULL_LEVEL_M: f64 = 1_000.0;
 /// Height of the station's antenna above its ground, m: a mast that is set up by hand.
 const ANTENNA_M: f64 = 3.0;
@@ -17,7 +17,7 @@ const ANTENNA_M: f64 = 3.0;
 const RANGE_M_MAX: f64 = 2e6;
 /// Path-loss exponents: from a street canyon to dense forest.
 const EXPONENT_MIN_MAX: (f64, f64) = (1.0, 8.0);
-/// Shadows of one radio, and entries of a table, at most.
+/// Maximum number of shadows of one radio, and of entries of a table.
 const ENTRIES_MAX: usize = 200;
 
 /// Keys that [`LevelReader::take`] reads.
@@ -35,7 +35,7 @@ pub(crate) struct LevelReader {
 }
 
 impl LevelReader {
-    /// Takes one key; returns false if it is not of a level.
+    /// Reads one key; returns false if the key does not belong to a level.
     ///
     /// # Errors
     /// A value of another type or outside of its range.
@@ -67,7 +67,7 @@ impl LevelReader {
     /// Returns the level model of the options that were read.
     ///
     /// # Errors
-    /// Keys that exclude one another, a range that is not beyond full level, a figure of distance without a station.
+    /// Keys that exclude one another, a range that is not greater than the distance of full level, a distance without a station.
     pub(crate) fn finish(self, form: &LinkForm<'_>) -> MissionResult<LevelModel> {
         let stated = [
             (":full-level", self.full_level_m.is_some()),

@@ -1,4 +1,4 @@
-//! `:link-map`: the radios as the planner assumes them before anything is measured.
+//! `:link-map`: the radios as the planner assumes them before any measurement.
 
 use crate::error::MissionResult;
 use crate::link_form::{LinkForm, PlaceOf};
@@ -10,18 +10,19 @@ use apex_model::value::Value;
 const USAGE: &str = "`(NAME :station PLACE :full-level 2km :range 9km :shadows ((:around PLACE :radius 300m :factor 0.1)))`, \
                      all but NAME and :station optional";
 
-/// A radio as the mission states it to the planner.
+/// A radio as stated to the planner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedLink {
     /// Its name, as in `signal-level`.
     pub name: String,
     /// Position of its station.
     pub station: Position,
-    /// Its level by place; `None` where the mission states nothing, and the flight finds it out.
+    /// Its level by place; `None` if the mission states nothing, and the flight measures it.
     pub level: Option<LevelModel>,
 }
 
-/// Reads the forms of a mission's link map; `at` is the place of the application. Of the ground radios with `stations` that it does not name, only these are assumed.
+/// Reads the forms of a mission's link map; `at` is the place of the application. Of ground radios that it does not name, only their
+/// `stations` are assumed.
 ///
 /// # Errors
 /// A form of another shape, a figure of another type or outside of its range, no station, a name twice.
@@ -54,7 +55,7 @@ pub(crate) fn read(
         }
         links.push(StatedLink { name: name.printed().to_string(), station, level: Some(level) });
     }
-    // Of other ground radios only the place of the station is known: the figures are the world's.
+    // Of other ground radios only the station's place is known: the figures belong to the simulated world.
     for (name, station) in stations {
         if !links.iter().any(|known| known.name.eq_ignore_ascii_case(&name)) {
             links.push(StatedLink { name, station, level: None });

@@ -1,7 +1,7 @@
-//! `:lost-link`: when a link counts as lost, and what the flight does then (paper, section IV, example 2).
+//! `:lost-link`: when a link counts as lost, and the response of the flight (paper, section IV, example 2).
 //!
-//! The times and levels are constants of PDL in the library `lost-link-figures`, whose shipped text has the defaults. What the flight does
-//! without an instruction, and where its contingency route ends, the situation says when a link is lost.
+//! The times and levels are PDL constants of the library `lost-link-figures`, whose shipped text has the defaults. The situation
+//! determines the response without an instruction, and the end of the contingency route, when a link is lost.
 
 use crate::error::MissionResult;
 use crate::link_form::{LinkForm, PlaceOf};
@@ -20,7 +20,7 @@ const LOSSES_MAX: f64 = 100.0;
 const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 10min :instructions-within 2min \
                      :default resume :losses-max 5 :contingency PLACE)`, each optional";
 
-/// Response of the flight if no instruction comes.
+/// Response of the flight if no instruction arrives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LostDefault {
     /// Plan again around the weak link and continue.
@@ -44,19 +44,19 @@ impl LostDefault {
 pub struct LostLink {
     /// Below this level a link is weak, 0 to 1.
     pub nominal: f64,
-    /// From this level on it is good; above `nominal`.
+    /// Level from which on the link is good; above `nominal`.
     pub good: f64,
     /// A link that is weak for longer than this is lost, s.
     pub weak_for_s: f64,
-    /// A link that is good for this time is known to be good there, s.
+    /// Time in seconds for which a link must be good before its place counts as good.
     pub good_for_s: f64,
     /// Time for which the aircraft waits for the link at the last good place, s.
     pub regain_within_s: f64,
-    /// Time for which it then waits for instructions, s.
+    /// Time in seconds for which the flight then waits for instructions.
     pub instructions_within_s: f64,
     /// Response without an instruction.
     pub default: LostDefault,
-    /// From this number of losses on it flies the contingency route without one.
+    /// Number of losses from which on it flies the contingency route without waiting.
     pub losses_max: u32,
     /// End of the contingency route; `None` for the nearest landing place whose link is not known to be weak.
     pub contingency: Option<Value>,
@@ -79,19 +79,19 @@ impl Default for LostLink {
 }
 
 impl LostLink {
-    /// Returns the mean level from which on a place is one to return to: as far above `good` as that is above `nominal`, so that fading
-    /// does not take the signal away again; at most halfway to full.
+    /// Returns the mean level above which a place is suitable for a return: as far above `good` as that is above `nominal`, so that
+    /// fading does not lose the link again; at most halfway to full level.
     pub(crate) fn known_good(&self) -> f64 {
         (2.0 * self.good - self.nominal).min(0.5 * (1.0 + self.good))
     }
 }
 
-/// Reads the figures of the items of `:lost-link`; `at` is the place of the application. Without `place_of` the place of
-/// `:contingency` is not looked up.
+/// Reads the figures of the items of `:lost-link`; `at` is the place of the application. Without `place_of` the place of `:contingency`
+/// is not resolved.
 ///
 /// # Errors
-/// A key that is unknown or given twice, a figure of another type or outside of its range, `:good` that is not above `:nominal`, a place
-/// that the mission does not have.
+/// A key that is unknown or repeated, a figure of another type or outside of its range, `:good` not above `:nominal`, or a place that the
+/// mission does not have.
 pub(crate) fn read((items, at): (&[Value], &str), place_of: Option<PlaceOf<'_>>) -> MissionResult<LostLink> {
     let whole = Value::list(items.iter().cloned());
     let form =
@@ -145,8 +145,8 @@ pub(crate) fn read((items, at): (&[Value], &str), place_of: Option<PlaceOf<'_>>)
     Ok(figures)
 }
 
-/// Returns the text that has to replace the library of figures in a program: `None` if the program does not use that library, or
-/// states nothing else than the shipped text. Errors of the setting are reported when the mission is loaded.
+/// Returns the text that replaces the library of figures in a program; `None` if the program does not use that library, or states only
+/// the shipped figures. Errors of the setting are reported when the mission is loaded.
 pub(crate) fn figures_for(library: &Library) -> Option<SourceText> {
     let shipped = library.sources.iter().find(|source| &*source.name == SHIPPED_FIGURES_NAME)?;
     let items = library.application.as_ref()?.option("lost-link")?.as_list()?;

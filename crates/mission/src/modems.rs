@@ -1,6 +1,6 @@
-//! `:modems`: the radios of the world that a mission is flown in (docs/reference/mission-data.md, "Radio links").
+//! `:modems`: the radios of a mission's simulated world (docs/reference/mission-data.md, "Radio links").
 //!
-//! The planner does not read them: it assumes what `:link-map` states and uses what the flight has measured.
+//! The planner does not read them: it assumes the contents of `:link-map` and uses the measurements of the flight.
 
 use super::Mission;
 use crate::error::MissionResult;
@@ -10,13 +10,13 @@ use apex_geo::link::LevelModel;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 
-/// Deviation of the fading where the mission does not say: ground radio, satellite link.
+/// Standard deviation of the fading, if the mission does not state it: ground radio, satellite link.
 const FADING_DB: (f64, f64) = (3.0, 1.0);
 const FADING_DB_MAX: f64 = 30.0;
 const USAGE: &str = "`(NAME :station PLACE :full-level 2km :range 9km :shadows ((:around PLACE :radius 300m :factor 0.1)) \
                      :fading-db 3 :dropouts ((6h 6.5h)))`, all but NAME optional; without a station it is a satellite link";
 
-/// A radio between vehicle and ground, as the world has it.
+/// A radio between vehicle and ground in the simulated world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modem {
     /// Its name: the object of `signal-level`, for example `900MHzModem`.

@@ -17,14 +17,14 @@ pub struct Style {
     pub json: bool,
     /// Also reports results at once that are not final yet, for a live reader.
     pub live: bool,
-    /// Several conditions are watched: each line says which.
+    /// True if several conditions are watched: each line then names its condition.
     pub several: bool,
     /// Nanoseconds of UTC at mission time 0: instants are printed in civil time, too.
     pub utc_of_zero: Option<i64>,
 }
 
 impl Style {
-    /// Returns a result as a line or lines; nothing where a later one will say more.
+    /// Returns a result as one or more lines; `None` if a later result will include it.
     pub fn result(self, result: &MonitorResult) -> Option<String> {
         let number = result.watch.0 + 1;
         let satisfaction = &result.result;
@@ -91,7 +91,7 @@ impl Style {
         Some(text)
     }
 
-    /// Returns the instant in civil time (ISO 8601); `None` if it is not known or not asked for.
+    /// Returns the instant in civil time (ISO 8601); `None` if it is unknown or not requested.
     fn utc(self, at: Time) -> Option<String> {
         let nanoseconds = i128::from(self.utc_of_zero?) + i128::from(at.0);
         time::OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?.format(&Rfc3339).ok()
@@ -141,7 +141,7 @@ fn gap_json(gap: &SamplingGap) -> Json {
     })
 }
 
-/// Returns a verdict as programs and `--expect` name it.
+/// Returns a verdict in the words of programs and `--expect`.
 pub fn verdict_word(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Satisfied(_) => "satisfied",

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Compares the names in a mission's program with its data, and its solvers with `registry`.
 ///
-/// The result is in order of place. Errors are names that the mission does not have; messages that nothing sends are warnings.
+/// Returns the findings in order of place. Names that the mission does not have are errors; messages that nothing sends are warnings.
 pub fn check_names(mission: &Mission, registry: &Registry) -> Vec<Diagnostic> {
     apex_pdl::check_names(&mission.library, &known_names(mission, registry))
 }

@@ -1,4 +1,4 @@
-//! The mission's data in the terms of the observation model: the vehicle's scanner, and the air as forecast.
+//! Converts the mission's data to the terms of the observation model: the vehicle's scanner, and the air as forecast.
 
 use crate::Mission;
 use crate::clouds::{CloudDeck, clear_share};
@@ -44,8 +44,7 @@ pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64) -> f64 {
     scanner.setting.roll.map_or(1.0, |roll| share_within(scanner.hold.roll_sigma_deg(edr), &roll))
 }
 
-/// Returns the line scanner that a vehicle carries, in the mode that it is flown in, and how the vehicle holds its attitude; `None` if
-/// it carries none.
+/// Returns the line scanner of a vehicle in the mode in which it is used, with the vehicle's attitude errors; `None` if it carries none.
 pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
     let scanner = model.scanner.as_ref()?;
     let mode = ScannerMode {
@@ -72,7 +71,7 @@ pub(crate) fn camera_names(model: &VehicleModel) -> Vec<&str> {
     model.cameras.iter().map(|camera| camera.name.as_str()).collect()
 }
 
-/// Returns true if the vehicle carries a line scanner: pictures of a frame camera are not one.
+/// Returns true if the vehicle carries a line scanner; a frame camera does not count.
 pub(crate) fn carries_scanner(model: &VehicleModel) -> bool {
     model.sensors.iter().any(|sensor| sensor.scanner_mode().is_some())
 }
@@ -115,8 +114,8 @@ pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSettin
     })
 }
 
-/// Returns the camera that sees sites from where the vehicle visits them: straight down from a hover, or to the side from a
-/// circle. `None` if the vehicle carries no camera that can.
+/// Returns the camera with which the vehicle observes sites from its visits: straight down from a hover, or sideways from a circle.
+/// `None` if it carries no suitable camera.
 pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
     let cameras = camera_names(model).into_iter().filter_map(|name| camera_of(model, name));
     let can = |camera: &CameraSetting| match model.airframe {
@@ -135,7 +134,7 @@ pub(crate) fn hold_of(model: &VehicleModel) -> AttitudeHold {
     }
 }
 
-/// The air as the mission believes it.
+/// The air as assumed by the mission.
 pub(crate) struct ForecastAir<'a> {
     field: &'a WindField,
     clouds: &'a [CloudDeck],

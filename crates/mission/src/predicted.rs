@@ -1,4 +1,4 @@
-//! Prediction of a plan for an observation.
+//! Predicted result of an observation in a plan.
 
 use apex_model::problem::QualityFactors;
 use serde::{Deserialize, Serialize};
@@ -12,8 +12,8 @@ pub struct Predicted {
     pub timing: f64,
     /// Points.
     pub worth: f64,
-    /// Mission time at which it should begin, s: its first line, after the lead-in.
+    /// Mission time of its planned beginning, s: the first line, after the lead-in.
     pub begin_s: f64,
-    /// Mission time at which it should end, s.
+    /// Mission time of its planned end, s.
     pub end_s: f64,
 }

@@ -1,4 +1,4 @@
-//! From a mission and its state now to a planning problem.
+//! Poses a planning problem from a mission and its present situation.
 
 mod timing;
 
@@ -18,10 +18,10 @@ use apex_model::problem::{
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 
-/// Reason for a missing plan. Only the first kind is a reason to end a mission in progress and go home.
+/// Reason for a missing plan. Only the first kind ends a mission in progress.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoPlan {
-    /// Nothing that is left can be visited.
+    /// No remaining target can be visited.
     NothingLeft(String),
     /// The planning itself went wrong: a refused plan, an unknown solver, invalid data.
     Fault(String),
@@ -34,11 +34,11 @@ impl std::fmt::Display for NoPlan {
     }
 }
 
-/// Returns the problem that a plan of the mission, as it is assumed at `at`, has to solve: what has been observed already is left
-/// out, and what has been seen in part is worth the rest.
+/// Returns the problem for a plan of the mission as assumed at `at`: observed looks are left out, and partly observed ones have their
+/// remaining value.
 ///
 /// # Errors
-/// Nothing is left to plan for, or the data are invalid.
+/// If nothing is left to plan, or the data are invalid.
 pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
@@ -47,7 +47,7 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
     }
 }
 
-/// Returns the position of the vehicle, as far as it is known.
+/// Returns the position of the vehicle, as far as known.
 pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
     situation.vehicle.position.unwrap_or(mission.start)
 }
@@ -58,7 +58,7 @@ pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
 /// Knowledge, observations until now, and the instant.
 pub(crate) type PlanningKnowledge<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 
-/// Returns the problem of single visits of those looks that are asked for.
+/// Returns the single-visit problem of the selected looks.
 ///
 /// # Errors
 /// Like [`pose`].
@@ -106,17 +106,17 @@ pub(crate) fn single_visits(
     })
 }
 
-/// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and the less
-/// time is left, the less can be delayed. Delays of single legs are taken as independent, so their sum grows with the root of the time.
+/// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and shrinks with
+/// the remaining time: delays of single legs are assumed to be independent, so their sum grows with the root of the time.
 fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
     let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
     duration_s - end_margin_s * left.sqrt()
 }
 
-/// Targets of a problem, and pairs of their names of which the first must come first.
+/// Targets of a problem, and pairs of names of which the first must precede the second.
 type ProblemTargets = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
-/// Returns the looks that are still wanted and asked for, each posed as a separate target, and which come before which.
+/// Returns the selected looks that are still open, each as a separate target, and their required order.
 fn wanted(
     mission: &Mission,
     (situation, flown, at): PlanningKnowledge<'_>,
@@ -163,7 +163,7 @@ fn wanted(
         (true, false) => return Err(NoPlan::Fault(troubles.join("; "))),
         (false, _) => {}
     }
-    // An order that names a target already observed is fulfilled; of several looks the first in the data has to come first.
+    // An order that names an observed target is fulfilled; of several looks, the first one in the data must come first.
     let first_look = |id: &String| {
         let of_target = |target: &&SingleVisitTarget| {
             target.name == *id || target.name.strip_prefix(id.as_str()).is_some_and(|rest| rest.starts_with('/'))
@@ -222,7 +222,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
 /// Returns the ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///
 /// # Errors
-/// A message that names what is wrong with a zone, the start or the base.
+/// A message that names the invalid zone, start or base.
 pub fn survey(
     mission: &Mission,
     positions: &[Position],
@@ -265,8 +265,8 @@ fn from(rate: &EventRate, now_s: f64) -> EventRate {
     EventRate { steps: now.chain(later).collect() }
 }
 
-/// Returns a zone with the height that the flight must keep from its faces: plans that keep out of it raise no alarm. A face at sea
-/// level is the ground.
+/// Returns a zone extended by the distance that the flight must keep from its faces, so that plans that avoid it raise no alarm. A face
+/// at sea level is the ground.
 fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
     let height_m = mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
     let out_m = if zone.kind == ZoneKind::Restricted { height_m } else { -height_m };

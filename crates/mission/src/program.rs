@@ -1,4 +1,4 @@
-//! Finding and checking PDL: files, shipped libraries, host function signatures.
+//! Finds and checks PDL programs: files, shipped libraries, host function signatures.
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;
@@ -34,7 +34,7 @@ pub fn program_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("mission.pdl") } else { path.to_path_buf() }
 }
 
-/// Checks one program with everything it requires; relative requirements are looked for next to it.
+/// Checks one program with everything that it requires; relative requirements are searched next to it.
 ///
 /// # Errors
 /// The program cannot be read. Mistakes inside are diagnostics of the result.
@@ -42,7 +42,7 @@ pub fn check_program(path: &Path, fragment: bool) -> MissionResult<Checked> {
     check_program_with(path, fragment, &mut read_text)
 }
 
-/// Like [`check_program`], reading files through `read`. A source that was read so is named by its path.
+/// Like [`check_program`], reading files through `read`. A source read in this way is named by its path.
 ///
 /// # Errors
 /// Like [`check_program`].
@@ -57,7 +57,7 @@ pub fn check_program_with(
     Ok(check_text_with(SourceText { name: path.display().to_string(), text }, &folder, fragment, read))
 }
 
-/// Checks a text that requires files of `folder`, reading them through `read`. What cannot be read is a diagnostic of the result.
+/// Checks a text that requires files of `folder`, reading them through `read`. A file that cannot be read gives a diagnostic.
 pub fn check_text_with(
     source: SourceText,
     folder: &Path,
@@ -81,7 +81,7 @@ pub fn check_text_with(
     })
 }
 
-/// Checks texts, asking `resolve` for everything they require.
+/// Checks texts; `resolve` returns the texts that they require.
 pub fn check_sources(
     sources: Vec<SourceText>,
     fragment: bool,
@@ -102,7 +102,7 @@ pub fn check_texts(texts: Vec<SourceText>, folder: &Path) -> Checked {
     check_sources(texts, false, &mut |requirement| resolve_among(&known, folder, requirement))
 }
 
-/// Checks conditions in terms of what `texts` declare.
+/// Checks conditions in the terms that `texts` declare.
 pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, folder: &Path) -> CheckedConditions {
     let host = host_signatures();
     let known = texts.clone();
@@ -110,7 +110,7 @@ pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, fol
     apex_pdl::check_conditions(texts, conditions, apex_pdl::CheckOptions { fragment: false, host: &host, resolve })
 }
 
-/// Returns a required text among `known` ones, else next to them, else one that ships.
+/// Returns a required text: among the `known` ones, otherwise next to them, otherwise from the shipped libraries.
 fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
     let wanted = match &requirement {
         Requirement::File { name, .. } => name.clone(),
@@ -122,7 +122,7 @@ fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) 
     }
 }
 
-/// Checks a program; what is returned holds its diagnostics and, if there are no errors, its library.
+/// Checks a program; the result contains its diagnostics and, if there are no errors, its library.
 ///
 /// # Errors
 /// The program cannot be read, or has errors: they are the error's diagnostics.
@@ -136,8 +136,8 @@ pub fn load_program(path: &Path) -> MissionResult<Checked> {
     Err(error)
 }
 
-/// Loads the program stored in a flight record, for replay and explanations. What the program requires is looked for
-/// among the recorded texts only, so a record explains itself wherever it is.
+/// Loads the program stored in a flight record, for replay and explanations. Required texts are searched only among the recorded ones, so
+/// that a record is independent of other files.
 ///
 /// # Errors
 /// A message if the stored sources no longer check, which means that another version wrote the record.
@@ -168,7 +168,7 @@ pub fn crew_of(library: &Arc<Library>) -> MissionResult<Vec<Agent>> {
     crew_with(library, &host_functions())
 }
 
-/// Like [`crew_of`], with these functions of the host.
+/// Like [`crew_of`], with these host functions.
 ///
 /// # Errors
 /// Like [`crew_of`].

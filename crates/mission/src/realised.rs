@@ -1,8 +1,8 @@
-//! Realised next to expected cost of ignorance of a simulated flight: a test of the metric by fires that break out.
+//! Realised and expected cost of ignorance of a simulated flight: a test of the metric with random fires.
 //!
-//! A fire costs what the cost function of its structure says for its age when the visit that saw it ended; never seen, for its age at the
-//! horizon. Expected is the cost of ignorance of the same visits at the rates that the mission states. Both count visits in which a picture
-//! was taken. Over many seeds the means are equal if every look sees (`detection` 1). Bound: O(fires x visits).
+//! The cost of a fire is that of its structure's cost function for its age at the end of the visit that saw it; for its age at the
+//! horizon if it was never seen. The expected cost is that of the same visits at the rates that the mission states. Both count visits in
+//! which a picture was taken. Over many seeds the means are equal if every look sees (`detection` 1). Bound: O(fires x visits).
 
 use crate::Mission;
 use crate::problem::pose;
@@ -16,12 +16,12 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 
-/// Fires and pictures of a flight, as the simulated world says them.
+/// Fires and pictures of a flight, from the messages of the simulated world.
 #[derive(Clone, Debug, Default)]
 pub struct FireLog {
-    /// Structure and instant of mission time at which it broke out.
+    /// Structure, and mission time at which its fire broke out.
     fires: Vec<(String, f64)>,
-    /// Structure, instant at which it broke out, instant at which it was seen.
+    /// Structure, instant at which its fire broke out, and instant at which it was seen.
     found: Vec<(String, f64, f64)>,
     /// Structure and instant of a picture.
     pictures: Vec<(String, f64)>,
@@ -32,7 +32,7 @@ pub struct FireLog {
 pub struct RealisedIgnorance {
     /// Fires that broke out until the horizon.
     pub fires: usize,
-    /// Of them seen until the horizon.
+    /// Number of fires seen up to the horizon.
     pub seen: usize,
     /// Cost of these fires.
     pub realised: f64,
@@ -66,7 +66,7 @@ impl FireLog {
         for (site, broke_out_s) in self.fires.iter().filter(|(_, broke_out_s)| *broke_out_s <= horizon_s) {
             let Some(target) = problem.targets.iter().find(|target| target.name == *site) else { continue };
             let is_it = |(of, at_s, _): &&(String, f64, f64)| of == site && (at_s - broke_out_s).abs() < 1e-3;
-            // What is known is known when the visit ends; a fire seen in passing, at once.
+            // Information counts at the end of a visit; a fire seen in passing counts at once.
             let known_s = self.found.iter().find(is_it).map(|(_, _, seen_s)| {
                 let ends = visits.iter().filter(|visit| visit.target == *site).map(|visit| visit.end_s);
                 ends.filter(|end_s| end_s >= seen_s).fold(f64::INFINITY, f64::min)

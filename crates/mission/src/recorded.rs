@@ -1,4 +1,4 @@
-//! The mission inside a flight record: loaded, replayed, and its situation and report at an instant.
+//! The mission in a flight record: loads it, replays it, and returns its situation and report at an instant.
 
 use crate::Mission;
 use crate::crew;
@@ -30,7 +30,7 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
     Mission::from_sources(&reader.pdl_sources().map_err(read)?, data).map(Some)
 }
 
-/// Returns the program of a record with the functions that it was flown with: those of its mission, where it holds one.
+/// Returns the program of a record with the host functions of its flight: those of its mission, if the record contains one.
 ///
 /// # Errors
 /// A message that states why the record's program or mission cannot be loaded.
@@ -44,7 +44,7 @@ pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<Res
 /// Replays a record: decisions byte for byte, every planning problem posed again, every derived row and the report made again.
 ///
 /// # Errors
-/// A record that cannot be read or whose mission cannot be loaded.
+/// A record that cannot be read, or whose mission cannot be loaded.
 pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
     let report = match mission_of(reader)? {
         Some(mission) => {
@@ -84,7 +84,7 @@ fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<
 /// # Errors
 /// A record that cannot be read.
 pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Situation> {
-    // A snapshot of another version may decode into something else; the steps always serve.
+    // A snapshot of another version may decode into something else; the steps are always valid.
     let ours = reader.meta("apex_version").map_err(read)?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
     let stored = if ours { reader.situation_before(at).map_err(read)? } else { None };
     let stored = stored.and_then(|row| Some((row.batch_number, postcard::from_bytes(&row.body).ok()?)));
@@ -99,10 +99,10 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
     Ok(situation)
 }
 
-/// A situation, and what was observed until then; an error if the targets are invalid.
+/// A situation with the observations until then; an error if the targets are invalid.
 type Folded = (Situation, Result<Option<FlownScore>, String>);
 
-/// Returns the situation after the last step not later than `until`, and what was observed until then, both folded from the record's
+/// Returns the situation after the last step not later than `until`, and the observations until then, both computed from the record's
 /// steps alone.
 pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
     let mut situation = Situation::default();
@@ -126,7 +126,7 @@ fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError
     MissionError::record_file(format!("the flight record {} is damaged", reader.path().display())).because(fault)
 }
 
-/// The report as if the recorded flight had ended at `at`, computed from its steps until then.
+/// Returns the report as if the recorded flight had ended at `at`, computed from its steps until then.
 ///
 /// # Errors
 /// A record that cannot be read.

@@ -1,4 +1,4 @@
-//! The files of flight records: what may stand where one is to be written or read, said before anything is touched.
+//! The files of flight records: checks the path of a record to be written or read before anything is changed.
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, unreadable};
@@ -10,12 +10,12 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Starts a record of a run of `library`; `fill` adds what else belongs into it. What it then holds is on the disk
-/// before the run begins, so that a record that is cut off can still explain itself.
+/// Starts a record of a run of `library`; `fill` adds further contents. These are on the disk before the run begins, so that an
+/// interrupted record can be explained.
 ///
 /// # Errors
-/// A path that cannot hold a record is the user's mistake (another file is there, no such folder); a disk that is
-/// full or refuses is a failure. Other files are left as they are.
+/// A path that cannot hold a record is the user's mistake (another file exists, the folder is missing); a disk that is full or fails is a
+/// failure. Other files are left unchanged.
 pub fn create(
     path: &Path,
     library: &Library,
@@ -55,13 +55,13 @@ pub fn of_mission(path: &Path, mission: &Mission, options: RecordOptions) -> Mis
     create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
-/// The records of this program's runs, held until they are released or the program ends: closing the file of a record that is
-/// still written would release SQLite's own locks on it.
+/// The records of this program's runs, kept open until they are released or the program ends: closing the file of a record that is still
+/// written would release SQLite's own locks on it.
 static HELD: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
 
-/// Marks the record as ours. SQLite's locks do not do that: a flight at a pace gives them back whenever it waits.
+/// Locks the record for this process. SQLite's locks are not sufficient: a paced flight releases them whenever it waits.
 fn hold(path: &Path) {
-    // Where the file system knows no such locks there is only SQLite's to go by.
+    // On file systems without such locks, only SQLite's locks protect the record.
     if cfg!(unix)
         && let Ok(file) = File::open(path)
         && file.try_lock().is_ok()
@@ -70,7 +70,8 @@ fn hold(path: &Path) {
     }
 }
 
-/// Keeps other runs from replacing the record at `path` while this program shows it, if no flight of this program does so already.
+/// Prevents other runs from replacing the record at `path` while this program displays it, unless a flight of this program protects it
+/// already.
 pub fn protect(path: &Path) {
     if cfg!(unix)
         && let Ok(file) = File::open(path)
@@ -80,7 +81,7 @@ pub fn protect(path: &Path) {
     }
 }
 
-/// Lets other runs replace the record at `path`. For programs that fly more than once; call it after its recorder is dropped.
+/// Permits other runs to replace the record at `path`. For programs that fly more than once; call it after the recorder is dropped.
 pub fn release(path: &Path) {
     HELD.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, _)| held != path);
 }
@@ -105,7 +106,7 @@ fn no_room(path: &Path) -> MissionError {
         .help("free some space, or record to another disk with `--record`; nothing was run, and no record is left")
 }
 
-/// Removes a record without its whole program, because it explains nothing. If it cannot be removed, it is still marked as incomplete.
+/// Removes a record that lacks its program, because it cannot be explained. If it cannot be removed, it remains marked as incomplete.
 fn remove_beginning(path: &Path) {
     for suffix in ["", "-wal", "-shm", "-journal"] {
         let mut name = path.as_os_str().to_owned();
@@ -114,9 +115,9 @@ fn remove_beginning(path: &Path) {
     }
 }
 
-/// Checks that a record can be made here.
+/// Checks that a record can be created here.
 fn check_place(path: &Path) -> MissionResult {
-    // To SQLite these names are not files: the record would be lost with the program, or options would be read out of it.
+    // SQLite does not treat these names as files: the record would be lost with the program, or options would be read from the name.
     let name = path.to_string_lossy();
     if name.is_empty() || name == ":memory:" || name.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("file:")) {
         return Err(MissionError::record_file(format!("the flight record cannot be `{}`", name.escape_debug()))
@@ -144,7 +145,7 @@ fn check_place(path: &Path) -> MissionResult {
     check_kind(path, "choose another name with `--record`; the existing file is left as it is")
 }
 
-/// Checks that a record can continue in the spare folder: no program makes it during the flight.
+/// Checks that a record can continue in the spare folder, which is not created during the flight.
 fn check_spare_folder(folder: &Path) -> MissionResult {
     let fault = match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => match tempfile_in(folder) {
@@ -159,14 +160,14 @@ fn check_spare_folder(folder: &Path) -> MissionResult {
         .help("name a folder on another disk with `--spare-folder`, or leave the option out"))
 }
 
-/// Makes a file in the folder and removes it.
+/// Creates a file in the folder and removes it.
 fn tempfile_in(folder: &Path) -> std::io::Result<()> {
     let path = folder.join(format!(".apex-spare-{}", std::process::id()));
     File::create_new(&path)?;
     std::fs::remove_file(path)
 }
 
-/// Devices, pipes and folders are not records, and opening some of them blocks forever.
+/// Rejects devices, pipes and folders: they are not records, and opening some of them blocks forever.
 fn check_kind(path: &Path, help: &str) -> MissionResult {
     match std::fs::metadata(path) {
         Ok(found) if !found.is_file() => {
@@ -179,10 +180,10 @@ fn check_kind(path: &Path, help: &str) -> MissionResult {
     }
 }
 
-/// Opens a record; a warning says whether it is incomplete.
+/// Opens a record; a warning states that it is incomplete.
 ///
 /// # Errors
-/// A missing file, another kind of file, a record of a newer Apex, a damaged one.
+/// A missing file, another kind of file, a record of a newer Apex, or a damaged one.
 pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
     check_kind(path, "give a file that `apex fly` or `apex run --record` has written")?;
     if !path.exists() {
@@ -195,7 +196,7 @@ pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
     Ok((reader, warning))
 }
 
-/// Returns a record that cannot be written, with the exit code that it deserves.
+/// Returns the error for a record that cannot be written, with its exit code.
 pub fn written(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { .. } => MissionError::record_file(error.to_string()),

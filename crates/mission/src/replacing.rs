@@ -1,4 +1,4 @@
-//! Replaces a file as a whole or not at all, unless another program has written it meanwhile.
+//! Replaces a file completely or not at all, unless another program has changed it.
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::{read_bytes, unreadable};
@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 /// UTF-8's.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
-/// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a
-/// full disk cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
+/// Replaces the file that contained `before` by `text`. The text is written to a temporary file in the same folder, which is then
+/// renamed, so that a full disk cannot leave half a file. The permissions are kept; for a link, its target is replaced.
 ///
 /// # Errors
-/// The file has changed since it was read, or cannot be written; it is unchanged then.
+/// If the file has changed since it was read, or cannot be written; it is unchanged then.
 pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     let target = std::fs::canonicalize(file).map_err(|error| unreadable(file, &error))?;
     let found = read_bytes(&target)?;
@@ -41,13 +41,13 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
         std::fs::rename(&temporary, &target)
     });
     written.map_err(|error| {
-        // The half-written copy must not stay behind; if it cannot be removed there is nothing more to do.
+        // The half-written copy must not remain; if it cannot be removed, no further remedy exists.
         std::fs::remove_file(&temporary).ok();
         MissionError::output(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
     })
 }
 
-/// Returns a name in the same folder that belongs to this process alone.
+/// Returns a name in the same folder that only this process uses.
 fn temporary_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(format!(".writing-{}", std::process::id()));

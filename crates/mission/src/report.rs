@@ -47,9 +47,9 @@ pub struct SiteLooks {
     pub target: String,
     /// Visits that ended.
     pub visits: usize,
-    /// Visits in which a valid picture was taken: only these count as observations.
+    /// Number of visits with a valid picture: only these count as observations.
     pub seen: usize,
-    /// Mean pixel on the ground of the pictures that count, m; none without one.
+    /// Mean pixel size on the ground of the pictures that count, m; `None` without one.
     pub pixel_m: Option<f64>,
     /// Their mean angle off the vertical, degrees.
     pub look_angle_deg: Option<f64>,
@@ -57,8 +57,8 @@ pub struct SiteLooks {
     pub quality: f64,
 }
 
-/// Makes the report of a flight that ended in this situation, at this time and for this reason; `flown` is what it observed,
-/// or why that is not known.
+/// Returns the report of a flight that ended in this situation, at this time and for this reason; `flown` are its observations, or the
+/// reason for which they are unknown.
 pub fn report(
     mission: &Mission,
     situation: &Situation,
@@ -96,10 +96,10 @@ fn names_of(target: &Target) -> Vec<String> {
     }
 }
 
-/// Share of its worth from which a look counts as complete.
+/// Share of its value from which on a look counts as complete.
 const COMPLETE: f64 = 0.999;
 
-/// Returns true if a look that no visit observed was seen completely all the same.
+/// Returns true if a look that no visit observed was nevertheless seen completely.
 fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
     let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
     let look = fire.looks().find(|(of_look, _)| of_look == name);

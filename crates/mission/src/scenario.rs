@@ -30,7 +30,8 @@ pub enum ScriptedInputs {
 /// Files of fewer bytes are read as a whole.
 const HELD_BYTES_MAX: u64 = 1 << 20;
 
-/// Opens a file of scripted inputs. A long one is checked, and streamed if its lines are in order of time and acknowledge nothing.
+/// Opens a file of scripted inputs. A long file is checked first, then streamed if its lines are in order of time and contain no
+/// acknowledgements.
 ///
 /// # Errors
 /// An unreadable file, lines that are not inputs.
@@ -63,7 +64,7 @@ pub(crate) fn of_mission(file: &DataFile) -> MissionResult<Vec<Input>> {
     parse(&file.place, &file.text()?)
 }
 
-/// Reads scripted inputs from a text; `name` says in messages where it is from.
+/// Reads scripted inputs from a text; `name` is its name in messages.
 ///
 /// # Errors
 /// Lines that are not inputs.

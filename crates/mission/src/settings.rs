@@ -26,7 +26,7 @@ pub struct Settings {
     pub start: Value,
     /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
     pub epoch_unix_s: Option<f64>,
-    /// The same as written, for the record.
+    /// The epoch as written, for the record.
     pub epoch_text: Option<String>,
     /// Latest end of the flight.
     pub duration: Duration,
@@ -36,7 +36,7 @@ pub struct Settings {
     pub targets: Option<String>,
     /// Zones.
     pub airspace: Option<String>,
-    /// Files of elevations, the first that knows an elevation counts.
+    /// Files of elevations; the first file that contains an elevation counts.
     pub terrain: Vec<String>,
     /// Emergency landing places and bases.
     pub airfields: Option<String>,
@@ -68,7 +68,7 @@ pub struct Settings {
     pub value_unit: f64,
     /// Radios of the world as written.
     pub modems: Vec<Value>,
-    /// Radios as the planner assumes them, as written.
+    /// Radios as the planner assumes them, as PDL values.
     pub link_map: Vec<Value>,
     /// Response to the loss of a link, as written.
     pub lost_link: Vec<Value>,
@@ -127,7 +127,7 @@ const KNOWN: &[&str] = &[
 ];
 
 impl Settings {
-    /// Returns the place of an option, else that of the application: `mission.pdl:7:3`.
+    /// Returns the place of an option, otherwise that of the application: `mission.pdl:7:3`.
     pub fn place_of(&self, option: &str) -> &str {
         // A key of `:vehicle`.
         let option = if option == "model" { "vehicle" } else { option };
@@ -150,7 +150,7 @@ impl Settings {
 /// Reads the settings of the library's application.
 ///
 /// # Errors
-/// No application, an option that the command does not know or cannot read.
+/// No application, or an option that is unknown or cannot be read.
 pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     let Some(application) = &library.application else {
         return Err(MissionError::setting("this program is not a mission: it has no (defapplication ..)")
@@ -206,7 +206,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     })
 }
 
-/// Reads `:vehicle` of the application of `library`: where the model comes from, and where the vehicle starts.
+/// Reads `:vehicle` of the application of `library`: the source of the model, and the start of the vehicle.
 ///
 /// # Errors
 /// No vehicle, or a form of another shape.

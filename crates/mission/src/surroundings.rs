@@ -133,8 +133,8 @@ pub(crate) fn airfields(file: &DataFile, terrain: Option<&Terrain>) -> MissionRe
 const WIND_COLUMNS: &[&str] = &["altitude_m_min", "altitude_m_max", "wind_from_deg", "wind_speed_mps"];
 const WIND_COLUMNS_OPTIONAL: &[&str] =
     &["south_deg", "north_deg", "west_deg", "east_deg", "from_h", "until_h", "edr", "turbulence"];
-/// EDR of one unit of the former column `turbulence`, which went from 0 (smooth) to 1 (severe). ICAO Annex 3 calls an EDR
-/// above 0.45 severe.
+/// EDR per unit of the former column `turbulence`, which ranged from 0 (smooth) to 1 (severe). ICAO Annex 3 calls an EDR above 0.45
+/// severe.
 const EDR_PER_TURBULENCE: f64 = 0.5;
 /// Greatest EDR of a wind table, m^(2/3)/s: about twice the lower bound of severe turbulence.
 const EDR_MAX: f64 = 1.0;
@@ -201,7 +201,7 @@ fn wind_layer(row: &tables::TableRow<'_>) -> MissionResult<WindLayer> {
     })
 }
 
-/// Reads the turbulence of a row as EDR: from the column `edr`, else from the former column `turbulence`.
+/// Reads the turbulence of a row as EDR: from the column `edr`, otherwise from the former column `turbulence`.
 fn edr(row: &tables::TableRow<'_>) -> MissionResult<f64> {
     let edr = row.number("edr", 0.0, EDR_MAX)?;
     let turbulence = row.number("turbulence", 0.0, 1.0)?;

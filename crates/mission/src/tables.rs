@@ -88,7 +88,7 @@ impl TableRow<'_> {
         self.cells.get(index).map(String::as_str).filter(|text| !text.is_empty())
     }
 
-    /// Returns the cell as a number inside `[low, high]`, if it is there.
+    /// Returns the cell as a number within `[low, high]`; `None` if it is empty.
     pub(crate) fn number(&self, column: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {

@@ -30,7 +30,7 @@ pub struct Target {
     pub position: Position,
     /// Ground above mean sea level.
     pub elevation_m: f64,
-    /// Height of the thing itself above the ground.
+    /// Height of the structure above the ground.
     pub height_m: f64,
     /// Perimeters, largest first; empty for a point.
     pub polygons: Vec<Vec<Position>>,
@@ -58,11 +58,11 @@ pub enum TargetKind {
 /// Wishes for the observation of a fire.
 #[derive(Debug, Clone)]
 pub struct Fire {
-    /// Radius of the circle that represents it where there is no perimeter.
+    /// Radius of the circle that represents it if it has no perimeter.
     pub radius_m: f64,
-    /// Its ground, and the looks that are wanted of it.
+    /// Its ground, and its wanted looks.
     pub wanted: ObservedTarget,
-    /// Its ground cut into cells: what predictions count.
+    /// Its ground divided into cells, which predictions count.
     pub(crate) grid: Arc<TargetGrid>,
     /// Terms of its pictures.
     pub(crate) pictures: PictureTerms,
@@ -71,9 +71,9 @@ pub struct Fire {
 /// Terms of a target's pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureTerms {
-    /// The camera that looks; none: what the vehicle carries.
+    /// The camera to use; `None` for the vehicle's default.
     pub camera: Option<String>,
-    /// Share of a picture that the next one of the line sees, too.
+    /// Share of a picture that the next picture of the line overlaps.
     pub overlap: f64,
     /// Share of a line's width that the next line sees, too.
     pub sidelap: f64,
@@ -82,12 +82,12 @@ pub struct PictureTerms {
 }
 
 impl Fire {
-    /// Returns the worth of perfect looks.
+    /// Returns the value of perfect looks.
     pub fn value(&self) -> f64 {
         self.wanted.looks.iter().map(|look| look.value).sum()
     }
 
-    /// Returns the wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
+    /// Returns the wanted looks with their names in plans: the target's name if it has only one look, otherwise `TARGET/LOOK`.
     pub fn looks(&self) -> impl Iterator<Item = (String, &WantedLook)> {
         let alone = self.wanted.looks.len() == 1;
         let name = move |look: &WantedLook| match alone {
@@ -106,7 +106,7 @@ impl Fire {
 /// A structure to observe.
 #[derive(Debug, Clone)]
 pub struct Site {
-    /// Cost of an event that is never found, before its family makes a number of it.
+    /// Cost of an event that is never found; the cost family scales it to a number.
     pub importance: f64,
     /// Duration of one look.
     pub dwell_s: f64,
@@ -116,7 +116,7 @@ pub struct Site {
     pub cost: CostFunction,
     /// Time since the last look when the mission starts.
     pub initial_age_s: f64,
-    /// Wanted pixel on the ground, m: a picture of twice that size shows nothing.
+    /// Wanted pixel size on the ground, m; a picture of twice that size has no value.
     pub resolution_m: f64,
 }
 
@@ -140,7 +140,7 @@ impl Target {
         }
     }
 
-    /// Returns true if this is its name, or the name of one of its wanted looks.
+    /// Returns true if this is its name or that of one of its wanted looks.
     pub fn goes_by(&self, name: &str) -> bool {
         let of_look = || match &self.kind {
             TargetKind::Fire(fire) => fire.looks().any(|(look, _)| look == name),
@@ -149,7 +149,7 @@ impl Target {
         self.id == name || of_look()
     }
 
-    /// Returns true for what is to be observed.
+    /// Returns true for a target that can be observed.
     pub fn is_observable(&self) -> bool {
         !matches!(self.kind, TargetKind::Base)
     }
@@ -169,7 +169,7 @@ fn maximum(cost: &CostFunction) -> f64 {
 /// Reads the targets' file of a mission on these terms.
 ///
 /// # Errors
-/// As docs/reference/mission-data.md lists them, each with file, feature and property.
+/// Errors as listed in docs/reference/mission-data.md, each with file, feature and property.
 pub(crate) fn read(file: &DataFile, terms: Terms<'_>) -> MissionResult<Vec<Target>> {
     let features = features::read(file)?;
     let targets = features.iter().map(|feature| target(feature, terms)).collect::<MissionResult<Vec<_>>>()?;
@@ -269,7 +269,7 @@ fn grid(
     })
 }
 
-/// Returns a point, a line or an area that a camera observes. A point is at the height of the thing itself.
+/// Returns a point, a line or an area that a camera observes. A point is at the height of the structure.
 fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms<'_>) -> MissionResult<Fire> {
     let position = feature.position()?;
     let line = feature.line()?;

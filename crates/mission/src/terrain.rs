@@ -1,7 +1,7 @@
-//! The ground of a mission (`:terrain`): grids of elevations from files, and what the places of the mission must agree with.
+//! The terrain of a mission (`:terrain`): grids of elevations from files, and the check that places agree with them.
 //!
 //! Files are ESRI ASCII grids in degrees (`.asc`) and SRTM tiles (`.hgt`). Each place of a mission must lie on the grids, and a stated
-//! elevation must be one that the grids have there: two answers to one question would be flown by the wrong one.
+//! elevation must agree with the grid there, because only one of two different elevations can be right.
 
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
@@ -19,7 +19,7 @@ const TILE_VOID: i16 = -32_768;
 /// Difference allowed between a stated elevation and the ground there: geoids, levelled airfields, coarse grids.
 const STATED_M: f64 = 150.0;
 
-/// Reads one file of elevations. The end of its name says the format.
+/// Reads one file of elevations. The file name's extension determines the format.
 ///
 /// # Errors
 /// Another format; a header or number that is invalid, with its line; a tile of another size or name.
@@ -72,7 +72,7 @@ fn ascii_grid(place: &str, text: &str) -> MissionResult<TerrainGrid> {
         (header.columns.ok_or_else(|| missing("ncols"))?, header.rows.ok_or_else(|| missing("nrows"))?);
     let east_step = header.east_step.ok_or_else(|| missing("cellsize"))?;
     let north_step = header.north_step.ok_or_else(|| missing("cellsize"))?;
-    // A corner is that of the cell, whose post lies in the middle.
+    // A header with a corner gives the corner of the cell; the elevation belongs to its middle.
     let (west, at_corner) = header.west.ok_or_else(|| missing("xllcorner"))?;
     let longitude_deg = west + if at_corner { 0.5 * east_step } else { 0.0 };
     let (south, at_corner) = header.south.ok_or_else(|| missing("yllcorner"))?;
@@ -198,10 +198,10 @@ fn made(
     })
 }
 
-/// Returns the elevation of a place of the mission: the stated one, which must agree with the ground, or that of the ground.
+/// Returns the elevation of a place of the mission: the stated one, which must agree with the terrain, or that of the terrain.
 ///
 /// # Errors
-/// The terrain does not reach the place, or knows another elevation there.
+/// If the terrain does not cover the place, or has another elevation there.
 pub(crate) fn elevation_m(
     terrain: Option<&Terrain>,
     position: Position,
@@ -224,7 +224,7 @@ pub(crate) enum Mismatch {
         /// The place.
         position: Position,
     },
-    /// The stated elevation is another one.
+    /// The stated elevation differs from that of the terrain.
     Other {
         /// Elevation in the file of the place.
         stated_m: f64,
@@ -234,7 +234,7 @@ pub(crate) enum Mismatch {
 }
 
 impl Mismatch {
-    /// Returns the error about `what`, which `place` names.
+    /// Returns the error for `what`, whose place in the data is `place`.
     pub(crate) fn error(self, what: &str, place: &str) -> MissionError {
         match self {
             Mismatch::NotCovered { position } => {

@@ -1,4 +1,4 @@
-//! Words and columns of reports.
+//! Text layout of reports: words and columns.
 
 use apex_model::time::Duration;
 
@@ -29,8 +29,8 @@ pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -
     longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)
 }
 
-/// Words joined by `joint`, in lines no wider than [`LINE_WIDTH`]; later lines begin with `indent`, and of the first one
-/// `used` columns are taken already.
+/// Returns words joined by `joint` in lines of at most [`LINE_WIDTH`]; later lines begin with `indent`, and `used` columns of the first
+/// line are occupied.
 pub fn wrapped(words: &[String], joint: &str, used: usize, indent: &str) -> String {
     let mut text = String::new();
     let mut width = used;

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// The library of constants that the vehicle file of a mission defines. The text that ships has the figures of `predator-b`.
 pub const FIGURES_LIBRARY: &str = "vehicle-figures";
-/// Name of the text that replaces it. Records find it by the last part, as they find all libraries.
+/// Name of the generated text. Records find it by its last part, like all libraries.
 const FIGURES_NAME: &str = "generated/vehicle-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/vehicle-figures.pdl";
 
@@ -28,7 +28,7 @@ pub enum ModelSource {
     File(String),
 }
 
-/// Reads a vehicle model with its sensors: one that ships, by name, or a vehicle file, whose name ends in `.json`.
+/// Reads a vehicle model with its sensors: a shipped one by name, or a vehicle file, whose name ends in `.json`.
 ///
 /// # Errors
 /// An unknown model, a file that cannot be read or is invalid.
@@ -42,8 +42,8 @@ pub fn read(name: &str) -> MissionResult<VehicleModel> {
     load(&source, &mut Files { sources: &sources, place_of: &place_of, data: Vec::new() })
 }
 
-/// Reads the vehicle model and keeps the bytes of its file for the record. Of a shipped model, the copy that a record holds
-/// counts more than the one of this version.
+/// Reads the vehicle model and keeps the bytes of its file for the record. For a shipped model, a copy in a record has precedence over
+/// that of this version.
 ///
 /// # Errors
 /// An unknown model, a file that cannot be read or is invalid.
@@ -94,8 +94,8 @@ fn with_sensors(file: &str, text: &str, files: &mut Files<'_>) -> MissionResult<
     parsed.map_err(invalid)
 }
 
-/// Returns name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file next to
-/// the mission, or a sensor that ships, of which the copy in a record counts more.
+/// Returns the name in the record, the name in messages, and the bytes of the sensor that the vehicle file `vehicle` calls `reference`: a
+/// file next to the mission, or a shipped sensor, of which a copy in a record has precedence.
 fn sensor_file(reference: &str, sources: &Sources, vehicle: &str) -> Result<(String, String, Vec<u8>), String> {
     if reference.ends_with(".json") {
         let file = sources
@@ -116,8 +116,8 @@ fn invalid(error: VehicleFileError) -> MissionError {
     MissionError::new(ErrorKind::Vehicle, error.place()).because(error.reason()).help(error.help)
 }
 
-/// Returns the text that has to replace the library of figures in a program: `None` if the program does not use that
-/// library, names no vehicle that can be read, or has the vehicle whose figures ship.
+/// Returns the text that replaces the library of figures in a program; `None` if the program does not use that library, names no readable
+/// vehicle, or has the vehicle whose figures ship.
 pub(crate) fn figures_for(
     library: &Library,
     folder: &Path,
@@ -186,7 +186,7 @@ pub fn figures(model: &VehicleModel) -> String {
     text
 }
 
-/// Returns the least radius of the turns that a plan counts on; 0 for a vehicle that turns on the spot.
+/// Returns the turn radius that plans assume; 0 for a vehicle that turns on the spot.
 pub fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(

@@ -1,9 +1,9 @@
-//! Second check of a flight: finds positions at which its mission forbids it to be.
+//! Independent check of a flight: finds positions that its mission forbids.
 //!
-//! The check reads positions as the vehicle reported them, true ones where the record has them (a simulator's, while navigation
-//! fails), and shares no arithmetic with the travel service that chose the
-//! ways: a place is inside a zone when the bearings of its corners go once around it, on the sphere; distances are those of
-//! Lambert's formula for long lines on the ellipsoid, good to some ten metres at a thousand kilometres.
+//! The check reads the vehicle's reported positions, and true ones where the record contains them (from a simulator, while navigation
+//! fails). It shares no arithmetic with the travel computation that chose the paths: a position is inside a zone if the bearings of its
+//! corners make a full turn, on the sphere; distances are those of Lambert's formula for long lines on the ellipsoid, with errors of
+//! about ten metres at a thousand kilometres.
 //! Bound: O(corners + landing places) per position.
 
 use crate::error::{MissionError, MissionResult};
@@ -22,17 +22,17 @@ use libm::{atan, atan2, cos, sin, sqrt, tan};
 use serde::Serialize;
 use std::fmt;
 
-/// Height over ground that must be kept under way: by large fixed wings; by rotorcraft and small aircraft. It does not depend on the
-/// requirements of the mission, which the flight itself kept to.
+/// Least height over ground in cruise: for large fixed wings; for rotorcraft and small aircraft. It does not depend on the requirements
+/// of the mission, by which the flight itself was planned.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
-/// A small unmanned aircraft has less than this mass (14 CFR 107.3: 55 lb), and works at most 122 m above the ground (14 CFR 107.51).
+/// Greatest mass of a small unmanned aircraft (14 CFR 107.3: 55 lb), which operates at most 122 m above the ground (14 CFR 107.51).
 const SMALL_AIRCRAFT_KG: f64 = 25.0;
 /// Phases of flight in which the ground may be near.
 const NEAR_GROUND: [&str; 8] =
     ["parked", "taking-off", "climbing", "approaching", "landing", "hovering", "gliding", "crashed"];
 /// Climb rate above which the vehicle is leaving the ground, as after a landing that was interrupted.
 const CLIMB_M_S: f64 = 0.5;
-/// It may take this long to begin.
+/// Time after a phase near the ground during which the height over ground is not checked.
 const AFTER_GROUND: Duration = Duration(30_000_000_000);
 /// Findings kept with place and time; all are counted.
 const FINDINGS_KEPT: usize = 1_000;
@@ -41,7 +41,7 @@ const FINDINGS_KEPT: usize = 1_000;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Violation {
-    /// Inside this restricted zone while it was active.
+    /// Inside this restricted zone while the zone was active.
     Inside(String),
     /// Outside of every permitted zone that was active.
     OutsidePermitted,
@@ -52,7 +52,7 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// Returns the requirement as a flight names it in `(requirement-broken NAME WHY)`.
+    /// Returns the requirement by its name in `(requirement-broken NAME WHY)`.
     pub fn requirement(&self) -> &str {
         match self {
             Violation::Inside(zone) => zone,
@@ -98,7 +98,7 @@ pub struct FlightCheck {
 pub struct CheckResult {
     /// Positions in the air that were checked.
     pub positions: u64,
-    /// Of them inside active restricted zones.
+    /// Number of these positions inside active restricted zones.
     pub inside_zones: u64,
     /// Outside of the permitted area.
     pub outside_permitted: u64,
@@ -106,7 +106,7 @@ pub struct CheckResult {
     pub near_ground: u64,
     /// Beyond the landing distance.
     pub beyond_landing_distance: u64,
-    /// Requirements that the flight said it had to break, in order.
+    /// Requirements that the flight announced as broken, in order.
     pub said_broken: Vec<(f64, String)>,
     /// The first findings, in order.
     pub findings: Vec<Finding>,
@@ -118,7 +118,7 @@ impl CheckResult {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }
 
-    /// Returns the kept findings of which the flight did not say before that it had to break this requirement.
+    /// Returns the kept findings about requirements that the flight had not announced as broken before.
     pub fn unsaid(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| {
             let name = finding.violation.requirement();
@@ -156,7 +156,7 @@ impl FlightCheck {
         &self.result
     }
 
-    /// Checks the reports of the vehicle in one batch, and those of the agent about them.
+    /// Checks the vehicle's reports in one batch, and the agent's announcements about requirements.
     pub fn take(&mut self, batch: &Batch, effects: &[Effect]) {
         for effect in effects {
             if let Effect::Inform { form, .. } = effect
@@ -293,7 +293,7 @@ fn ends_name(rest: &str) -> bool {
     rest.is_empty() || rest.starts_with(": ")
 }
 
-/// Returns true if the corners go around a place: the bearings of a polygon's corners, followed edge by edge, then make a full turn.
+/// Returns true if a polygon contains a position: the bearings of its corners, followed edge by edge, then make a full turn.
 fn is_around(corners: &[Position], here: Position) -> bool {
     let next = corners.iter().skip(1).chain(corners.first());
     let turned: f64 =

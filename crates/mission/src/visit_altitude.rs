@@ -25,8 +25,8 @@ pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
     }
 }
 
-/// Returns the height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
-/// for the wanted pixels, but not lower than the clearance from terrain.
+/// Returns the height over the ground from which a rotorcraft observes a site: that of its vehicle file; lower if the camera needs that
+/// for the wanted pixels; but not below the clearance from terrain.
 fn hover_height_m(mission: &Mission, site: &Target) -> f64 {
     let usual_m = mission.model.planning.visit_height_m;
     let (Some(camera), TargetKind::Site(wanted)) = (looks_with(&mission.model), &site.kind) else { return usual_m };

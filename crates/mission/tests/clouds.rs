@@ -1,4 +1,4 @@
-//! Clouds: what planners expect of a forecast of clouds, and what a record with hidden ground is worth.
+//! Clouds: the expectation of planners under a cloud forecast, and the value of a record with hidden ground.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 

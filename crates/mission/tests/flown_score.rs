@@ -40,7 +40,7 @@ const HEIGHT_M: f64 = 6_000.0;
 const AFTERNOON_S: f64 = 19.45 * 3600.0;
 const MIDNIGHT_S: f64 = 6.0 * 3600.0;
 
-/// One line: offset north of the fires' middle, from and to east of it, when it begins, and its roll by distance flown.
+/// One line: offset north of the fires' middle, its start and end east of it, its beginning in time, and its roll by distance flown.
 struct Line {
     north_m: f64,
     from_m: f64,
@@ -244,11 +244,11 @@ fn a_look_by_night_and_one_by_day_are_worth_what_each_is() {
     let both = flown(&mission, &lines);
     near(look(&both, "here/night").flown.points, 60.0, 0.3);
     let by_day = &look(&both, "here/day").flown;
-    // The field of view reaches 5.6 km to the side of the one line: the northernmost 0.4 km are not seen.
+    // The field of view reaches 5.6 km to the side of the line: the northernmost 0.4 km are not seen.
     near(by_day.factors.coverage, (2_000.0 + HEIGHT_M * libm::tan(HALF_FIELD_RAD)) / 8_000.0, 0.005);
 }
 
-/// Scores a target by looking at points of it: for each, the best of all samples of 0.2 s from which it is seen.
+/// Scores a target by sampling its points: for each point the best of all samples of 0.2 s from which it is seen.
 fn witness(ground: ([f64; 2], [f64; 2]), wanted_m: f64, lines: &[Line]) -> f64 {
     const POINTS: u32 = 1_500;
     let mut generator = ChaCha8Rng::seed_from_u64(12_345);
@@ -266,7 +266,7 @@ fn witness(ground: ([f64; 2], [f64; 2]), wanted_m: f64, lines: &[Line]) -> f64 {
                 continue;
             }
             let roll_deg = (line.roll_deg)(flown_m);
-            // To the right of the track is positive, and a roll to the right moves the sight to the left.
+            // Right of the track is positive; a roll to the right moves the sight line to the left.
             let right_m = sense * (line.north_m - north_m);
             let off_rad = libm::atan(right_m / line.height_m);
             let scan_rad = off_rad + roll_deg.to_radians();
@@ -334,14 +334,14 @@ fn targets_that_make_no_sense_are_refused_by_name() {
     }
 }
 
-/// Turbulence that the aircraft measures: none, so that predictions are those of the closed forms.
+/// Adds a measured turbulence of zero, so that predictions are those of the closed forms.
 fn calm(batch: &mut Batch) {
     let kind = measured("edr", Value::Real(0.0));
     batch.events.push(Event { sequence: 0, at: batch.now, kind });
 }
 
-/// Returns the decision about 1 km that lost its data on the last of the lines, if another fire can be observed until
-/// `until_h`: whether it is flown again, the gain, the price, and the words.
+/// Returns the decision about 1 km that lost its data on the last line, if another fire can be observed until `until_h`: true if it is
+/// flown again, the gain, the price, and the text.
 fn weighed(lines: &[Line], until_h: f64) -> (bool, f64, f64, String) {
     let here = fire("here", &box_of(GROUND.0, GROUND.1), r#""value": 100, "resolution_m": 10"#);
     let wanted = format!(r#""value": 5, "resolution_m": 10, "windows_h": [[0, {until_h}]]"#);
@@ -386,7 +386,7 @@ fn weighed(lines: &[Line], until_h: f64) -> (bool, f64, f64, String) {
     panic!("no answer");
 }
 
-/// The plan for the fires, as if the executive had adopted it.
+/// Lets the deliberator adopt the plan for the fires, as the executive would.
 fn adopt_plan(deliberator: &mut MissionDeliberator, at_s: f64) {
     let now = Time::from_seconds(at_s);
     let (latitude_deg, longitude_deg) = position(-20_000.0, 0.0);
@@ -417,9 +417,9 @@ fn low_wing(flown_m: f64) -> f64 {
 #[test]
 fn a_segment_is_flown_again_where_it_is_worth_more_than_what_it_displaces() {
     let begin_s = MIDNIGHT_S;
-    // One line over the middle: nothing else sees the segment, a tenth of the fire.
+    // One line over the middle: no other line sees the segment, a tenth of the fire.
     let alone = [Line { roll_deg: low_wing, ..Line::new(0.0, -5_500.0, 5_500.0, begin_s) }];
-    // Two lines that overlap: the other one has seen most of it.
+    // Two overlapping lines: the other one has seen most of the segment.
     let [first, second] = two_lines(begin_s);
     let overlapped = [first, Line { roll_deg: low_wing, ..second }];
     // The other fire can wait: its time is free.

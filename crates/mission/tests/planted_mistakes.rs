@@ -1,5 +1,5 @@
-//! Mistakes planted in shipped missions, one at a time: the check must name each, at the right line. Slips of names, units, types and
-//! arguments as authors make them; the mission without a mistake must stay without a message.
+//! Mistakes planted in shipped missions, one at a time: the check must report each at the right line. They are slips in names, units,
+//! types and arguments; the unchanged mission must give no message.
 
 #![allow(
     clippy::expect_used,
@@ -93,7 +93,7 @@ fn mission_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name).join("mission.pdl")
 }
 
-/// Returns the lines of all that is said about the mission with this text, warnings and errors; and the words of it.
+/// Returns the lines of all messages about the mission with this text, and the words of these messages.
 fn said_about(path: &Path, text: &str) -> (Vec<u32>, Vec<String>) {
     let mut read = |file: &Path| -> MissionResult<String> {
         if file == path { Ok(text.to_string()) } else { apex_mission::files::read_text(file) }
@@ -124,7 +124,7 @@ fn said_about(path: &Path, text: &str) -> (Vec<u32>, Vec<String>) {
     (lines, words)
 }
 
-/// Plants each slip; returns those that stay silent, and those named at another line.
+/// Plants each slip; returns those without a message, and those reported at another line.
 fn planted(mission: &str, slips: &[Slip]) -> (Vec<String>, Vec<String>) {
     let path = mission_path(mission);
     let text = std::fs::read_to_string(&path).expect("the mission ships");
@@ -156,7 +156,7 @@ fn slips_in_missions_are_named_at_their_line() {
     assert!(elsewhere.len() * 20 <= count, "{} of {count} slips:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
 
-/// A vehicle with commands of other arguments declares them: its declaration counts, not that of the library.
+/// The declaration of a vehicle's own commands replaces that of the library.
 #[test]
 fn a_program_replaces_the_declaration_of_a_library() {
     let said = |declaration: &str| {

@@ -1,4 +1,4 @@
-//! Limits that an agent may lower for itself: `(agent NAME .. :limits (:tasks 200 :event-history 50))`.
+//! Limits that an agent may set lower for itself: `(agent NAME .. :limits (:tasks 200 :event-history 50))`.
 //!
 //! The constants and the reasons for their values are in [`crate::limits`]. An agent on a small computer lowers them,
 //! and tests lower them to reach them. The word in PDL is the constant's name without its `_MAX`.
@@ -43,7 +43,7 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// All of them, in the order in which messages list them.
+    /// All limits, in the order of messages.
     pub const ALL: [Limit; 15] = [
         Limit::Tasks,
         Limit::TaskDepth,
@@ -81,7 +81,7 @@ impl Limit {
                 1,
                 u64::from(limits::REPETITIONS_PER_SECOND_MAX),
             ),
-            // Fewer rounds than an ordinary instant takes would end what is in order.
+            // With fewer rounds than an ordinary instant takes, correct programs would be stopped.
             Limit::CascadeRounds => {
                 ("CASCADE_ROUNDS_MAX", "cascade-rounds", 100, u64::from(limits::CASCADE_ROUNDS_MAX))
             }
@@ -101,7 +101,7 @@ impl Limit {
         }
     }
 
-    /// Returns the constant's name in [`crate::limits`], as causes tell it.
+    /// Returns the constant's name in [`crate::limits`], as used in causes.
     pub fn constant(self) -> &'static str {
         self.facts().0
     }
@@ -111,12 +111,12 @@ impl Limit {
         self.facts().1
     }
 
-    /// Returns the least value that it may be set to.
+    /// Returns the least permitted value.
     pub fn least(self) -> u64 {
         self.facts().2
     }
 
-    /// Returns the greatest value that it may be set to.
+    /// Returns the greatest permitted value.
     pub fn most(self) -> u64 {
         self.facts().3
     }
@@ -127,13 +127,13 @@ impl Limit {
     }
 }
 
-/// Items of one kind that a log may hold: more than fit into memory.
+/// Items of one kind that a log may contain: more than fit into memory.
 const LOG_ITEMS_MAX: u64 = 1 << 40;
 
 /// The limits of one agent, or of the monitors of a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Those that differ from the executive's, each once.
+    /// The limits that differ from the executive's, each once.
     set: Vec<(Limit, u64)>,
 }
 
@@ -146,12 +146,12 @@ impl Limits {
         self.set.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.usual(), |(_, value)| *value)
     }
 
-    /// Returns the same as a number of things in memory.
+    /// Returns the limit as a number of items in memory.
     pub fn count(&self, limit: Limit) -> usize {
         usize::try_from(self.of(limit)).unwrap_or(usize::MAX)
     }
 
-    /// Sets `limit` to `value`, within what it may be.
+    /// Sets `limit` to `value`, within the permitted range.
     pub fn lower(&mut self, limit: Limit, value: u64) {
         self.set.retain(|(each, _)| *each != limit);
         let value = value.clamp(limit.least(), limit.most());
@@ -160,8 +160,8 @@ impl Limits {
         }
     }
 
-    /// Limits for monitors that read a finite log: samples, messages, objects and results are bounded by the log itself, so
-    /// none is forgotten. The limits of computation stay.
+    /// Returns limits for monitors that read a finite log: samples, messages, objects and results are bounded by the log itself, so none
+    /// is dropped. The limits of computation remain.
     pub fn of_a_log() -> Limits {
         let kept = [Limit::HistorySamples, Limit::EventHistory, Limit::MonitorObjects, Limit::MonitorResults];
         Limits { set: kept.map(|limit| (limit, LOG_ITEMS_MAX)).to_vec() }

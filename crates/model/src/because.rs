@@ -1,6 +1,6 @@
 //! Causes. Every decision carries one; a transition cannot be written without it.
 //!
-//! Texts are made here and nowhere else, so that the trace, `apex why`, Sherpa and Python say the same words.
+//! Texts of causes are made only here, so that the trace, `apex why`, Sherpa and Python use the same words.
 
 use crate::estimate::{Aggregate, Estimate};
 use crate::event::StateVariable;
@@ -19,7 +19,7 @@ pub use crate::cause::Cause;
 pub struct Because {
     /// The cause.
     pub cause: Cause,
-    /// The clause of PDL that made it so.
+    /// The clause of PDL that caused it.
     pub place: Option<Place>,
     /// Evidence: samples, events, ends of tasks.
     pub evidence: EvidenceList,
@@ -43,7 +43,7 @@ pub enum Evidence {
         form: Value,
         /// Instant.
         at: Time,
-        /// Its number among all that arrived: equal messages may come at one instant.
+        /// Its arrival number, because equal messages may arrive at one instant.
         sequence: u64,
     },
     /// A task's state.
@@ -75,7 +75,7 @@ pub enum Evidence {
     },
     /// An instant that was waited for.
     Instant {
-        /// Since when it was waited for, for a delay.
+        /// For a delay, the beginning of the wait.
         since: Option<Time>,
         /// The instant.
         at: Time,
@@ -93,7 +93,7 @@ pub enum Evidence {
     Absence {
         /// The condition, as PDL text.
         what: String,
-        /// Up to when it did not.
+        /// Instant up to which it was not true.
         at: Time,
     },
     /// A value that an estimator gives.
@@ -139,17 +139,17 @@ pub enum ConflictRule {
     CreationOrder,
     /// Not enough units are left.
     Capacity,
-    /// Higher priority, which is that of a task that the winner goes before by its rank.
+    /// Higher priority, inherited from a task that the winner precedes by rank.
     GoesBefore {
         /// That task.
         whom: TaskId,
     },
 }
 
-/// Rule by which one of several equally specific matches goes first.
+/// Rule that chooses among several equally specific matches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EqualsRule {
-    /// It is a plan made in flight: its requester wants it used.
+    /// It is a plan made in flight, which was requested for use.
     MadeInFlight,
     /// It is a procedure, and the others are primitives.
     Procedure,
@@ -157,7 +157,7 @@ pub enum EqualsRule {
     FirstInLibrary,
 }
 
-/// Strength of a task in a conflict: its priority or rank, and its interrupt cost if it defends what it holds.
+/// Strength of a task in a conflict: its priority or rank, and its interrupt cost if it defends its resources.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strength {
     /// Priority, or rank where ranks decide.
@@ -193,12 +193,12 @@ impl Because {
         Because { cause, place, evidence: EvidenceList::default() }
     }
 
-    /// Returns the cause as text after "because", with evidence and place, as the trace prints it.
+    /// Returns the cause as text after "because", with evidence and place, as in the trace.
     pub fn text(&self, library: &Library) -> String {
         self.text_at(&|place| library.describe_place(place))
     }
 
-    /// Returns the same, where `describe` knows the names of places.
+    /// Returns the same text, with places described by `describe`.
     pub fn text_at(&self, describe: &dyn Fn(Place) -> String) -> String {
         let mut text = self.cause.text();
         for (index, evidence) in self.evidence.iter().enumerate() {

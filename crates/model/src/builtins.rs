@@ -15,10 +15,10 @@ pub struct BuiltIn {
     pub name: &'static str,
     /// At least so many arguments.
     pub arguments_min: usize,
-    /// At most so many arguments; none is unlimited.
+    /// Maximum number of arguments; `None` if it is unlimited.
     pub arguments_max: Option<usize>,
-    /// True if the function has no effect and may occur in conditions, guards and everywhere else. Impure functions
-    /// occur in hooks only.
+    /// True if the function has no effect and may occur everywhere, such as in conditions and guards. Impure functions occur in hooks
+    /// only.
     pub pure: bool,
     /// Parameters and result in one line, for operators.
     pub summary: &'static str,
@@ -220,7 +220,7 @@ pub const ALIASES: &[(&str, &str)] = &[
 pub const INDEXICALS: &[&str] =
     &["beginning-of-time", "end-of-time", "met", "mission-start", "now", "pos-infinity", "self", "this-task", "tot"];
 
-/// Functions whose values depend on more than their arguments: on the time, on tasks, on what was measured. Sorted.
+/// Functions whose values depend on more than their arguments: on time, tasks or measurements. Sorted.
 pub const CHANGING: &[&str] = &[
     "current-value",
     "duration-of",
@@ -245,7 +245,7 @@ pub const SPECIAL_FORMS: &[&str] = &[
     "setq", "unless", "when",
 ];
 
-/// Returns the built-in function called `name` (folded) or by an alias; its `name` field is the one to store.
+/// Returns the built-in function called `name` (folded) or by an alias; store the name in its `name` field.
 pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
     let name = match ALIASES.binary_search_by(|(alias, _)| (*alias).cmp(name)) {
         Ok(index) => ALIASES.get(index).map_or(name, |(_, target)| target),

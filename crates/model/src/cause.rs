@@ -1,4 +1,4 @@
-//! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test holds the two together.
+//! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test compares both.
 
 use crate::because::{CircleLink, ConflictRule, EqualsRule, Share, Strength};
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
@@ -40,7 +40,7 @@ pub enum Cause {
         /// The parent.
         parent: TaskId,
     },
-    /// A task waits for a condition with `:probing`, and this is one of its probes.
+    /// A task waits for a condition with `:probing`, and this task is one of its probes.
     Probes {
         /// The task that waits.
         waiting: TaskId,
@@ -63,32 +63,32 @@ pub enum Cause {
         /// The task that failed.
         of: TaskId,
     },
-    /// A `responding` step answered an event, and waits for the next one with a new task.
+    /// A `responding` step answered an event; a new task waits for the next one.
     Responding {
         /// The task that answers the event.
         answered: TaskId,
     },
     /// The step repeats: its task ended, and is pending again.
     Repetition,
-    /// There is nothing to wait for.
+    /// The task has no preconditions.
     NoPreconditions,
     /// The preconditions hold.
     PreconditionsSatisfied,
-    /// The step before it in a sequence ended.
+    /// The preceding step of a sequence ended.
     PredecessorEnded {
         /// That step's task.
         predecessor: TaskId,
     },
-    /// The result of another step, which it uses, is there.
+    /// The result of another step, which the task uses, exists now.
     ResultArrived {
         /// The variable, without `?`.
         variable: Symbol,
     },
     /// Its `:with-min-interval` is over.
     IntervalElapsed,
-    /// It was made to start over, and its preconditions held already.
+    /// The task was made to start over, and its preconditions held already.
     StartsOver,
-    /// It repeats with `:enabled`: its preconditions are not asked again.
+    /// The step repeats with `:enabled`: its preconditions are not checked again.
     RepeatedEnabled,
     /// A clause's condition holds (`end-when`, `restart-when`, `suspend-when`, ..).
     ConditionSatisfied {
@@ -113,7 +113,7 @@ pub enum Cause {
         /// Strength of the loser.
         loser: Strength,
     },
-    /// The resource cannot give what is needed: it has less, or less of it is left.
+    /// The resource cannot provide the needed amount: its total or its rest is smaller.
     ResourceExhausted {
         /// The resource.
         resource: Value,
@@ -132,7 +132,7 @@ pub enum Cause {
         /// The ancestor.
         ancestor: TaskId,
     },
-    /// A built-in activity of another task did it: `terminate`, `suspend`, `resume`, `reset`.
+    /// A built-in activity of another task caused it: `terminate`, `suspend`, `resume`, `reset`.
     Activity {
         /// The task that did it.
         by: TaskId,
@@ -151,12 +151,12 @@ pub enum Cause {
         /// The last that ended; none when the list was empty.
         last: Option<TaskId>,
     },
-    /// A built-in activity is done as soon as it begins.
+    /// A built-in activity is complete when it begins.
     BuiltInDone {
         /// The activity's name.
         activity: Cow<'static, str>,
     },
-    /// A primitive with nothing to wait for was complete at once.
+    /// A primitive with nothing to wait for is complete at once.
     CompletedAtOnce,
     /// A primitive's `(complete)` form.
     CompletedByForm,
@@ -170,7 +170,7 @@ pub enum Cause {
         /// The command.
         command: CommandId,
     },
-    /// The vehicle refused the command, or failed to do it.
+    /// The vehicle refused the command, or failed to execute it.
     CommandFailed {
         /// The command.
         command: CommandId,
@@ -194,22 +194,22 @@ pub enum Cause {
         /// The parent.
         parent: TaskId,
     },
-    /// The parent failed, and its `on-failure` takes the place of what it was doing.
+    /// The parent failed, and its `on-failure` replaces its other work.
     ParentFailed {
         /// The parent.
         parent: TaskId,
     },
-    /// A child failed and nothing handles it.
+    /// A child failed, and no clause handles the failure.
     ChildFailed {
         /// The child.
         child: TaskId,
     },
-    /// The failure of this task is handled by another one, which is its work now.
+    /// Another task handles the failure of this one, and is its work now.
     FailureHandled {
         /// The task that handles it.
         by: TaskId,
     },
-    /// The task that handled the failure of this one ended, and this one ends likewise.
+    /// The task that handled the failure of this one ended, and this one ends in the same way.
     HandlerEnded {
         /// The task that handled it.
         handler: TaskId,
@@ -219,7 +219,7 @@ pub enum Cause {
         /// Number of matches.
         candidates: u64,
     },
-    /// No match is more specific, and of those as specific it goes first.
+    /// No match is more specific, and it precedes the equally specific ones.
     FirstOfEquals {
         /// Number of matches.
         candidates: u64,
@@ -228,12 +228,12 @@ pub enum Cause {
         /// Rule that put it first.
         rule: EqualsRule,
     },
-    /// The activity is built in: there is nothing to choose.
+    /// The activity is built in: there is no choice of method.
     BuiltIn {
         /// The activity's name.
         activity: Cow<'static, str>,
     },
-    /// The step has a `forall`: its work is one task for each item.
+    /// The step has a `forall`: one task is made for each item.
     ForAll {
         /// Number of items.
         items: u64,
@@ -288,12 +288,12 @@ pub enum Cause {
         /// The value.
         value: Value,
     },
-    /// A sample or a message could not be recorded as it came.
+    /// A sample or a message could not be recorded as received.
     InputRefused {
         /// Error in it.
         message: String,
     },
-    /// An answer came to something that was never asked.
+    /// An answer arrived for a question that was never asked.
     StrayAnswer {
         /// `command 7`, `solver request 2`, `question 1`.
         to: String,
@@ -302,7 +302,7 @@ pub enum Cause {
     LimitReached {
         /// The limit's name in `limits.rs`.
         limit: String,
-        /// Its value, as the agent may have lowered it.
+        /// The value of the limit, which the agent may have lowered.
         value: u64,
     },
     /// The operator answered.
@@ -334,7 +334,7 @@ pub enum Cause {
         /// Reason, as stated from outside.
         reason: String,
     },
-    /// A message has no receiver: no agent or router is called so.
+    /// A message has no receiver: no agent or router has this name.
     NobodyHears {
         /// Intended receiver, and the agents that exist.
         message: String,
@@ -351,7 +351,7 @@ pub enum Cause {
     },
     /// The flight is not recorded any longer: the disk takes no more.
     RecordingLost {
-        /// Reason, as the system states it.
+        /// Reason stated by the system.
         reason: String,
     },
     /// The `precondition` or `invariant` of a task does not hold.
@@ -366,18 +366,18 @@ pub enum Cause {
         /// The outcome that was waited for: `failed`.
         outcome: Symbol,
     },
-    /// The result that the step uses can no longer come: the step that gives it ended without success.
+    /// The result that the step uses can no longer exist: the step that binds it ended without success.
     ResultMissed {
         /// The task of that step.
         task: TaskId,
         /// The variable, without `?`.
         variable: Symbol,
     },
-    /// A resource was taken, and the profile says `:refuse-if-busy`.
+    /// A resource was in use, and the profile says `:refuse-if-busy`.
     ResourceBusy {
         /// The resource.
         resource: Value,
-        /// The task that has it, or gets it.
+        /// The task that holds it, or gets it.
         holder: TaskId,
     },
     /// A command was sent, came further, ended or was taken back.
@@ -385,7 +385,7 @@ pub enum Cause {
         /// The command.
         command: CommandId,
     },
-    /// There is another amount of a renewable resource: as the agent begins, and when work has used it.
+    /// The level of a renewable resource: when the agent begins, and when work has changed it.
     LevelChanged {
         /// The resource.
         resource: Symbol,

@@ -1,4 +1,4 @@
-//! Names of the kinds of causes, for programs. They are part of the record's and the trace's contract.
+//! Names of the kinds of causes, for other programs. They are part of the format of record and trace.
 
 use crate::cause::Cause;
 
@@ -59,7 +59,7 @@ impl Cause {
         }
     }
 
-    /// Bindings, faults, operators, and what the agent publishes itself.
+    /// Returns the kinds about bindings, faults, operators, and the agent's own publications.
     fn kind_of_the_rest(&self) -> &'static str {
         match self {
             Cause::Binding { .. } => "binding",

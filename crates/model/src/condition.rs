@@ -1,7 +1,7 @@
-//! Conditions: what monitors watch for (`conditions.md`, paper Appendix B and Table 1).
+//! Conditions, which monitors watch (`conditions.md`, paper Appendix B and Table 1).
 //!
-//! Everything the language can say is representable; what the executive cannot evaluate yet is refused by the
-//! checker with a clear diagnostic, never ignored.
+//! Everything in the language is representable; a condition that the executive cannot evaluate yet is rejected by the checker with a
+//! diagnostic, never ignored.
 
 pub use crate::cyclic::CyclicCondition;
 use crate::expression::{Expr, Template};
@@ -11,7 +11,7 @@ use crate::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A condition and where it stands.
+/// A condition with its place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Condition {
     /// The name that its result is bound to, without `?`.
@@ -187,7 +187,7 @@ pub struct EpisodeCondition {
 /// Required density of samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Quality {
-    /// Whatever arrives counts.
+    /// Every arrival counts.
     NoConstraints,
     /// The largest gap between samples, and from the last sample to now.
     MaximumGap(Expr),

@@ -1,4 +1,4 @@
-//! The condition `:cyclic`, as it is read.
+//! The condition `:cyclic`, as read from PDL.
 
 use crate::condition::{Constraint, VariablePattern};
 use crate::symbol::Symbol;

@@ -18,13 +18,13 @@ pub struct Derivation {
     pub value: Expr,
     /// Rule by which samples of several variables are brought to one instant.
     pub join: Join,
-    /// A derivation reads derived variables of lower ranks only: 0 reads measured ones.
+    /// Rank: a derivation reads only derived variables of lower ranks; rank 0 reads measured ones.
     pub rank: u32,
     /// Place in the source.
     pub place: Place,
 }
 
-/// One thing that a derivation reads of a state variable.
+/// One input of a derivation: what it reads of a state variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DerivationInput {
     /// The variable in the expression, without `?`.
@@ -55,6 +55,6 @@ pub enum Reading {
 pub enum Join {
     /// A variable has the value of its latest sample, for this time at most; none is without limit.
     Hold(Option<Duration>),
-    /// A number lies on the line between the samples before and after, which are so far apart at most; other values hold.
+    /// A number is interpolated linearly between the samples before and after, if they are at most this far apart; other values hold.
     Interpolate(Duration),
 }

@@ -1,4 +1,4 @@
-//! Effects: the one door out. Commands, solver requests, output and decisions all leave here.
+//! Effects: the only output of the executive. Commands, solver requests, output and decisions are all effects.
 
 use crate::because::Because;
 use crate::event::{Message, StateVariable};
@@ -38,7 +38,7 @@ pub enum Effect {
         /// Cause, with the form of PDL that led to it.
         because: Because,
     },
-    /// The command's task ended or was interrupted before the answer: the vehicle should stop doing it.
+    /// The command's task ended or was interrupted before the answer: the vehicle should stop executing the command.
     WithdrawCommand {
         /// The command.
         command: CommandId,
@@ -83,8 +83,8 @@ pub enum Effect {
         /// Reason.
         reason: String,
     },
-    /// Something for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along
-    /// routers. It reaches them at the same instant.
+    /// A message or sample for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along routers.
+    /// It arrives at the same instant.
     Tell {
         /// Speaking task.
         task: TaskId,
@@ -114,7 +114,7 @@ pub enum Effect {
         variable: StateVariable,
         /// The value, in the declared unit.
         value: Value,
-        /// The clause, and where the form stands.
+        /// The clause, and the place of the form.
         because: Because,
     },
 }
@@ -137,7 +137,7 @@ pub struct SolveRequest {
 /// One decision of the executive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
-    /// The task it is about; none for decisions about the whole agent.
+    /// The task concerned; `None` for decisions about the whole agent.
     pub task: Option<TaskId>,
     /// Decision.
     pub kind: DecisionKind,
@@ -154,12 +154,12 @@ pub enum DecisionKind {
         parent: Option<TaskId>,
         /// The step's tag.
         tag: Symbol,
-        /// The goal as known now; unbound variables stay `?x` symbols.
+        /// The goal with its known values; unbound variables remain `?x` symbols.
         goal: Value,
         /// The step.
         place: Option<Place>,
     },
-    /// A task changed state. The cause says which row of the table applied.
+    /// A task changed state. The cause determines the row of the table that applied.
     Transition {
         /// Before.
         from: TaskState,
@@ -191,7 +191,7 @@ pub enum DecisionKind {
         /// Other methods that matched, less specific or later in the library.
         alternatives: Vec<Method>,
     },
-    /// The task stays as it is for want of resources: it lost a conflict, or its holder defends.
+    /// The task keeps its state for lack of resources: it lost a conflict, or the holder defends its resource.
     Refused {
         /// The resource.
         resource: Value,

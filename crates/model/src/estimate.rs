@@ -1,5 +1,5 @@
-//! Computed instead of measured evidence: values between and beyond samples, statistics and trends
-//! (`condition-rules.md`, rules 1, 6, 10 to 12 and 22). Each carries the samples that it rests on.
+//! Computed evidence: values between and beyond samples, statistics and trends (`condition-rules.md`, rules 1, 6, 10 to 12 and 22). Each
+//! refers to the samples on which it rests.
 
 use crate::event::StateVariable;
 use crate::quantity::format_rounded;
@@ -37,10 +37,10 @@ pub struct Estimate {
     pub value: Value,
     /// The instant it is for.
     pub at: Time,
-    /// Half-open interval in which the estimate is valid: from the instant of a persisted sample to its expiry or
-    /// replacement; of a line from the first to just after the last fitted sample.
+    /// Half-open interval in which the estimate is valid: for a persisted sample from its instant to its expiry or replacement; for a
+    /// line from the first to just after the last fitted sample.
     pub extent: (Time, Time),
-    /// Number of samples that it rests on.
+    /// Number of samples on which it rests.
     pub samples: u64,
     /// Distance of the instant from the samples; zero between them.
     pub extrapolation: Duration,
@@ -79,7 +79,7 @@ impl Estimate {
 pub struct Aggregate {
     /// Variable of the samples.
     pub variable: StateVariable,
-    /// Name of the measure as PDL names it without the colon: `mean`, `rate`.
+    /// Name of the measure: its PDL keyword without the colon, such as `mean`, `rate`.
     pub name: String,
     /// Computed value.
     pub value: Value,
@@ -97,7 +97,7 @@ impl Aggregate {
     }
 }
 
-/// Returns a computed value without the last bits, which say nothing.
+/// Returns a computed value without its last bits, which are rounding errors.
 pub fn computed(value: &Value) -> String {
     match value {
         Value::Real(real) => format_rounded(*real),

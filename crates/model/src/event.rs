@@ -1,4 +1,4 @@
-//! Events: the one door in. Telemetry, messages, acknowledgements, solver answers and wakes all enter here.
+//! Events: the only input of the executive. Telemetry, messages, acknowledgements, solver answers and wakes are all events.
 
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::planned::PlannedProcedure;
@@ -35,7 +35,7 @@ pub enum EventKind {
     Measurement(StateVariable, Value),
     /// A message (message-passing input), for example `(ready camera-1)`.
     Occurrence(Value),
-    /// The vehicle finished a command, or refused or lost it.
+    /// The vehicle completed a command, or refused or lost it.
     CommandAcknowledged(CommandId, Result<Value, String>),
     /// A solver answered.
     SolverReported(SolveRequestId, SolverReport),
@@ -43,11 +43,11 @@ pub enum EventKind {
     OperatorAnswered(QuestionId, Value),
     /// The requested time has arrived.
     Woken,
-    /// Another agent of the application says something.
+    /// A message or sample from another agent of the application.
     Told(Symbol, Message),
     /// The application ends, for this reason: all tasks are cut.
     Stop(String),
-    /// The vehicle says how far a command is; its end comes as `CommandAcknowledged`.
+    /// The vehicle reports the progress of a command; its end is a `CommandAcknowledged`.
     CommandProgressed(CommandId, CommandProgress),
 }
 
@@ -56,7 +56,7 @@ pub enum EventKind {
 pub enum CommandProgress {
     /// The vehicle has taken the command.
     Accepted,
-    /// The vehicle is carrying it out.
+    /// The vehicle is executing it.
     InProgress,
 }
 
@@ -134,7 +134,7 @@ impl StateVariable {
 }
 
 impl StateVariable {
-    /// Returns the variable as a list, `(altitude aircraft-1)`, as topics of routers are compared with it.
+    /// Returns the variable as a list, `(altitude aircraft-1)`, with which topics of routers are compared.
     pub fn form(&self) -> Value {
         let attribute = Value::Symbol(self.attribute.clone());
         match &self.object {

@@ -1,4 +1,4 @@
-//! Lists of evidence: shared, not copied, because several decisions rest on the same facts.
+//! Lists of evidence: shared instead of copied, because several decisions rest on the same facts.
 
 use crate::because::Evidence;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -8,7 +8,7 @@ use crate::symbol::Symbol;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// An expression and where it stands.
+/// An expression with its place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Expr {
     /// Kind and operands.
@@ -20,7 +20,7 @@ pub struct Expr {
 /// The forms of expressions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ExprKind {
-    /// A literal, a quoted datum, a `defconstant`'s value, or an unquoted symbol that names nothing else.
+    /// A literal, a quoted datum, a `defconstant`'s value, or an unquoted symbol without another meaning.
     Constant(Value),
     /// `?x`, or `<?x>` when `must_be_bound`. The name is stored without its question mark.
     Variable {
@@ -33,7 +33,7 @@ pub enum ExprKind {
     Local(Symbol),
     /// `+name+`, stored without the plus signs; evaluated again at each use.
     Indexical(Symbol),
-    /// A `defconstant` whose value is computed, by its name as written; literal ones are a [`ExprKind::Constant`].
+    /// A `defconstant` whose value is computed, by its written name; a literal one is a [`ExprKind::Constant`].
     Named(Symbol),
     /// A call of a built-in, `defun` or host function.
     Call {
@@ -44,7 +44,7 @@ pub enum ExprKind {
     },
     /// `(if test then [else])`.
     If(Box<Expr>, Box<Expr>, Option<Box<Expr>>),
-    /// `(cond (test form..)..)`; `(case ..)` is stored so too.
+    /// `(cond (test form..)..)`; `(case ..)` is stored in the same way.
     Cond(Vec<(Expr, Vec<Expr>)>),
     /// `(case key ((datum..) form..) .. (otherwise form..))`; an empty list of data is `otherwise`.
     Case(Box<Expr>, Vec<(Vec<Value>, Vec<Expr>)>),
@@ -88,17 +88,16 @@ pub enum ExprKind {
 /// The parameters of a function: `(a b &optional c (d 2) &rest others)`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
-    /// Those that every call gives a value, in order.
+    /// Required parameters, in order.
     pub required: Vec<Symbol>,
-    /// `&optional` ones with what they are where a call leaves them out; without an expression that is nil. The
-    /// expression sees the parameters before it.
+    /// `&optional` parameters with their defaults; nil without an expression. The expression sees the parameters before it.
     pub optional: Vec<(Symbol, Option<Expr>)>,
     /// `&rest`: the list of all further arguments.
     pub rest: Option<Symbol>,
 }
 
 impl Parameters {
-    /// Parameters that every call gives a value, and no others.
+    /// Returns required parameters only.
     pub fn fixed(names: impl IntoIterator<Item = Symbol>) -> Parameters {
         Parameters { required: names.into_iter().collect(), ..Parameters::default() }
     }
@@ -132,7 +131,7 @@ pub enum Template {
     List(Vec<Template>),
 }
 
-/// A function value with what it captured.
+/// A function value with its captured variables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Closure {
     /// The parameters.

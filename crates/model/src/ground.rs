@@ -1,4 +1,4 @@
-//! State variables that a condition names together with their objects.
+//! State variables that a condition names with their objects.
 
 use crate::condition::{Condition, ConditionKind, VariablePattern};
 use crate::event::StateVariable;
@@ -6,8 +6,8 @@ use crate::pattern::Pattern;
 use crate::value::Value;
 
 impl Condition {
-    /// Returns the state variables of all its parts whose objects are written out, in written order, each once. Variables whose
-    /// object is a pattern or is computed are not among them.
+    /// Returns the state variables of all its parts whose objects are literals, in written order, each once. Variables whose object is a
+    /// pattern or is computed are left out.
     pub fn ground_variables(&self) -> Vec<StateVariable> {
         let mut found = Vec::new();
         collect(self, &mut found);

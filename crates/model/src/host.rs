@@ -5,11 +5,11 @@ use crate::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A host function: values in, value out, or a message that says what was wrong with the arguments.
-/// It must be pure and deterministic: replay calls it again and expects the same value.
+/// A host function: returns a value for its arguments, or an error message about them. It must be pure and deterministic: replay calls it
+/// again and expects the same value.
 pub type HostFunction = Arc<dyn Fn(&[Value]) -> Result<Value, String> + Send + Sync>;
 
-/// Registered host functions by name. Geometry (`distance`, `bearing`, ..) comes from `apex-geo` through here.
+/// Registered host functions by name, such as the geometry functions of `apex-geo` (`distance`, `bearing`, ..).
 #[derive(Clone, Default)]
 pub struct HostFunctions(BTreeMap<Symbol, HostFunction>);
 

@@ -1,5 +1,5 @@
-//! Declared messages and commands: what the parts of a mission say to each other, with the types of the arguments
-//! (`docs/reference/pdl.md`, Text). The checker compares programs with them; nothing is executed differently because of them.
+//! Declared messages and commands between the parts of a mission, with the types of the arguments (`docs/reference/pdl.md`, Text). The
+//! checker compares programs with them; they do not affect execution.
 
 use crate::quantity::Dimension;
 use crate::source::Place;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// `(declare-event (NAME (?parameter TYPE)..) [:from SOURCE])` or `(declare-command (NAME (?parameter TYPE)..))`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceDeclaration {
-    /// Parameters in order: those that are required, then the optional ones.
+    /// Parameters in order: the required ones, then the optional ones.
     pub parameters: Vec<Parameter>,
     /// Number of parameters that are required.
     pub required: usize,
@@ -24,7 +24,7 @@ pub struct InterfaceDeclaration {
     pub place: Place,
 }
 
-/// A parameter and the values that it takes.
+/// A parameter with the type of its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// The name, without its question mark.
@@ -44,7 +44,7 @@ pub enum ArgumentType {
     Text,
     /// A list.
     List,
-    /// The name of something that the mission has.
+    /// The name of something in the mission.
     Named(NameKind),
     /// One of these words.
     OneOf(Vec<Symbol>),
@@ -59,12 +59,12 @@ pub enum NameKind {
     Camera,
     /// A radio.
     Modem,
-    /// An agent, whose name its aircraft has.
+    /// An agent, which has the name of its aircraft.
     Aircraft,
 }
 
 impl NameKind {
-    /// Every kind, with the word that declares it.
+    /// Every kind, with its word in declarations.
     pub const ALL: [(NameKind, &'static str); 4] = [
         (NameKind::Place, "place"),
         (NameKind::Camera, "camera"),
@@ -77,7 +77,7 @@ impl NameKind {
         NameKind::ALL.into_iter().find(|(_, known)| *known == word).map(|(kind, _)| kind)
     }
 
-    /// Returns the word that declares it.
+    /// Returns its word in declarations.
     pub fn word(self) -> &'static str {
         NameKind::ALL.into_iter().find(|(kind, _)| *kind == self).map_or("", |(_, word)| word)
     }

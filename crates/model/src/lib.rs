@@ -1,9 +1,9 @@
-//! The nouns of Apex: the types that several crates share.
+//! The shared types of Apex.
 //!
 //! Values, time, quantities and symbols; the nouns of PDL; events, effects and causes; planning problems; limits. Their
 //! functions compute on these values alone. The state of an agent is in the executive's `state`.
 //!
-//! This crate imports no other crate of Apex. It holds no clock, no I/O, no randomness.
+//! This crate imports no other crate of Apex. It contains no clock, no I/O and no randomness.
 
 pub mod agent_limits;
 pub mod because;

@@ -27,7 +27,7 @@ pub struct Library {
     pub solvers: Vec<SolverDeclaration>,
     /// `(state-variable ..)` declarations by attribute.
     pub state_variables: BTreeMap<Symbol, StateVariableDeclaration>,
-    /// Those of them that are computed from others, by attribute.
+    /// The state variables that are computed from others, by attribute.
     #[serde(default)]
     pub derivations: BTreeMap<Symbol, Derivation>,
     /// `(resource ..)` declarations by name.
@@ -40,7 +40,7 @@ pub struct Library {
     pub functions: BTreeMap<Symbol, Function>,
     /// Declared host functions (`(declare-function ..)`).
     pub host_functions: BTreeMap<Symbol, HostDeclaration>,
-    /// Kinds of the objects of state variables, by attribute, where the declaration names one: `(state-variable (fuel ?aircraft))`.
+    /// Kinds of the objects of state variables, by attribute, if the declaration names one: `(state-variable (fuel ?aircraft))`.
     #[serde(default)]
     pub objects: BTreeMap<Symbol, NameKind>,
     /// `(declare-event ..)` by the message's first word.
@@ -58,7 +58,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Returns the agents to run: the declared ones in order, else the one of [`AgentDeclaration::of_program`].
+    /// Returns the agents to run: the declared ones in order, otherwise the one of [`AgentDeclaration::of_program`].
     pub fn crew(&self) -> Vec<AgentDeclaration> {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
     }
@@ -81,7 +81,7 @@ impl Library {
         parts.into_iter().collect()
     }
 
-    /// Returns true when several agents are declared: what one says may concern others.
+    /// Returns true if several agents are declared, so that messages of one may concern others.
     pub fn has_several_agents(&self) -> bool {
         self.agents.len() > 1
     }
@@ -126,11 +126,11 @@ pub struct HostDeclaration {
 /// `(state-variable (ATTR ?object) :unit U :type T ..)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StateVariableDeclaration {
-    /// The unit's canonical name; bare numbers compared with the variable, or published to it, are in it.
+    /// Canonical name of the unit of bare numbers that are compared with the variable or published to it.
     pub unit: Option<Symbol>,
     /// The unit's dimension.
     pub dimension: Dimension,
-    /// `real`, `integer`, `symbol`, `string`, `location`, `boolean`; none is anything.
+    /// `real`, `integer`, `symbol`, `string`, `location`, `boolean`; `None` for any type.
     pub value_type: Option<Symbol>,
     /// `:lateness D`: how late a sample may come and still be inserted in order.
     pub lateness: Option<Value>,
@@ -145,7 +145,7 @@ pub struct StateVariableDeclaration {
 pub struct ResourceDeclaration {
     /// Exclusive, shared or consumed.
     pub kind: ResourceKind,
-    /// The resource that it is a part of: who takes that takes this, too.
+    /// The resource of which it is a part: a task that takes that resource takes this one, too.
     #[serde(default)]
     pub part_of: Option<Symbol>,
     /// Place in the source.
@@ -155,13 +155,13 @@ pub struct ResourceDeclaration {
 /// Rule by which a resource is claimed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ResourceKind {
-    /// One holder at a time: the default.
+    /// One holder at a time (the default).
     Unitary,
-    /// So many units at a time.
+    /// This number of units at a time.
     Capacity(u32),
     /// Reserved at engagement, consumed at the end.
     Depletable(Value),
-    /// The same, and `(replenish NAME ..)` brings it back, up to this amount.
+    /// A depletable amount that `(replenish NAME ..)` restores, up to this amount.
     Renewable(Value),
 }
 
@@ -171,11 +171,11 @@ pub const RESOURCE_LEVEL: &str = "resource-level";
 /// `(solver NAME (index PATTERN) ..)`: a planner's invocation pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolverDeclaration {
-    /// The solver's name, as the runtime's pool knows it; `auto` lets the pool's table choose.
+    /// Name of the solver in the runtime's pool; `auto` lets the profile table choose.
     pub name: Symbol,
     /// Goals it can plan for.
     pub index: Pattern,
-    /// Deliberation time it is given; none is the runtime's default.
+    /// Deliberation time; `None` for the runtime's default.
     pub budget: Option<Expr>,
     /// A goal pursued while the plan is late.
     pub meanwhile: Option<Template>,
@@ -190,13 +190,13 @@ pub struct AgentDeclaration {
     pub name: Symbol,
     /// The goal of its root task; none is `(do-domain)`.
     pub initial_task: Value,
-    /// Bundles it uses; empty is all.
+    /// Bundles that the agent uses; empty means all.
     pub bundles: Vec<Symbol>,
-    /// Routers that it publishes to or subscribes to, in written order.
+    /// Routers on which it publishes or to which it subscribes, in written order.
     pub routers: Vec<RouterUse>,
     /// Its workload, 1 to 9: the more, the more counts importance against urgency.
     pub workload: f64,
-    /// Its limits, where it lowers any.
+    /// Its limits, if it lowers any.
     #[serde(default)]
     pub limits: Limits,
     /// Place in the source.
@@ -206,11 +206,11 @@ pub struct AgentDeclaration {
 /// The workload of an agent that names none.
 pub const DEFAULT_WORKLOAD: f64 = 5.0;
 
-/// The router that every agent uses whose declaration has no `:routers`.
+/// The router of every agent whose declaration has no `:routers`.
 pub const DEFAULT_ROUTER: &str = "default";
 
 impl AgentDeclaration {
-    /// Returns the agent of a program that declares none: it is called `agent` and does `(do-domain)`.
+    /// Returns the agent of a program that declares none: it is called `agent` and pursues `(do-domain)`.
     pub fn of_program() -> AgentDeclaration {
         AgentDeclaration {
             name: Symbol::new("agent"),
@@ -229,7 +229,7 @@ impl AgentDeclaration {
 pub struct RouterUse {
     /// The router.
     pub router: Symbol,
-    /// Topics that the agent sends on it.
+    /// Topics that the agent publishes on it.
     pub publish: Topics,
     /// Topics that the agent receives from it.
     pub subscribe: Topics,
@@ -238,7 +238,7 @@ pub struct RouterUse {
 }
 
 impl RouterUse {
-    /// Says and hears everything on `router`.
+    /// Returns the use of `router` for all topics, in both directions.
     pub fn everything(router: Symbol, place: Place) -> RouterUse {
         RouterUse { router, publish: Topics::All, subscribe: Topics::All, place }
     }
@@ -249,7 +249,7 @@ impl RouterUse {
 pub enum Topics {
     /// Everything.
     All,
-    /// Messages that match one of these patterns, and samples of state variables that do, as `(ATTRIBUTE OBJECT)`.
+    /// Messages that match one of these patterns, and samples of state variables whose form `(ATTRIBUTE OBJECT)` matches.
     Matching(Vec<Pattern>),
 }
 
@@ -272,7 +272,7 @@ pub struct Application {
     /// Every other keyword in written order, without the colon, with its raw datum
     /// (`:vehicle`, `:targets`, `:airspace`, `:weather`, `:libraries`, `:files`, `:init`, ..).
     pub options: Vec<(Symbol, Value)>,
-    /// Place of every option, those that are not in `options` included.
+    /// Place of every option, including those not in `options`.
     #[serde(default)]
     pub option_places: Vec<(Symbol, Place)>,
     /// Place in the source.
@@ -285,7 +285,7 @@ impl Application {
         self.options.iter().find(|(key, _)| key.is(name)).map(|(_, value)| value)
     }
 
-    /// Returns the place of option `name`, else that of the application.
+    /// Returns the place of option `name`, otherwise that of the application.
     pub fn option_place(&self, name: &str) -> Place {
         self.option_places.iter().find(|(key, _)| key.is(name)).map_or(self.place, |(_, place)| *place)
     }

@@ -1,4 +1,4 @@
-//! Patterns over values: indexes of procedures, events waited for (`pdl.md`, Patterns). Paper: pattern matching service.
+//! Patterns over values: indexes of procedures, awaited events (`pdl.md`, Patterns). Paper: pattern matching service.
 
 use crate::expression::Expr;
 use crate::symbol::Symbol;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub enum Pattern {
     /// Matches by [`Value::matches`]: numbers by value, strings and symbols in any case.
     Literal(Value),
-    /// `?x`: binds, or must match what it is bound to already. Stored without `?`.
+    /// `?x`: binds the variable, or must match its value if it is bound. Stored without `?`.
     Variable(Symbol),
     /// `<?x>`: must be bound already.
     BoundVariable(Symbol),
@@ -26,10 +26,10 @@ pub enum Pattern {
         variable: Option<Symbol>,
         /// At least so many elements.
         minimum: u8,
-        /// At most so many elements; none is unlimited.
+        /// Maximum number of elements; `None` if it is unlimited.
         maximum: Option<u8>,
     },
-    /// `(?if EXPR)`: consumes nothing, holds when the expression is true under the bindings so far.
+    /// `(?if EXPR)`: matches no element; holds if the expression is true under the bindings so far.
     Guard(Expr),
     /// `(?is ?x pred)`: matches any one value for which the predicate of that name holds, and binds it.
     Is {

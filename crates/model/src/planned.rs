@@ -1,7 +1,7 @@
-//! A plan in the executive's terms: a sequential procedure whose steps are typed.
+//! A plan in the executive's form: a sequential procedure with typed steps.
 //!
-//! Text is for operators only. [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] are the one place that knows
-//! how an activity is written as a goal of `library/aerial-observation.pdl`.
+//! Text is for operators only. Only [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] contain the notation of activities as
+//! goals of `library/aerial-observation.pdl`.
 
 use crate::problem::{Plan, Position};
 use crate::quantity::Dimension;
@@ -11,7 +11,7 @@ use crate::time::Duration;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// A solver's plan as a procedure. The executive indexes it by the goal of the request that it answers.
+/// A solver's plan as a procedure. Its index is the goal of the request that it answers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedProcedure {
     /// The solver that made it.
@@ -22,9 +22,9 @@ pub struct PlannedProcedure {
     pub steps: Vec<PlannedStep>,
     /// True for a cycle that begins again when it ends.
     pub repeat: bool,
-    /// The checked plan with its visits, times and routes; `None` if the procedure does not come from a planner.
+    /// The checked plan with its visits, times and routes; `None` if the procedure was not made by a planner.
     pub plan: Option<Box<Plan>>,
-    /// The same procedure as PDL text, so that places in it can be shown.
+    /// The same procedure as PDL text, so that places in it can be displayed.
     pub source: SourceFile,
 }
 
@@ -108,7 +108,7 @@ pub enum PlannedActivity {
         from: Location,
         /// The camera.
         camera: String,
-        /// Name of the place that it points at.
+        /// Name of the target of the camera.
         at: String,
         /// Number of pictures.
         count: u32,
@@ -137,7 +137,7 @@ pub enum PlannedActivity {
         /// Duration.
         time: Duration,
     },
-    /// Stay at a point until an instant; no longer than it takes to get there where the instant has passed.
+    /// Stay at a point until an instant; if that has passed, only fly there.
     LoiterUntil {
         /// The point.
         at: Location,
@@ -231,8 +231,8 @@ impl PlannedActivity {
         }
     }
 
-    /// Reads a ground goal back. A goal of any other form is [`PlannedActivity::Goal`], and so is one about a location in place of
-    /// a named target: the other variants hold names.
+    /// Reads a ground goal. A goal of any other form is [`PlannedActivity::Goal`], and so is one with a location instead of a named
+    /// target, because the other variants contain names.
     pub fn from_goal(goal: &Value) -> PlannedActivity {
         known_goal(goal).unwrap_or_else(|| PlannedActivity::Goal(goal.clone()))
     }

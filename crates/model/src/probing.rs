@@ -1,4 +1,4 @@
-//! The end of probing, and its words. The executive's `state::probing` holds what is being probed.
+//! Reasons for the end of a probing, with their words. The state of a probing is in the executive's `state::probing`.
 
 use crate::time::Duration;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use std::fmt;
 pub enum ProbingEnd {
     /// The condition holds.
     Satisfied,
-    /// The task waits for it no more.
+    /// No task waits for the condition any longer.
     NotAwaited,
     /// Its `:time-limit` is over.
     TimeLimit(Duration),

@@ -1,8 +1,8 @@
-//! Planning problems and plans: what solvers are asked and what they answer (paper, sections II and V.C).
+//! Planning problems and plans: the input and output of solvers (paper, sections II and V.C).
 //!
-//! Plain data, so that a problem or a plan can be stored, sent and compared whole. All numbers are SI; times are seconds
-//! since the problem's own zero (usually the start of the mission). Travel, wind and light are computed by `apex-geo`,
-//! cost and score by `apex-metrics`.
+//! Plain data, so that a problem or a plan can be stored, sent and compared as a whole. All numbers are SI; times are seconds since the
+//! problem's own zero (usually the start of the mission). Travel, wind and light are computed by `apex-geo`, cost and score by
+//! `apex-metrics`.
 
 mod left_out;
 mod place;
@@ -54,7 +54,7 @@ impl Plan {
         }
     }
 
-    /// Returns one line for operators: visits, worth, and targets left out.
+    /// Returns one line for operators: visits, value, and left-out targets.
     pub fn summary(&self) -> &str {
         match self {
             Plan::Surveillance(plan) => &plan.summary,

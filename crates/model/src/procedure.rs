@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 /// Order in which a procedure executes its steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProcedureKind {
-    /// All at once unless waitfors order them.
+    /// All steps at once, unless waitfors order them.
     Concurrent,
-    /// Each after the end of the one before.
+    /// Each step after the end of the preceding one.
     Sequential,
     /// All at once, conflicts resolved by rank 1..n in written order.
     Ranked,
@@ -28,13 +28,13 @@ pub enum ProcedureKind {
 pub struct Procedure {
     /// Order of the steps.
     pub kind: ProcedureKind,
-    /// The class of goals it serves.
+    /// The class of goals that it serves.
     pub index: Pattern,
     /// Resources that its task needs to be ongoing.
     pub profile: Vec<ResourceNeed>,
     /// Logging policies open while its task lives.
     pub log: Vec<LogPolicy>,
-    /// An estimate of how long it takes.
+    /// Estimate of its duration.
     pub expected_duration: Option<Expr>,
     /// Added to the task's priority while ongoing; none is the default 0.1.
     pub interrupt_cost: Option<Expr>,
@@ -57,7 +57,7 @@ pub struct ResourceNeed {
     pub resource: Template,
     /// Units of a capacity or amount of a depletable; none takes the whole.
     pub amount: Option<Expr>,
-    /// + `:refuse-if-busy`: the task fails rather than wait for it.
+    /// `:refuse-if-busy`: the task fails instead of waiting for the resource.
     #[serde(default)]
     pub refuse_if_busy: bool,
     /// Place in the source.
@@ -77,7 +77,7 @@ pub struct LogPolicy {
     pub count_limit: Option<u64>,
 }
 
-/// Clauses that move a task from state to state while it lives.
+/// Clauses that change the state of a task while it lives.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transitions {
     /// `end-when`, `(terminate (when C))`.
@@ -113,14 +113,14 @@ pub struct Hooks {
     pub on_resume: Vec<Expr>,
 }
 
-/// One step of a procedure: the template of a task. What few steps have is boxed: a program may have a hundred thousand.
+/// One step of a procedure: the template of a task. Rarely used fields are boxed, because a program may have a hundred thousand steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Its name; also the variable `?tag` that holds its task.
     pub tag: Symbol,
     /// Activity of the step.
     pub activity: Activity,
-    /// `=> ?v`: what the task's value is bound to in the parent's context.
+    /// `=> ?v`: the pattern to which the task's value is bound in the parent's context.
     pub binds: Option<Box<Pattern>>,
     /// Preconditions; empty means none. All must hold.
     pub waitfor: Vec<Condition>,
@@ -151,7 +151,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Returns a step that does `activity` at once: no clauses.
+    /// Returns a step that executes `activity` at once, without clauses.
     pub fn plain(tag: Symbol, activity: Activity, place: Place) -> Step {
         Step {
             tag,
@@ -215,7 +215,7 @@ pub enum BuiltInActivity {
     Print,
     /// `(end-application)`
     EndApplication,
-    /// + `(ask operator QUESTION ..)`: arguments are question, options, by (nil where absent), and default if there is one.
+    /// `(ask operator ..)`: its arguments are question, options, by (nil if absent), and the default if there is one.
     AskOperator,
     /// + `(plan GOAL ..)`: arguments are goal, with, budget (nil where absent).
     Plan,
@@ -270,14 +270,14 @@ pub struct Repetition {
     pub minimum_interval: Option<Expr>,
     /// `:for-new`: one instance for each new combination of these variables.
     pub for_new: Vec<Symbol>,
-    /// `:missed-messages drop`: messages that come while the step is busy are not answered.
+    /// `:missed-messages drop`: messages that arrive while the step is busy are not answered.
     pub drop_missed: bool,
 }
 
 /// A primitive: the template of a command to the controlled system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Primitive {
-    /// The class of goals it serves.
+    /// The class of goals that it serves.
     pub index: Pattern,
     /// Resources that its task needs.
     pub profile: Vec<ResourceNeed>,

@@ -1,12 +1,12 @@
 //! Quantities: a number with its dimension (`pdl.md`, Text, + quantities).
 //!
-//! Stored in SI; the unit the author wrote is kept for printing only. Pure time is [`crate::time::Duration`]
-//! and a dimensionless number is a plain real: neither is ever a `Quantity`.
+//! Stored in SI; the unit that the author wrote is kept for printing only. Pure time is [`crate::time::Duration`] and a dimensionless
+//! number is a plain real: neither is ever a `Quantity`.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Exponents of the base dimensions. Angle counts as a dimension so that degrees cannot pass for a number.
+/// Exponents of the base dimensions. Angle counts as a dimension, so that degrees differ from plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Dimension {
     /// Exponent of length (m).
@@ -79,7 +79,7 @@ impl Dimension {
 }
 
 impl fmt::Display for Dimension {
-    /// Returns a word where there is one (`length`, `speed`), else SI base units (`m^2 kg s^-3`).
+    /// Writes a word if there is one (`length`, `speed`), otherwise SI base units (`m^2 kg s^-3`).
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = [
             (Dimension::NONE, "a pure number"),
@@ -239,7 +239,7 @@ impl Quantity {
 }
 
 impl PartialEq for Quantity {
-    /// Compares value and dimension; the unit for printing does not count.
+    /// Compares value and dimension; the printing unit does not count.
     fn eq(&self, other: &Quantity) -> bool {
         self.dimension == other.dimension && self.si.to_bits() == other.si.to_bits()
     }

@@ -17,7 +17,7 @@ pub struct Place {
 /// One source text of a library, kept so that messages and the flight record can show it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SourceFile {
-    /// The name to print: a path as the user gave it, or `<plan 3>` for a generated procedure.
+    /// The name to print: a path as the user wrote it, or `<plan 3>` for a generated procedure.
     pub name: Arc<str>,
     /// The whole text.
     pub text: Arc<str>,

@@ -20,7 +20,7 @@ struct SymbolText {
     prefix: u64,
 }
 
-/// Returns the first eight bytes of `text`, the first one greatest; zeros behind a shorter text.
+/// Returns the first eight bytes of `text` as a number, the first byte most significant; a shorter text is padded with zeros.
 fn prefix(text: &str) -> u64 {
     let mut bytes = [0; 8];
     bytes.iter_mut().zip(text.bytes()).for_each(|(place, byte)| *place = byte);
@@ -41,7 +41,7 @@ impl Symbol {
         &self.0.folded
     }
 
-    /// Returns the text as its author wrote it.
+    /// Returns the text as written by its author.
     pub fn printed(&self) -> &str {
         self.0.printed.as_deref().unwrap_or(&self.0.folded)
     }

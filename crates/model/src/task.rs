@@ -59,22 +59,22 @@ impl fmt::Display for TaskState {
 pub enum Outcome {
     /// As intended, with its value.
     Success(Value),
-    /// Not; the decision's cause says why.
+    /// Without success; the decision's cause states the reason.
     Failure,
     /// Its parent ended first, or another task terminated it.
     Cut,
-    /// Not begun: its `skip-when` or `exit-when` held before, or what it waits for can no longer come.
+    /// It did not begin: its `skip-when` or `exit-when` held before, or what it waits for can no longer occur.
     Skipped,
-    /// Its `exit-when` held while it was at work.
+    /// Its `exit-when` held while it was ongoing.
     Exited,
-    /// A failure: its `precondition` did not hold as it was to begin.
+    /// A failure: its `precondition` did not hold when it was to begin.
     PreconditionFailed,
-    /// A failure: its `invariant` did not hold while it was at work.
+    /// A failure: its `invariant` did not hold while it was ongoing.
     InvariantViolated,
 }
 
 impl Outcome {
-    /// Returns true for each kind of failure: its parent fails unless something handles it.
+    /// Returns true for each kind of failure: its parent fails unless a clause handles it.
     pub fn is_failure(&self) -> bool {
         matches!(self, Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated)
     }
@@ -119,9 +119,9 @@ impl Outcome {
     }
 }
 
-/// Words for how a task ended for good, as conditions name them: `(failed ?s)`, `(state ?s = failed)`.
+/// Words for the final outcome of a task in conditions: `(failed ?s)`, `(state ?s = failed)`.
 pub const OUTCOME_STATES: &[&str] =
     &["succeeded", "failed", "cut", "skipped", "exited", "precondition-failed", "invariant-violated"];
 
-/// Those of [`OUTCOME_STATES`] that only a failure has.
+/// The words of [`OUTCOME_STATES`] that only a failure has.
 pub const FAILURE_STATES: &[&str] = &["failed", "precondition-failed", "invariant-violated"];

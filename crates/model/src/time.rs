@@ -1,6 +1,6 @@
 //! Time as a value.
 //!
-//! Signed 64-bit nanoseconds of mission time everywhere; stamps of other clocks are mapped to it where they arrive.
+//! Signed 64-bit nanoseconds of mission time everywhere; time stamps of other clocks are converted where they arrive.
 //! PDL: durations and time points (`pdl.md`, Text). Paper: section III, histories.
 
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Values: what variables are bound to, messages carry, histories hold and expressions yield.
+//! Values of variables, messages, histories and expressions.
 //!
 //! `nil` and the empty list are one value and mean false; `t` is the symbol for true; every other value counts as true.
 //! A location is a list `(latitude_deg longitude_deg [altitude_m])` of plain reals on WGS84.
@@ -82,7 +82,7 @@ impl Value {
         if truth { Value::symbol("t") } else { Value::nil() }
     }
 
-    /// Returns a number of SI units: a real when dimensionless, a duration when time, else a quantity.
+    /// Returns a number in SI units: a real if dimensionless, a duration if it is a time, otherwise a quantity.
     pub fn measured(si: f64, dimension: Dimension) -> Value {
         match dimension {
             Dimension::NONE => Value::Real(si),
@@ -104,7 +104,7 @@ impl Value {
         }
     }
 
-    /// Returns the symbol, if this is one.
+    /// Returns the symbol; `None` for other values.
     pub fn as_symbol(&self) -> Option<&Symbol> {
         match self {
             Value::Symbol(symbol) => Some(symbol),
@@ -210,7 +210,7 @@ impl PartialOrd for Value {
     }
 }
 
-/// Structural equality (bit-equal reals), so that snapshots compare whole; not PDL's `=` (see [`Value::equals`]).
+/// Structural equality (bit-equal reals), for the comparison of snapshots; it differs from PDL's `=` (see [`Value::equals`]).
 impl PartialEq for Value {
     fn eq(&self, other: &Value) -> bool {
         self.cmp(other) == Ordering::Equal
@@ -243,7 +243,7 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// Writes PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
+    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),

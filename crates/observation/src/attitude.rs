@@ -82,9 +82,8 @@ impl Attitude {
         }
     }
 
-    /// Returns the attitude at `fraction` (0 here, 1 at `to`) on the shortest turn. For the small differences between successive
-    /// samples the angles are interpolated one by one; it differs from the turn about one axis by the product of the
-    /// differences.
+    /// Returns the attitude at `fraction` (0 here, 1 at `to`) on the shortest turn. For the small differences between successive samples
+    /// the angles are interpolated separately; the error against a turn about one axis is the product of the differences.
     pub fn interpolate(&self, to: &Attitude, fraction: f64) -> Attitude {
         let between = |a: f64, b: f64| a + fraction * wrap_180(b - a);
         Attitude {

@@ -1,8 +1,8 @@
-//! Clarity s: what motion, turbulence, cloud and glint leave of a look.
+//! Clarity s: the part of a look that motion, turbulence, cloud and glint leave usable.
 //!
-//! Per line `q = roll x rates x line gaps x cloud x glint x ready`, each 0..1. As flown the weights come from recorded
-//! attitude; as predicted, the share of valid lines comes from the turbulence: `sigma_phi = K EDR`. Turbulence enters only
-//! through what it does to the attitude, so that it is not counted twice.
+//! For each line `q = roll x rates x line gaps x cloud x glint x ready`, each 0..1. As flown the weights come from recorded attitude; as
+//! predicted, the share of valid lines comes from the turbulence: `sigma_phi = K EDR`. Turbulence acts only through the attitude, so that
+//! it is not counted twice.
 //!
 //! Sources: MIL-F-8785C, roll gust spectrum of the Dryden model; S. Rice, "Mathematical analysis of random noise" (1945),
 //! rate of level crossings.
@@ -41,9 +41,9 @@ impl AttitudeHold {
     }
 }
 
-/// K in degrees per unit of EDR of a fixed wing at true airspeed `airspeed_mps`, from the roll gust spectrum at low frequency,
-/// a first-order roll response with `roll_damping_s` and an attitude hold:
-/// `K = (1/tau) sqrt((0.8/0.7987) (pi/(4 b))^(1/3) / V * pi/(4 zeta omega_n^3))`.
+/// Returns K in degrees per unit of EDR of a fixed wing at true airspeed `airspeed_mps`, from the roll gust spectrum at low frequency, a
+/// first-order roll response with `roll_damping_s` and an attitude hold: `K = (1/tau) sqrt((0.8/0.7987) (pi/(4 b))^(1/3) / V * pi/(4 zeta
+/// omega_n^3))`.
 pub fn roll_deg_per_edr(
     airspeed_mps: f64,
     span_m: f64,
@@ -61,7 +61,7 @@ pub fn edr_of_gusts(sigma_mps: f64, scale_m: f64) -> f64 {
     0.894 * sigma_mps / libm::cbrt(scale_m)
 }
 
-/// Returns the share of time within a limit, for a normal variable with mean 0; with a ramp, its mean worth. 1 without variation.
+/// Returns the share of time within a limit for a normal variable with mean 0; with a ramp, its mean weight. 1 without variation.
 fn expected_ramp(sigma: f64, full: f64, zero: f64) -> f64 {
     if sigma.is_nan() || sigma <= 0.0 {
         return if sigma.is_nan() { 0.0 } else { 1.0 };
@@ -75,12 +75,12 @@ fn expected_ramp(sigma: f64, full: f64, zero: f64) -> f64 {
     (libm::erf(a) + fall / (zero - full)).clamp(0.0, 1.0)
 }
 
-/// s_t: mean worth of a line at a standard deviation of the roll angle; without a ramp the share of time within the limit.
+/// Returns s_t: the mean weight of a line at a standard deviation of the roll angle; without a ramp the share of time within the limit.
 pub fn share_within(roll_sigma_deg: f64, limits: &RollLimits) -> f64 {
     expected_ramp(roll_sigma_deg, limits.valid_deg, limits.zero_deg.unwrap_or(limits.valid_deg))
 }
 
-/// Returns the mean worth of a line at a standard deviation of the shift between lines, in pixels.
+/// Returns the mean weight of a line at a standard deviation of the shift between lines, in pixels.
 pub fn expected_rate_weight(shift_sigma_pixels: f64, limits: &RateLimits) -> f64 {
     expected_ramp(shift_sigma_pixels, limits.full_pixels, limits.zero_pixels)
 }
@@ -92,7 +92,7 @@ pub struct Excursions {
     pub share: f64,
     /// Excursions per second.
     pub rate_hz: f64,
-    /// Mean length of one; 0 where there are none.
+    /// Mean duration of an event; 0 if there are none.
     pub mean_s: f64,
 }
 
@@ -148,7 +148,7 @@ pub fn clear_probability(clear_share: f64, tangent_look_angle: f64) -> f64 {
     }
 }
 
-/// Weight of what older records do not hold.
+/// Weight of properties that older records do not contain.
 fn fully() -> f64 {
     1.0
 }
@@ -177,7 +177,7 @@ pub struct ClarityWeights {
 }
 
 impl ClarityWeights {
-    /// Nothing degrades the look.
+    /// Weights of a look that nothing degrades.
     pub const CLEAR: ClarityWeights = ClarityWeights {
         roll: 1.0,
         rates: 1.0,

@@ -1,8 +1,8 @@
-//! Flown observations: a fold over the recorded samples of a flight.
+//! Flown observations: computed from the recorded samples of a flight.
 //!
-//! Samples, switches of the sensor, pictures and received products come in order of time. Ground between two samples is seen
-//! while the sensor is on and the samples are close in time; a gap in the record is not seen. Only samples near a target
-//! are rasterised. Bound: O(targets) per sample, O(cells of the swath) where a target is near.
+//! Samples, switches of the sensor, pictures and received products are passed in order of time. Ground between two samples counts as seen
+//! while the sensor is on and the samples are close in time; a gap in the record is not seen. Only samples near a target are rasterised.
+//! Bound: O(targets) per sample, O(cells of the swath) near a target.
 
 mod ground;
 
@@ -22,7 +22,7 @@ use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A target that is not seen for this long, while the sensor is on, begins a new pass when it is seen again.
+/// Time for which a target must not be seen, while the sensor is on, before the next sighting begins a new pass.
 pub const PASS_GAP_S: f64 = 60.0;
 /// Roll that changes by more than this between two samples is interpolated.
 const ROLL_STEP_DEG: f64 = 0.5;
@@ -38,7 +38,7 @@ pub struct FlownSettings {
     pub zero_unix_s: f64,
     /// Resolution of the grids.
     pub grid: GridSettings,
-    /// Samples farther apart are a gap: the ground between them is not seen.
+    /// Greatest time between samples; the ground of longer gaps is not seen.
     pub sample_gap_s_max: f64,
 }
 
@@ -101,7 +101,7 @@ pub struct FlightSample {
     pub attitude: Option<Attitude>,
     /// Ground speed.
     pub ground_speed_mps: f64,
-    /// Share of the line of sight straight down that is free of cloud, 0 or 1 in simulation; none if it is not known.
+    /// Share of the vertical line of sight that is free of cloud, 0 or 1 in simulation; `None` if it is unknown.
     pub clear_share: Option<f64>,
 }
 
@@ -118,7 +118,7 @@ pub struct Picture {
     pub vertical_field_deg: f64,
     /// Angle of one pixel.
     pub pixel_mrad: f64,
-    /// True if the mount keeps tilt to the horizon and pan to the heading, whatever the body does.
+    /// True if the mount holds tilt relative to the horizon and pan relative to the heading, whatever the body does.
     pub is_stabilised: bool,
     /// Weights of clarity by motion, readiness and light.
     pub weights: ClarityWeights,
@@ -140,7 +140,7 @@ impl Picture {
     }
 }
 
-/// A target with its grid and what has been seen of it.
+/// A target with its grid and its looks so far.
 #[derive(Clone, Debug)]
 struct TargetObservations {
     target: ObservedTarget,
@@ -161,10 +161,10 @@ pub struct FlownObservation {
 }
 
 impl FlownObservation {
-    /// Returns an accumulation of nothing yet. `ground` gives the elevations of the targets.
+    /// Returns an accumulation without observations. `ground` contains the elevations of the targets.
     ///
     /// # Errors
-    /// [`ObservationError`] if an area is not usable, a target wants too many looks, or two have the same name.
+    /// [`ObservationError`] if an area is invalid, a target has too many wanted looks, or two have the same name.
     pub fn new(
         targets: Vec<ObservedTarget>,
         settings: FlownSettings,
@@ -218,7 +218,7 @@ impl FlownObservation {
         }
     }
 
-    /// A picture is taken; the scanner's state does not matter.
+    /// Adds a picture; the scanner's state does not matter.
     pub fn picture(&mut self, picture: &Picture, ground: &dyn Ground) {
         let lowest_m = ground.elevation_range_m().0;
         let height_m = (picture.sample.altitude_m - lowest_m).max(0.0);
@@ -244,14 +244,14 @@ impl FlownObservation {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
     }
 
-    /// Returns the elevation of the target whose middle is nearest to a position; 0 without targets.
+    /// Returns the elevation of the target whose centre is nearest to a position; 0 without targets.
     pub fn elevation_m_near(&self, position: Position) -> f64 {
         let distance_m = |watched: &TargetObservations| geodesy::distance_m(watched.grid.plane().centre(), position);
         let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         nearest.map_or(0.0, |watched| watched.target.elevation_m)
     }
 
-    /// Instants at which a target was seen clearly and with pixels that are worth something to one of its wanted looks.
+    /// Returns the instants at which a target was seen clearly and with pixels that have a value for one of its wanted looks.
     pub fn valid_looks_s(&self, name: &str) -> Vec<f64> {
         let Some(watched) = self.watched.iter().find(|watched| watched.target.name == name) else { return Vec::new() };
         let wanted = &watched.target.looks;
@@ -273,14 +273,14 @@ impl FlownObservation {
         self.watched.iter().filter_map(seen).collect()
     }
 
-    /// Returns the results of all targets, in their order, from what has been seen so far.
+    /// Returns the results of all targets, in their order, from the observations so far.
     pub fn results(&self) -> Vec<TargetResult> {
         let first_valid_s = self.first_valid_s();
         self.watched.iter().map(|watched| self.assessed(watched, &first_valid_s, true)).collect()
     }
 
-    /// Returns the result of one target without the causes of its losses; `None` for an unknown name, and for a target of which nothing has
-    /// been seen. Bound: O(looks of the target).
+    /// Returns the result of one target without the causes of its losses; `None` for an unknown name, and for a target that has not been
+    /// seen. Bound: O(looks of the target).
     pub fn result(&self, name: &str) -> Option<TargetResult> {
         let seen = |watched: &&TargetObservations| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
         let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
@@ -422,7 +422,8 @@ impl TargetObservations {
     }
 }
 
-/// Pieces into which the strip between two samples is cut, so that a limit of roll is met where it is crossed.
+/// Returns the number of pieces into which the strip between two samples is divided, so that a limit of roll is applied where it is
+/// crossed.
 fn pieces(from: &FlightSample, to: &FlightSample) -> usize {
     let (Some(first), Some(last)) = (from.attitude, to.attitude) else { return 1 };
     if (last.roll_deg - first.roll_deg).abs() <= ROLL_STEP_DEG {
@@ -431,7 +432,7 @@ fn pieces(from: &FlightSample, to: &FlightSample) -> usize {
     libm::ceil((to.time_s - from.time_s) / INTERPOLATION_S).clamp(1.0, PIECES_MAX) as usize
 }
 
-/// Returns the vehicle between two samples; they are at most a sample gap apart, so that the way between them is straight.
+/// Returns the vehicle between two samples; the path between them is straight, because they are at most a sample gap apart.
 fn between(from: &FlightSample, to: &FlightSample, share: f64) -> FlightSample {
     let mix = |a: f64, b: f64| a + share * (b - a);
     let turn_deg = geodesy::wrap_180(to.position.longitude_deg - from.position.longitude_deg);

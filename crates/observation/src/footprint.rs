@@ -1,8 +1,8 @@
 //! Intersection of sight lines with the ground: pixels, edges of scan lines, footprints of pictures, on flat ground and terrain.
 //!
-//! Flat ground is intersected directly. On terrain the ray is marched from the height of the highest ground in steps of a
-//! terrain cell and the crossing is bisected to less than 1 m. Lines of sight farther off the vertical than a limit are
-//! cut, so that no footprint becomes infinite. Bound: [`MARCH_STEPS_MAX`] steps per ray.
+//! Flat ground is intersected directly. On terrain the ray is marched from the height of the highest ground in steps of a terrain cell,
+//! and the crossing is bisected to less than 1 m. Lines of sight beyond an angle off the vertical are cut, so that no footprint becomes
+//! infinite. Bound: [`MARCH_STEPS_MAX`] steps per ray.
 
 use crate::attitude::{Attitude, Vector};
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
@@ -18,7 +18,7 @@ const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316e-3;
 
 /// The ground below a flight.
 pub trait Ground {
-    /// Returns the elevation above mean sea level; `None` if it is not known.
+    /// Returns the elevation above mean sea level; `None` if it is unknown.
     fn elevation_m_at(&self, position: Position) -> Option<f64>;
     /// Returns the least and greatest elevation anywhere; equal for flat ground.
     fn elevation_range_m(&self) -> (f64, f64);
@@ -91,14 +91,14 @@ pub fn offset_position(from: Position, north_m: f64, east_m: f64) -> Position {
     }
 }
 
-/// Returns the point at which a ray (north, east, down) from a vehicle meets level ground `height_m` below it; `None` if the ray
-/// does not go down.
+/// Returns the point at which a ray (north, east, down) from a vehicle meets level ground `height_m` below it; `None` if the ray does not
+/// descend.
 pub fn hit_flat(ray: Vector, height_m: f64) -> Option<GroundHit> {
     (ray.z > 0.0 && height_m > 0.0).then(|| GroundHit::along(ray, height_m))
 }
 
 /// Returns the point at which a ray (north, east, down) from `position` at `altitude_m` first meets the ground. `fallback_m` is the
-/// elevation where the terrain is not known. None if the ray does not come down within the limits of the march.
+/// elevation where the terrain is unknown. `None` if the ray does not reach the ground within the limits of the march.
 pub fn hit_terrain(
     ray: Vector,
     position: Position,

@@ -1,7 +1,7 @@
-//! One model of observing: what a sensor on a moving vehicle sees of the wanted ground, how well, and what it is worth.
+//! One model of observation: which wanted ground a sensor on a moving vehicle sees, how well, and the value of that.
 //!
-//! No state of the flight, no clock, no file, no randomness; trigonometry goes through `libm`. Planned lines and recorded
-//! flights go through the same accumulation and the same score; only the source of the samples differs.
+//! The crate uses no state of the flight, clock, file or randomness; trigonometry is that of `libm`. Planned lines and recorded flights
+//! use the same accumulation and the same score; only the source of the samples differs.
 
 pub mod assess;
 pub mod attitude;

@@ -1,8 +1,8 @@
-//! Looks that a target receives: passes, each with the cells that it saw and their geometry.
+//! Looks that a target receives: passes, each with its seen cells and their geometry.
 //!
-//! Only what is measured is kept: geometry, time and weights of clarity. What a look is worth to a wanted look is computed
-//! later (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, and one more
-//! for each look of the same pass that is better in one respect and worse in another.
+//! Only measured properties are kept: geometry, time and weights of clarity. The value of a look for a wanted look is computed later
+//! (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, plus one for each look of the same
+//! pass that is better in one respect and worse in another.
 
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
@@ -25,7 +25,7 @@ pub struct StripFacts {
     pub weights: ClarityWeights,
     /// True as flown: the weights are measured. False as predicted: roll and cloud are probabilities.
     pub is_flown: bool,
-    /// Instant at which the image of the strip is on the ground, if it is known with the strip.
+    /// Instant at which the image of the strip is on the ground, if the strip itself determines it.
     pub on_ground_s: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ pub struct SeenGround<'a> {
     pub foot: [Point; 2],
     /// Altitude of the vehicle at the beginning and at the end.
     pub altitude_m: [f64; 2],
-    /// First scan line, left and right end; a picture has none.
+    /// Left and right end of the first scan line; `None` for a picture.
     pub first_line: Option<[Point; 2]>,
     /// Left end of the last scan line.
     pub last_left: Point,
@@ -118,7 +118,7 @@ pub struct TargetLooks {
 }
 
 impl TargetLooks {
-    /// Begins a pass; the one before it is complete.
+    /// Begins a pass; the preceding one is complete.
     pub fn begin_pass(&mut self, grid: &TargetGrid) {
         self.cells = grid.len();
         self.last.clear();
@@ -126,7 +126,7 @@ impl TargetLooks {
         self.passes.push(TargetPass::default());
     }
 
-    /// Drops what only the recording of a pass needs. More strips need [`TargetLooks::begin_pass`] first.
+    /// Drops data that only the recording of a pass needs. Further strips need [`TargetLooks::begin_pass`] first.
     pub fn end_pass(&mut self) {
         self.last = Vec::new();
     }
@@ -141,8 +141,8 @@ impl TargetLooks {
         !self.last.is_empty()
     }
 
-    /// Adds the ground seen in a strip or a picture to the last pass. Returns true if any cell was seen. `terrain` is asked
-    /// for higher ground that hides cells; none: nothing hides.
+    /// Adds the ground of a strip or a picture to the last pass. Returns true if any cell was seen. `terrain` is checked for higher
+    /// ground that hides cells; `None`: no ground hides cells.
     pub fn add(
         &mut self,
         grid: &TargetGrid,
@@ -238,8 +238,8 @@ impl TargetLooks {
     }
 }
 
-/// Adds a look of the pass, unless a look of the same cell is at least as good in every respect; drops the one before it
-/// if the new one is.
+/// Adds a look of the pass, unless another look of the same cell is at least as good in every respect; removes an earlier one if the new
+/// look is at least as good.
 fn keep(strips: &[StripFacts], facts: StripFacts, looks: &mut Vec<CellLook>, last: &mut [u32], look: CellLook) {
     let Some(latest) = last.get_mut(look.cell as usize) else { return };
     let Some(earlier) = looks.get_mut(*latest as usize) else {
@@ -270,7 +270,7 @@ fn hides(grid: &TargetGrid, cell: usize, middle: Point, offset: Point, altitude_
     footprint::is_occluded(position, grid.elevation_m(cell), -north_m, -east_m, altitude_m, ground)
 }
 
-/// Returns the weight of glint of a cell so far east and north of the vehicle.
+/// Returns the glint weight of a cell at this offset east and north of the vehicle.
 fn glint((east_m, north_m): (f64, f64), height_m: f64, (azimuth_deg, zenith_deg): (f64, f64)) -> f64 {
     use crate::timing::sun::{glint_angle_deg, glint_weight};
     use apex_geo::geodesy::RAD_PER_DEG;

@@ -92,8 +92,8 @@ pub fn add_picture(
     looks.add(grid, &seen, facts, terrain)
 }
 
-/// Returns the result of a target after planned pictures. Those of one pass are one chance, as pictures of one line are; separate
-/// passes are separate chances.
+/// Returns the result of a target after planned pictures. Pictures of one pass succeed or fail together, like those of one line; separate
+/// passes are independent.
 pub fn predict_pictures(
     target: &ObservedTarget,
     grid: &TargetGrid,

@@ -1,9 +1,9 @@
-//! A local plane that keeps areas: the sinusoidal projection of the ellipsoid around a centre, turned.
+//! A local equal-area plane: the sinusoidal projection of the ellipsoid around a centre, rotated.
 //!
-//! North is the length of the meridian from the centre's latitude, east the length along the parallel from the centre's
-//! meridian. Areas are exact; directions shear by the convergence of meridians, 0.4 degrees at 50 km in middle latitudes.
-//! The axes are turned by an angle of irrational slope: a grid along them has no row along a track that is flown east to
-//! west or north to south, so that the edge of a swath does not fall on one side of a whole row of cells at once.
+//! North is the length of the meridian from the centre's latitude, east the length along the parallel from the centre's meridian. Areas
+//! are exact; directions are sheared by the convergence of meridians, 0.4 degrees at 50 km in middle latitudes. The axes are rotated by
+//! an angle of irrational slope: no row of a grid is parallel to a track flown east to west or north to south, so that the edge of a
+//! swath never crosses a whole row of cell centres at once.
 
 use apex_geo::geodesy::{Position, RAD_PER_DEG, wrap_180};
 pub use apex_geo::plane::Point;
@@ -12,7 +12,7 @@ const EQUATOR_RADIUS_M: f64 = 6_378_137.0;
 /// Square of the first eccentricity of WGS84.
 const E2: f64 = 6.694_379_990_141_316e-3;
 
-/// Sine and cosine of the turn: its slope is 1 / golden ratio squared, which spreads the rows most evenly.
+/// Sine of the rotation: its slope is 1 / golden ratio squared, which spreads the rows most evenly.
 const TURN_SINE: f64 = 0.356_822_089_773_090;
 const TURN_COSINE: f64 = 0.934_172_358_962_715_7;
 
@@ -34,7 +34,7 @@ impl EqualAreaPlane {
         self.centre
     }
 
-    /// Returns the point so far east and north of the centre.
+    /// Returns the point at this distance east and north of the centre.
     pub fn point(&self, east_m: f64, north_m: f64) -> Point {
         Point { x: TURN_COSINE * east_m + TURN_SINE * north_m, y: TURN_COSINE * north_m - TURN_SINE * east_m }
     }
@@ -73,7 +73,7 @@ impl EqualAreaPlane {
         }
     }
 
-    /// Returns the positions of points with the same y, interpolated between the first and the last: within 25 m on 50 km.
+    /// Returns the positions of points with the same y, interpolated between the first and the last: exact within 25 m over 50 km.
     pub fn row_positions(&self, y: f64, x: &[f64]) -> impl Iterator<Item = Position> {
         let (first, last) = (x.first().copied().unwrap_or(0.0), x.last().copied().unwrap_or(0.0));
         let (from, to) = (self.position(Point { x: first, y }), self.position(Point { x: last, y }));

@@ -1,7 +1,7 @@
-//! Prediction: what planned lines will see, with the air that is forecast.
+//! Prediction: the looks of planned lines in the forecast air.
 //!
-//! A planned line is cut into pieces of level flight; each goes the way of recorded samples (`strip`). The share of valid
-//! lines comes from the turbulence and the attitude hold, cloud from the forecast cover.
+//! A planned line is divided into pieces of level flight, which are processed like recorded samples (`strip`). The share of valid lines
+//! follows from the turbulence and the attitude hold, cloud from the forecast cover.
 //! Bound: O(length / [`PIECE_M`]) pieces per line and O(cells seen).
 
 use crate::assess::{AssessContext, Product, assess};
@@ -17,7 +17,7 @@ use crate::timing::sun::solar_position;
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use std::collections::BTreeMap;
 
-/// Length of a piece of a planned line: weather changes little within it, and the geodesic is straight.
+/// Length of a piece of a planned line: within it weather changes little and the geodesic is practically straight.
 pub const PIECE_M: f64 = 4_000.0;
 /// Pieces of one line.
 pub const PIECES_MAX: usize = 500;
@@ -27,7 +27,7 @@ pub const PIECES_MAX: usize = 500;
 pub struct PlannedLine {
     /// Point at which the sensor is switched on.
     pub from: Position,
-    /// Point at which it is switched off.
+    /// Point at which the scanner is switched off.
     pub to: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,
@@ -97,7 +97,7 @@ pub struct PredictionContext<'a> {
     pub ground: &'a dyn Ground,
     /// Forecast.
     pub conditions: &'a dyn Conditions,
-    /// Earlier looks that the target received, on the same grid; `None`: no look.
+    /// Earlier looks of the target, on the same grid; `None` without looks.
     pub seen: Option<&'a TargetLooks>,
     /// Images of earlier looks received on the ground.
     pub products: &'a [Product],
@@ -107,7 +107,7 @@ pub struct PredictionContext<'a> {
     pub is_explained: bool,
 }
 
-/// The result of a target after the planned lines, together with what has been seen before.
+/// Returns the result of a target after the planned lines, together with earlier looks.
 pub fn predict(
     target: &ObservedTarget,
     grid: &TargetGrid,
@@ -130,8 +130,8 @@ pub fn predict(
 
 /// Returns the gain of flying a segment again: the points with the planned lines less the points without them.
 ///
-/// Each planned look adds `P(valid) max(0, q_new - q_best)` to its cell. Where the cause of a loss persists, the present
-/// conditions make P(valid) small, and so the gain.
+/// Each planned look adds `P(valid) max(0, q_new - q_best)` to its cell. If the cause of a loss persists, the present conditions make
+/// P(valid) small, and so the gain.
 pub fn gain_points(
     target: &ObservedTarget,
     grid: &TargetGrid,
@@ -144,13 +144,13 @@ pub fn gain_points(
     with.points() - without.points()
 }
 
-/// Returns true if flying again is worth it: its gain exceeds what its time displaces. `points_per_s` is the benefit per second of
-/// what is displaced, best the difference of the values of two plans; 0 where there is slack.
+/// Returns true if flying again is worthwhile: its gain exceeds the value displaced by its time. `points_per_s` is the displaced benefit
+/// per second, best computed from the values of two plans; 0 if there is slack.
 pub fn is_worth_flying_again(gain_points: f64, points_per_s: f64, flight_s: f64) -> bool {
     gain_points > points_per_s * flight_s
 }
 
-/// Returns the looks that planned lines will give, one pass per line.
+/// Returns the looks of planned lines, one pass per line.
 pub fn planned_looks(
     target: &ObservedTarget,
     grid: &TargetGrid,

@@ -1,4 +1,4 @@
-//! Resolution r: pixel size against the wanted size, times the factor of the look angle.
+//! Resolution r: pixel size relative to the wanted size, times the factor of the look angle.
 
 use crate::sensor::scanner::ramp_down;
 use crate::target::{LookAngles, PixelMeasure, ResolutionNeed};

@@ -1,10 +1,10 @@
-//! Results: the factors of each wanted look, its points, and what the lost points are lost to.
+//! Results: the factors of each wanted look, its points, and the causes of lost points.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// The four factors of a look. They are chained: each is a mean weighted by the factors before it, so that their product
-/// is the mean worth of the wanted cells.
+/// The four factors of a look. They are chained: each is a mean weighted by the preceding factors, so that their product is the mean
+/// value of the wanted cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Factors {
@@ -31,7 +31,7 @@ impl Factors {
 pub enum LossCause {
     /// Wanted ground that no look sees (outside every swath, occluded, beyond the horizon limit, gap in the record).
     NotSeen,
-    /// The attitude is not in the record, so that clarity is not known.
+    /// The attitude is not recorded, so that clarity is unknown.
     AttitudeNotRecorded,
     /// The wings were not level.
     Roll,
@@ -59,11 +59,11 @@ pub enum LossCause {
     ValueFallen,
     /// The wanted light was missing.
     NoLight,
-    /// No pass of a wanted satellite near in time.
+    /// No pass of a required satellite is near in time.
     NoOverpass,
     /// The image was late on the ground or never arrived.
     LateOnGround,
-    /// A target that comes first had not been seen.
+    /// A target that must be seen before had not been seen.
     Order,
     /// Too soon or too late after the previous look.
     Interval,
@@ -135,13 +135,13 @@ pub struct Loss {
 pub enum Remark {
     /// The record has no attitude: clarity counts as 0.
     AttitudeNotRecorded,
-    /// Nothing is known of cloud: it counts as clear.
+    /// Cloud is unknown: it counts as clear.
     CloudNotKnown,
-    /// No terrain is known at the target: the target's mean elevation is used.
+    /// The terrain at the target is unknown: the target's mean elevation is used.
     TerrainNotKnown,
     /// The scan rates of the sensor are not known: the V/H limit is not applied.
     ScanRateNotKnown,
-    /// No time of arrival on the ground is known for some looks: they count as never arrived.
+    /// The time of arrival on the ground is unknown for some looks: they count as never arrived.
     ArrivalNotKnown,
 }
 
@@ -157,7 +157,7 @@ pub struct SeenFigures {
     pub first_s: Option<f64>,
     /// Last instant of a look that counts.
     pub last_s: Option<f64>,
-    /// First instant of a look that is worth something before timing (a valid look).
+    /// First instant of a look that has a value before timing (a valid look).
     pub first_valid_s: Option<f64>,
     /// Mean pixel size in the worst direction of the looks that count.
     pub pixel_m_mean: Option<f64>,

@@ -76,8 +76,8 @@ pub struct MissionScore {
     pub total: f64,
 }
 
-/// Returns the score of results and costs. `money_per_point` converts costs into points and must be positive; it is 1 where the
-/// mission counts values in money.
+/// Returns the score of results and costs. `money_per_point` converts costs into points and must be positive; it is 1 if the mission
+/// states values in money.
 pub fn mission_score(results: &[TargetResult], costs: &[CostRow], money_per_point: f64) -> MissionScore {
     let scored = |name: String, money: f64| ScoredCost { name, money, points: money / money_per_point };
     let mut rows: Vec<ScoredCost> = costs.iter().map(|row| scored(row.name.clone(), row.term.money())).collect();

@@ -1,6 +1,6 @@
 //! Strips: the ground that a scanner sees between two instants, and its weights of clarity.
 //!
-//! Planned lines and recorded samples come here as the same values, so that both are accumulated by the same code.
+//! Planned lines and recorded samples are converted to the same values, so that both are accumulated by the same code.
 
 use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
@@ -45,7 +45,7 @@ pub fn scan_line(
     Some(ScanLine { time_s, position, altitude_m, left: there(left), right: there(right), height_m })
 }
 
-/// Adds the ground between two scan lines to what has been seen of a target. Returns true if any cell was seen.
+/// Adds the ground between two scan lines to the seen ground of a target. Returns true if any cell was seen.
 pub fn add_between(
     looks: &mut TargetLooks,
     grid: &TargetGrid,
@@ -72,7 +72,7 @@ pub fn add_between(
     looks.add(grid, &seen, facts, terrain)
 }
 
-/// Returns the ground, where it is steep enough to hide cells from a sensor with this half field of view.
+/// Returns the ground if it is steep enough to hide cells from a sensor with this half field of view.
 pub(crate) fn hiding<'a>(grid: &TargetGrid, ground: &'a dyn Ground, half_field_rad: f64) -> Option<&'a dyn Ground> {
     let flattest_ray = libm::tan((0.5 * std::f64::consts::PI - half_field_rad).max(0.0));
     (grid.slope_max() > flattest_ray).then_some(ground)
@@ -125,7 +125,7 @@ impl ScannerSetting {
         self.scan_rate_hz.or_else(|| self.mode.choose_scan_rate_hz(height_m, ground_speed_mps))
     }
 
-    /// Weights of a flown line at a roll angle, with these rates, height above ground and ground speed. Cloud is not known
+    /// Returns the weights of a flown line at a roll angle, with these rates, height above ground and ground speed. Cloud is unknown
     /// here: `clear_share` is 1.
     pub fn weights(&self, roll_deg: f64, rates: AngularRates, height_m: f64, ground_speed_mps: f64) -> ClarityWeights {
         let mut weights = ClarityWeights {

@@ -4,7 +4,7 @@ use crate::timing::{LatencyNeed, LightNeed, OverpassNeed, ValueSlope, WindowNeed
 use apex_model::problem::Position;
 use serde::{Deserialize, Serialize};
 
-/// Wanted looks of one target.
+/// Maximum number of wanted looks of one target.
 pub const WANTED_LOOKS_MAX: usize = 6;
 
 /// The ground that belongs to a target.
@@ -20,9 +20,9 @@ pub enum TargetArea {
         /// Radius, positive.
         radius_m: f64,
     },
-    /// Everything along a line through these points; at least two.
+    /// The ground along a line through these points; at least two.
     Line(Vec<Position>),
-    /// Everything inside the polygons. They must not overlap each other.
+    /// The ground inside the polygons, which must not overlap.
     Polygons(Vec<Polygon>),
     /// The band along the edges of the polygons.
     Perimeter {
@@ -53,11 +53,11 @@ pub struct ObservedTarget {
     pub name: String,
     /// Ground.
     pub area: TargetArea,
-    /// Elevation of the ground above mean sea level where no terrain is known.
+    /// Elevation of the ground above mean sea level, used where the terrain is unknown.
     pub elevation_m: f64,
     /// True where glint of the sun on water degrades reflective products.
     pub is_water: bool,
-    /// Looks that are wanted; each has its own value. Empty: the target is not wanted and adds nothing.
+    /// Wanted looks, each with its own value. Empty: the target is not wanted and adds nothing.
     pub looks: Vec<WantedLook>,
     /// Targets that must be seen before this one.
     pub after: Vec<OrderNeed>,
@@ -75,7 +75,7 @@ pub struct WantedLook {
     pub resolution: ResolutionNeed,
     /// Wanted share of the area, above 0 to 1: the best cells up to this share count.
     pub coverage_share: f64,
-    /// Wanted look angles off the vertical; none: any.
+    /// Wanted look angles off the vertical; `None` for any.
     pub look_angles: Option<LookAngles>,
     /// Wanted light.
     pub light: LightNeed,
@@ -87,16 +87,16 @@ pub struct WantedLook {
     pub overpass: Option<OverpassNeed>,
     /// Wanted time until the image is on the ground.
     pub latency: Option<LatencyNeed>,
-    /// Wanted time since the previous look that counts, of whatever wanted look of this target.
+    /// Wanted time since the previous look that counts, for any wanted look of this target.
     pub interval: Option<IntervalNeed>,
-    /// Cost of missing this look; none: missing it costs its value only.
+    /// Cost of missing this look; `None` if only its value is lost.
     pub must: Option<MustTerm>,
     /// True if a pass that serves another wanted look may serve this one, too.
     pub may_share: bool,
 }
 
 impl WantedLook {
-    /// Returns a look worth `value` at `wanted_m` per pixel (factor 0 from twice that on), at any time and in any light.
+    /// Returns a look of value `value` at `wanted_m` per pixel (factor 0 from twice that on), at any time and in any light.
     pub fn new(name: &str, value: f64, wanted_m: f64) -> WantedLook {
         WantedLook {
             name: name.to_string(),
@@ -122,7 +122,7 @@ impl WantedLook {
 pub struct ResolutionNeed {
     /// Pixel size on the ground that is good enough; infinite: any.
     pub wanted_m: f64,
-    /// The factor falls linearly to 0 at this multiple of the wanted size; 1: no pixel may be larger.
+    /// Multiple of the wanted size at which the factor reaches 0, falling linearly; 1: no pixel may be larger.
     pub zero_multiple: f64,
     /// Pixel size that counts.
     pub measure: PixelMeasure,
@@ -138,7 +138,7 @@ impl Default for ResolutionNeed {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PixelMeasure {
-    /// The larger one, across the line of sight on the ground.
+    /// The larger pixel size of the two directions on the ground.
     #[default]
     WorstDirection,
     /// The geometric mean of both directions.
@@ -157,8 +157,8 @@ pub struct LookAngles {
     pub ramp_deg: f64,
 }
 
-/// Wanted time between two successive looks of the same cell that count: judged by the need of the later look, or by that of
-/// the earlier one where the later has none. The first look has no previous one and its factor is 1.
+/// Wanted time between two successive looks of the same cell that count: the need of the later look applies or, if it has none, that of
+/// the earlier one. The first look has no predecessor, and its factor is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IntervalNeed {
@@ -174,7 +174,7 @@ pub struct IntervalNeed {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OrderNeed {
-    /// Name of the target that comes first.
+    /// Name of the target that must be seen first.
     pub target: String,
     /// Factor of looks before the first valid look of that target, 0..1.
     pub discount: f64,

@@ -1,4 +1,4 @@
-//! Flights of samples through the accumulation: what an expert would say, gaps, attitude, predicted against flown.
+//! Flights of samples through the accumulation: known results, gaps, attitude, predicted against flown.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
@@ -121,7 +121,7 @@ fn a_look_before_its_predecessor_gets_the_discount() {
         fly(&mut flown, &levelled(), past, (6_000.0, 900.0, 1.0), |_, _| {});
         near(result(&flown, 0).points, 10.0, 1e-6);
         near(result(&flown, 1).points, points, 0.1);
-        // After the predecessor a second look counts in full.
+        // After the target that must come first, a second look counts in full.
         fly(&mut flown, &levelled(), row(4_000.0), (6_000.0, 2_000.0, 1.0), |_, _| {});
         near(result(&flown, 1).points, 99.5, 0.1);
     }

@@ -1,5 +1,5 @@
-//! Pictures against a naive second witness, which casts a ray to the middle of every cell and asks whether the ray is inside the
-//! field of view: no polygon, no clipping, no raster. And against the footprints of observation.md.
+//! Pictures against a naive second witness, which casts a ray to the centre of every cell and tests whether it is inside the field of
+//! view, without polygons, clipping or rasters; and against the footprints of observation.md.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "the witness has its own arithmetic")]
@@ -46,7 +46,7 @@ fn inside(view: &PictureView, north_m: f64, east_m: f64) -> Option<f64> {
     };
     let camera = times(times(body, turn(2, view.angles.pan_deg)), turn(1, view.angles.tilt_deg));
     let ray = [north_m, east_m, view.altitude_m];
-    // The transpose takes north, east, down into the axes of the camera: ahead, right, down in the picture.
+    // The transpose converts north, east, down to the axes of the camera: ahead, right, down in the picture.
     let [ahead, right, down]: [f64; 3] = std::array::from_fn(|axis| (0..3).map(|k| camera[k][axis] * ray[k]).sum());
     let steep = north_m.hypot(east_m) < view.altitude_m * 75.0_f64.to_radians().tan();
     (ahead > 0.0 && steep).then(|| {
@@ -96,7 +96,7 @@ fn facts() -> StripFacts {
 #[test]
 fn a_picture_sees_the_cells_whose_rays_are_inside_its_field_of_view() {
     const PICTURES: u32 = 120;
-    // A cell whose middle is nearer to the edge than this may be on either side: the plane of the grid is not that of the witness.
+    // Distance from the edge below which a cell centre may be on either side, because grid and witness use different planes.
     const EDGE: f64 = 2e-3;
     let (target, grid) = field();
     let mut numbers = Numbers(ChaCha8Rng::seed_from_u64(20));
@@ -194,7 +194,7 @@ fn motion_roll_and_darkness_take_from_a_picture() {
     assert_eq!(weights(ExposureMotion { roll_deg: None, ..motion }).attitude_known, 0.0);
     assert_eq!(weights(ExposureMotion { sun_deg: Some(-1.0), ..motion }).exposed, 0.0);
     assert_eq!(weights(ExposureMotion { sun_deg: None, ..motion }).exposed, 1.0);
-    // A stabilised mount takes the rotation of the body away, a fixed one does not.
+    // A stabilised mount compensates the rotation of the body, a fixed one does not.
     let turning = ExposureMotion { rotation_rad_s: 0.5, ground_speed_mps: 0.0, ..motion };
     assert_eq!(weights(turning).smear, 1.0);
     assert!((camera(false).weights(&turning).smear - 0.5).abs() < 1e-9);

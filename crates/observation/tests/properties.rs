@@ -81,7 +81,7 @@ impl Strip {
         looks.end_pass();
     }
 
-    /// Worth of the strip at a point: clarity and resolution, by another formula. None if it does not see it.
+    /// Returns clarity and resolution of the strip at a point by another formula; `None` if the strip does not see it.
     fn naive(&self, point: Point) -> Option<(f64, f64)> {
         let (along, right) = self.axes();
         let relative = point.minus(Point { x: self.x, y: self.y });
@@ -119,7 +119,7 @@ fn grid(target: &ObservedTarget, cells: usize) -> TargetGrid {
     TargetGrid::new(target, GridSettings { cells, ..GridSettings::default() }).unwrap()
 }
 
-/// Returns the factors by points on a lattice, with the best look of each by its worth, then resolution, then clarity.
+/// Returns the factors by points on a lattice, with the best look of each by value, then resolution, then clarity.
 fn naive(strips: &[Strip]) -> Factors {
     const STEP_M: f64 = 40.0;
     let (mut points, mut seen, mut s, mut sr) = (0.0, 0.0, 0.0, 0.0);

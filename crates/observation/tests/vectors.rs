@@ -177,7 +177,7 @@ fn a_gimbal_points_straight_down_whatever_its_pan() {
     near(pointing.angles.tilt_deg, -90.0, 1e-9);
     let level = Attitude::default().rotation();
     near(Gimbal::sight_error_deg(pointing.angles, &level, line), libm::atan(1.0 / 60.0) / RAD_PER_DEG, 1e-9);
-    // Tilt only: the residual error of a point ahead to the right is what pan would have turned.
+    // Tilt only: the residual error for a point ahead to the right is the angle that pan would have covered.
     let aside = mount.point(Vector::new(60.0, 60.0, 0.0), GimbalAngles::default(), 3.0);
     near(aside.error_deg, 45.0, 1e-9);
     // A point behind needs a tilt beyond straight down, which this mount does not have.

@@ -1,4 +1,4 @@
-//! The worked examples of `docs/reference/observation.md`: the table of that page, and those that are not in it.
+//! The worked examples of `docs/reference/observation.md`: the table of that page, and further ones.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
@@ -168,7 +168,7 @@ fn a_night_look_and_a_day_look_take_their_own_passes() {
     near(results[1].points, 35.3, 0.1);
     near(results[1].factors.coverage, 0.950, 0.001_5);
     near(results[1].factors.timing, 1.0, 1e-12);
-    // Without the day pass the day look is not seen, rather than seen in the wrong light.
+    // Without the day pass the day look is not seen, instead of seen in the wrong light.
     looks.passes.truncate(2);
     let results = assessed(&target, &grid, &looks);
     near(results[0].points, 58.8, 0.05);
@@ -292,7 +292,7 @@ fn climbing_for_clarity_pays_up_to_a_height() {
     assert!(low < middle && middle < high && high > highest, "{low} {middle} {high} {highest}");
     near(highest, 97.9, 0.2);
     near(high, 99.9, 0.2);
-    // One line only: a single chance for each cell.
+    // A single line: one attempt for each cell.
     let one = [planned(size, 4_000.0, (-200.0, 10_200.0), 6_000.0, 0.0)];
     let result = predicted(&target, &grid, &one, AirConditions { edr: 0.45, ..AirConditions::STILL });
     near(result.factors.clarity, 0.495, 0.001);

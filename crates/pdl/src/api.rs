@@ -1,4 +1,4 @@
-//! Small doors into the front end: one value, one condition, the table of codes.
+//! Small entry points of the front end: one value, one condition, the table of codes.
 
 use crate::check::CheckOptions;
 use crate::codes::{self, ErrorCode, TABLE};
@@ -49,14 +49,14 @@ pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
 /// A condition alone, with the messages about it.
 #[derive(Clone, Debug)]
 pub struct ParsedCondition {
-    /// The condition, if it could be understood.
+    /// The condition; `None` if it could not be read.
     pub condition: Option<Condition>,
     /// Messages; their spans are in source 0.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Parses one condition. State variables are undeclared and no step is known, so this is for pieces of text: with
-/// `fragment`, undefined names and a stray `)` do not keep it from being understood.
+/// Parses a single condition. State variables are undeclared and steps unknown, so this is for pieces of text: with `fragment`, undefined
+/// names and a stray `)` are tolerated.
 pub fn parse_condition(text: &str, options: CheckOptions<'_>) -> ParsedCondition {
     let read = read_file(0, text);
     let mut diagnostics = read.diagnostics;

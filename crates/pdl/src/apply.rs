@@ -1,4 +1,4 @@
-//! Applies fixes to texts: whole fixes or nothing of them, never two in one place.
+//! Applies fixes to texts: each fix completely or not at all, and never two at one place.
 
 use crate::fix::{Fix, TextEdit};
 use apex_model::source::SourceFile;
@@ -9,13 +9,12 @@ use std::collections::BTreeMap;
 pub struct Applied {
     /// The new texts by index into the sources; texts that no fix changes are not listed.
     pub texts: BTreeMap<u32, String>,
-    /// Applied fixes, by their number. A fix that overlaps an earlier one is left for
-    /// the next pass.
+    /// Applied fixes, by their index. A fix that overlaps an earlier one is left for the next pass.
     pub made: Vec<usize>,
 }
 
-/// Makes those of `fixes` that do not overlap, the earlier ones first. Edits outside of a text or
-/// inside of a character are refused with their fix.
+/// Applies those of `fixes` that do not overlap, the earlier ones first. A fix with an edit outside of a text or inside a character is
+/// rejected.
 pub fn apply<'f>(sources: &[SourceFile], fixes: impl IntoIterator<Item = &'f Fix>) -> Applied {
     let mut accepted: BTreeMap<u32, Vec<TextEdit>> = BTreeMap::new();
     let mut made = Vec::new();
@@ -59,8 +58,8 @@ fn bounds(edit: &TextEdit) -> std::ops::Range<usize> {
     bound(edit.start)..bound(edit.end)
 }
 
-/// Returns true if one edit ends before the other begins, or just there. Two edits at one start are not apart: the order of their
-/// insertions would be a guess.
+/// Returns true if one edit ends at or before the beginning of the other. Two edits with the same beginning count as overlapping, because
+/// the order of their insertions would be a guess.
 fn apart(one: &TextEdit, other: &TextEdit) -> bool {
     one.start != other.start && (one.end <= other.start || other.end <= one.start)
 }

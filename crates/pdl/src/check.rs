@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// A text to check and the name to print for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SourceText {
-    /// A path as the user gave it, or another name that tells where the text is from.
+    /// A path as given by the user, or another name that describes the source of the text.
     pub name: String,
     /// The text.
     pub text: String,
@@ -43,26 +43,26 @@ pub enum Requirement {
     File {
         /// The name as written.
         name: String,
-        /// The source that asks for it, as named in its [`SourceText`].
+        /// The source that requires it, as named in its [`SourceText`].
         from: String,
     },
 }
 
 /// Options of a check.
 pub struct CheckOptions<'a> {
-    /// The text is a piece of something larger: undefined names and missing libraries are notes, the library is
-    /// produced all the same.
+    /// True if the text is a part of something larger: undefined names and missing libraries become notes, and a library is produced
+    /// nevertheless.
     pub fragment: bool,
     /// Functions of the host program.
     pub host: &'a [HostSignature],
-    /// Reads required texts; the error says in one line why a text cannot be had.
+    /// Returns required texts; the error states in one line why a text cannot be read.
     pub resolve: &'a mut dyn FnMut(Requirement) -> Result<SourceText, String>,
 }
 
 /// Result of a check.
 #[derive(Clone, Debug)]
 pub struct Checked {
-    /// Everything that could be understood. To be flown only if there are no errors.
+    /// Everything that could be read. Usable for a flight only if there are no errors.
     pub library: Library,
     /// Messages in order of place.
     pub diagnostics: Vec<Diagnostic>,
@@ -75,16 +75,17 @@ impl Checked {
     }
 }
 
-/// Texts loaded for one library; a cycle of requirements ends by loading each text once, this ends a growing chain.
+/// Maximum number of texts loaded for one library. Each text is loaded once, which ends a cycle of requirements; this limit ends a
+/// growing chain.
 const SOURCES_MAX: usize = 1_000;
 
-/// Checks `sources` and everything that they require. Never fails: what is wrong is in the diagnostics.
+/// Checks `sources` and everything that they require. It never fails: errors are in the diagnostics.
 pub fn check(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
     check_with(sources, options, true)
 }
 
-/// Checks forms and names as [`check`] does, but not what the finished program is bound to do: steps that can never begin,
-/// loops without end and the like are let through. For programs that are meant to get stuck.
+/// Checks forms and names like [`check`], but not the behaviour of the complete program: steps that can never begin, endless loops and
+/// the like are accepted. For programs that are meant to get stuck.
 pub fn check_forms(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
     check_with(sources, options, false)
 }
@@ -109,9 +110,9 @@ pub(crate) struct Loader {
     flawed: BTreeSet<u32>,
     diagnostics: Vec<Diagnostic>,
     requested: BTreeSet<Requirement>,
-    /// Files that came as libraries, and what these require.
+    /// Files loaded as libraries, and the files that these require.
     foreign: BTreeSet<u32>,
-    /// Something is missing that may define names.
+    /// True if a text is missing that may define names.
     incomplete: bool,
 }
 
@@ -143,14 +144,14 @@ impl Loader {
         }
     }
 
-    /// Reads a text and yields what it requires.
+    /// Reads a text and returns its requirements.
     pub(crate) fn read(&mut self, source: SourceText, is_library: bool, fragment: bool) -> Vec<(Requirement, Span)> {
         let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
         if is_library {
             self.foreign.insert(number);
         }
         let read = read_file(number, &source.text);
-        // Behind a string without end nothing is what it seems.
+        // After a string without end, all later data are unreliable.
         let garbled = read.diagnostics.iter().any(|each| each.code == codes::UNCLOSED_STRING);
         for mut diagnostic in read.diagnostics {
             if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
@@ -174,7 +175,7 @@ impl Loader {
         self.files.len()
     }
 
-    /// Takes back what was read from this text on: it is not a part of the library.
+    /// Removes everything that was read from this text on: it is not a part of the library.
     pub(crate) fn split_off(&mut self, first: usize) -> Vec<Vec<Datum>> {
         self.files.split_off(first)
     }
@@ -204,7 +205,7 @@ impl Loader {
         renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
     }
 
-    /// Returns the library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
+    /// Returns the library of all texts; `texts` are those that [`Loader::split_off`] removed, which contain conditions.
     pub(crate) fn finish(
         mut self,
         names: Names,
@@ -229,7 +230,7 @@ impl Loader {
             self.lower_file(&mut lowering, file);
         }
         let conditions: Vec<Condition> = texts.iter().flat_map(|text| lowering.lone_conditions(text)).collect();
-        // What a refused definition would have defined is not missed a second time.
+        // Definitions in a rejected form are not reported as missing again.
         if !self.incomplete && !refused {
             lowering.report_unknown_names();
         }
@@ -307,7 +308,7 @@ impl Loader {
     }
 }
 
-/// Lowers all functions, then settles which of them have effects through what they call. Yields the callers of each.
+/// Lowers all functions, then determines which of them have effects through the functions that they call. Returns the callers of each.
 fn lower_functions(
     lowering: &mut Lowering,
     files: &[Vec<Datum>],
@@ -342,7 +343,8 @@ fn lower_functions(
     callers
 }
 
-/// Has an application an option for libraries or files without any? What they would define must not be missed.
+/// Returns true if the application has an option for libraries or files without values: definitions may then be missing, which is not
+/// reported.
 fn lacks_libraries(forms: &[Datum]) -> bool {
     let lacks = |items: &[Datum]| {
         items.iter().enumerate().any(|(at, item)| {
@@ -364,7 +366,7 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
             "require-apex-file" => found.extend(names_of(form.tail()).map(|(name, span)| (file(name), span))),
             "defapplication" => {
                 let items = form.tail();
-                // A misspelt option is reported later; what it names is loaded all the same, so that nothing else is missed.
+                // A misspelt option is reported later; the files that it names are loaded nevertheless, so that no further errors follow.
                 let option = |name: &str| {
                     let is_meant = |word: &str| {
                         word == name
@@ -385,7 +387,7 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
     found
 }
 
-/// Strings and symbols, alone or in lists. A list that lost its end runs into the options behind it: it ends there.
+/// Returns strings and symbols, alone or in lists. A list without its end would include the following options: it ends before them.
 fn names_of(data: &[Datum]) -> impl Iterator<Item = (String, Span)> + '_ {
     let items = |datum| Datum::as_list(datum).unwrap_or(std::slice::from_ref(datum));
     let names = data.iter().flat_map(move |datum| items(datum).iter().take_while(|item| item.keyword().is_none()));

@@ -1,4 +1,4 @@
-//! Texts of conditions to checked conditions, in terms of a library's declarations.
+//! Checks texts of conditions in the terms of a library's declarations.
 
 use crate::check::{CheckOptions, Checked, Loader, SourceText};
 use crate::host::host_names;
@@ -7,15 +7,15 @@ use apex_model::condition::Condition;
 /// Result of a check of conditions.
 #[derive(Clone, Debug)]
 pub struct CheckedConditions {
-    /// The library in whose terms they stand, and the messages about both. To be watched only if there are no errors.
+    /// The library that defines their terms, and the messages about both. Usable only if there are no errors.
     pub checked: Checked,
-    /// The conditions of all texts in written order; those that could not be understood are missing.
+    /// The conditions of all texts in written order; unreadable ones are left out.
     pub conditions: Vec<Condition>,
 }
 
-/// Checks texts of conditions as [`check`] checks those of a program in which `sources` declare state variables, functions
-/// and constants. Each text may hold several conditions; the texts join the library's sources, so that places in them are
-/// described as places in files are.
+/// Checks texts of conditions like [`check`] does for those of a program; `sources` declare their state variables, functions and
+/// constants. Each text may contain several conditions; the texts are added to the library's sources, so that places in them are
+/// described like places in files.
 pub fn check_conditions(
     sources: Vec<SourceText>,
     conditions: Vec<SourceText>,

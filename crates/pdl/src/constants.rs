@@ -1,4 +1,4 @@
-//! Messages about constants that have no value. Who can compute them says which; here nothing can be run.
+//! Messages about constants without a value. The caller computes constants, because this crate cannot evaluate.
 
 use crate::check::Checked;
 use crate::codes;
@@ -7,7 +7,7 @@ use crate::locate::Locator;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 
-/// Adds an error for each constant in `failures`: its name, what in it could not be computed, and why.
+/// Adds an error for each constant in `failures`: its name, the place of the expression that failed, and the reason.
 pub fn report_constants(checked: &mut Checked, failures: Vec<(Symbol, Place, String)>) {
     let mut locator = Locator::new(&checked.library.sources);
     let told = failures.into_iter().map(|(name, place, reason)| {

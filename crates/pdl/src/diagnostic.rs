@@ -8,7 +8,7 @@ use apex_model::source::Place;
 pub enum Severity {
     /// The text cannot be used.
     Error,
-    /// The text can be used, but probably does not mean what its author wants.
+    /// The text can be used, but probably has another meaning than its author intends.
     Warning,
     /// Worth knowing.
     Note,
@@ -25,7 +25,7 @@ impl Severity {
     }
 }
 
-/// A stretch of one source text.
+/// A range of one source text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Span {
     /// Index into the sources of the library.
@@ -52,7 +52,7 @@ impl Span {
     }
 }
 
-/// A second place that matters, with what is to be seen there.
+/// A second relevant place, with its description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// Place in the text.
@@ -78,7 +78,7 @@ pub struct Diagnostic {
     pub reason: Option<String>,
     /// Suggestions as text; one sentence each.
     pub help: Vec<String>,
-    /// Suggestions as edits; any one of them is enough. The likeliest is first.
+    /// Suggestions as edits; any single one suffices. The likeliest is first.
     pub fixes: Vec<Fix>,
 }
 

@@ -1,11 +1,11 @@
-//! Fixes: what to change in the texts so that a message goes away, as edits that a program can apply.
+//! Fixes: edits of the texts that resolve a message, in a form that a program can apply.
 
 use crate::diagnostic::Span;
 
-/// Certainty that a fix does what the author meant.
+/// Certainty that a fix is what the author meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Applicability {
-    /// Nothing else can have been meant: may be applied without asking.
+    /// No other meaning is possible: the fix may be applied without asking.
     Safe,
     /// Probably meant, or one of several possibilities: the author decides.
     NeedsLook,
@@ -21,7 +21,7 @@ impl Applicability {
     }
 }
 
-/// Replaces a stretch of one source text by another text.
+/// Replaces a range of one source text.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TextEdit {
     /// Index into the sources of the library.

@@ -1,4 +1,4 @@
-//! The host program's functions as the checker knows them.
+//! Signatures of the host program's functions, for the checker.
 
 use crate::diagnostic::Span;
 use crate::lower::{Callable, Names};
@@ -11,7 +11,7 @@ pub struct HostSignature {
     pub name: String,
     /// At least so many arguments.
     pub parameters_min: usize,
-    /// At most so many arguments; none is unlimited.
+    /// Maximum number of arguments; `None` if it is unlimited.
     pub parameters_max: Option<usize>,
     /// Has no effect: may occur in conditions.
     pub pure: bool,

@@ -1,7 +1,7 @@
-//! The front end of PDL: text to a checked library, messages for authors, and the way back to text.
+//! The front end of PDL: turns text into a checked library with messages for authors, and prints libraries as text.
 //!
-//! Text becomes a lossless tree (total, never fails), the tree becomes data with places, the data become the nouns of
-//! `apex-model`. No I/O: texts come in as strings, required texts come through a callback.
+//! Text becomes a lossless tree (this never fails), the tree becomes data with places, the data become the types of `apex-model`. No I/O:
+//! texts are passed in as strings, required texts through a callback.
 
 mod analysis;
 mod api;

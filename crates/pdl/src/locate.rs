@@ -1,4 +1,4 @@
-//! Places back to stretches of text. The library keeps where things begin; only a message needs to know where they end.
+//! Finds the range of text at a place. The library stores only where things begin; messages also need to know where they end.
 
 use crate::diagnostic::Span;
 use crate::fix::Fix;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Finds the text of places.
 pub(crate) struct Locator<'l> {
     sources: &'l [SourceFile],
-    /// Byte offsets of the lines of each file that was asked for.
+    /// Byte offsets of the lines of each requested file.
     lines: BTreeMap<u32, Vec<usize>>,
 }
 
@@ -44,7 +44,7 @@ impl<'l> Locator<'l> {
         source.text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)
     }
 
-    /// The stretch of the datum at `place`; an empty one there if the text is not available.
+    /// Returns the range of the datum at `place`; an empty one there if the text is not available.
     pub(crate) fn span(&mut self, place: Place) -> Span {
         let nowhere = Span { file: place.file, start: 0, end: 0, line: place.line, column: place.column };
         self.datum(place).map_or(nowhere, |datum| datum.span)
@@ -57,8 +57,8 @@ impl<'l> Locator<'l> {
         clause.map_or_else(|| self.span(place), |clause| clause.span)
     }
 
-    /// Returns the text to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
-    /// whole clause if it has no other. None for a part of another condition.
+    /// Returns the text to remove so that the step at `place` no longer waits for the condition at `condition`: the condition, or the
+    /// whole clause if it is the only one. `None` for a part of another condition.
     pub(crate) fn wait(&mut self, place: Place, condition: Span) -> Option<Span> {
         let datum = self.datum(place)?;
         let clause = datum.tail().iter().find(|part| part.head_name() == "waitfor")?;
@@ -133,7 +133,7 @@ impl<'l> Locator<'l> {
         found.unwrap_or_else(|| self.probe(place))
     }
 
-    /// Returns the definition at `place`: what it is of, without its body.
+    /// Returns the head of the definition at `place`, without its body.
     pub(crate) fn head_line(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
         let part = datum.as_ref().and_then(|form| {
@@ -211,7 +211,7 @@ pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     }
 }
 
-/// Returns the first part of `datum`, in order of writing, that is wanted.
+/// Returns the first part of `datum`, in written order, that satisfies `wanted`.
 pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Span> {
     if wanted(datum) {
         return Some(datum.span);
@@ -227,7 +227,7 @@ pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Spa
     }
 }
 
-/// Moves spans that count from the start of the datum to its place in the file.
+/// Moves spans relative to the start of the datum to its place in the file.
 fn shift(datum: &mut Datum, offset: u32, place: Place) {
     let span = &mut datum.span;
     span.start = span.start.saturating_add(offset);

@@ -1,7 +1,7 @@
-//! Names to what is known of them, found by their hash. A program may have a hundred thousand names in one procedure, and
-//! comparing texts on the way down a tree is then most of the work of checking it.
+//! A table by name, with hashing. A program may have a hundred thousand names in one procedure, and comparing texts in a tree would then
+//! take most of the time of the check.
 //!
-//! Looking up is all that is offered: a caller that needs the names gets them in order, so that no message depends on a hash.
+//! It can only be searched by name; a caller that needs all names receives them in order, so that no message depends on a hash.
 
 use rustc_hash::FxHashMap;
 use std::hash::Hash;
@@ -19,7 +19,7 @@ impl<K, V> Default for Lookup<K, V> {
 impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
     /// Returns the entry of `key`.
     pub(crate) fn get(&self, key: &K) -> Option<&V> {
-        // An empty table is asked often, and hashing is not free.
+        // Empty tables are searched often, and hashing has a cost.
         if self.0.is_empty() { None } else { self.0.get(key) }
     }
 
@@ -35,7 +35,7 @@ impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
         self.0.len()
     }
 
-    /// Puts `value` in the place of what was there, which is handed back.
+    /// Inserts `value` and returns the previous value.
     pub(crate) fn insert(&mut self, key: K, value: V) -> Option<V> {
         self.0.insert(key, value)
     }
@@ -49,7 +49,7 @@ impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
         self.0.entry(key.clone()).or_insert(new)
     }
 
-    /// Returns all of it in the order of the keys.
+    /// Returns all entries in the order of the keys.
     pub(crate) fn in_order(&self) -> Vec<(&K, &V)> {
         let mut all: Vec<(&K, &V)> = self.0.iter().collect();
         all.sort_unstable_by(|one, other| one.0.cmp(other.0));

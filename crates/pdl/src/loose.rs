@@ -1,12 +1,12 @@
-//! Loose pieces: in a fragment, clauses may stand outside of a procedure and conditions outside of a `waitfor`, as they
-//! do in articles and manuals. They are wrapped into procedures here, so that everything after checks them as usual.
+//! Loose pieces: in a fragment, clauses may occur outside of a procedure and conditions outside of a `waitfor`, as in articles and
+//! manuals. They are wrapped into procedures here, so that all later stages check them as usual.
 
 use crate::diagnostic::Span;
 use crate::read::{Datum, DatumKind};
 use crate::vocabulary::{ACTIVITIES, PROCEDURE_CLAUSES};
 use apex_model::symbol::Symbol;
 
-/// Returns true if this clause of a procedure may stand alone in a fragment; false if its short spelling is an activity, too.
+/// Returns true if this clause of a procedure may occur alone in a fragment; false if its short spelling is also an activity.
 fn is_clause(word: &str) -> bool {
     PROCEDURE_CLAUSES.contains(&word) && !ACTIVITIES.contains(&word)
 }
@@ -14,7 +14,7 @@ fn is_clause(word: &str) -> bool {
 /// Relations that make a list `(ATTRIBUTE OBJECT RELATION VALUE ..)` a measurement.
 const RELATIONS: &[&str] = &["=", "<", "<=", ">", ">="];
 
-/// Wraps runs of loose clauses, and each loose condition, into a separate procedure; other forms stay as they are.
+/// Wraps runs of loose clauses, and each loose condition, into a separate procedure; other forms are unchanged.
 pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
     let mut gathered = Vec::new();
     let mut run: Vec<Datum> = Vec::new();
@@ -57,8 +57,8 @@ fn waiting_step(condition: Datum) -> Datum {
     list(span, vec![symbol(span, "step"), list(span, vec![symbol(span, "terminate")]), waitfor])
 }
 
-/// Returns the procedure that the clauses of `run` may have been taken from; `None` for no clauses. Additions are in empty
-/// spans before and after them: equal spans mean the same clause to the rest of the front end.
+/// Returns the procedure to which the clauses of `run` may belong; `None` without clauses. Added parts have empty spans before and after
+/// them, because the front end takes equal spans for the same clause.
 fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
     let (first, last) = (run.first()?.span, run.last()?.span);
     let before = Span { end: first.start, ..first };
@@ -72,7 +72,7 @@ fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
     let ends = run.iter().any(|clause| clause.head_name() == "end-when");
     items.extend(run);
     if !ends {
-        // How it ends is written elsewhere; without this the checker would remark on it.
+        // The end of the procedure is not part of the fragment; without this the checker would report a missing end.
         let end = list(after, vec![symbol(after, "fragment-ends")]);
         items.push(list(after, vec![symbol(after, "end-when"), end]));
     }

@@ -1,5 +1,5 @@
-//! Static comparison of patterns and goals: whether a goal may or must match, whether one pattern matches all
-//! that another one does, and which of two is the more specific.
+//! Static comparison of patterns and goals: whether a goal may or must match, whether one pattern covers another one, and which of two is
+//! more specific.
 
 use apex_model::expression::Template;
 use apex_model::pattern::Pattern;
@@ -8,7 +8,7 @@ use apex_model::value::Value;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-/// Returns the symbol that every value matching `pattern` begins with, if there is one.
+/// Returns the symbol with which every value that matches `pattern` begins, if there is one.
 pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
     match pattern {
         Pattern::Literal(Value::List(items)) => items.first().and_then(Value::as_symbol),
@@ -20,7 +20,7 @@ pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
     }
 }
 
-/// The second word of an index or goal, where it is a symbol or a number.
+/// The second word of an index or goal, if it is a symbol or a number.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Second {
     /// In any case.
@@ -34,7 +34,7 @@ fn second_of_value(value: &Value) -> Option<Second> {
         Value::Symbol(symbol) => Some(Second::Symbol(symbol.clone())),
         Value::Integer(_) | Value::Real(_) => {
             let (number, _) = value.as_number()?;
-            // Zero has two signs and one value.
+            // Positive and negative zero are the same value.
             Some(Second::Number((number + 0.0).to_bits()))
         }
         _ => None,
@@ -53,7 +53,7 @@ pub(crate) fn second_of_pattern(index: &Pattern) -> Option<Second> {
     }
 }
 
-/// Returns the second word of the goal, where it is known.
+/// Returns the second word of the goal, if it is constant.
 pub(crate) fn second_of_goal(goal: View<'_>) -> Option<Second> {
     goal.item(1)?.value().and_then(second_of_value)
 }
@@ -68,7 +68,7 @@ pub(crate) enum View<'t> {
 }
 
 impl<'t> View<'t> {
-    /// Returns the value, if nothing is left open.
+    /// Returns the value, if it has no holes.
     pub(crate) fn value(self) -> Option<&'t Value> {
         match self {
             View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
@@ -175,7 +175,7 @@ fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> 
     }
 }
 
-/// Returns true when the goal provably matches, whatever its holes get.
+/// Returns true only if the goal provably matches, whatever values its holes get.
 pub(crate) fn must_match(goal: View<'_>, pattern: &Pattern) -> bool {
     must(goal, pattern) && is_linear(pattern, &mut BTreeSet::new())
 }

@@ -1,4 +1,4 @@
-//! The reference page of the libraries that ship, made from their text: commands, messages, state variables, goals, functions.
+//! Makes the reference page of the shipped libraries from their text: commands, messages, state variables, goals, functions.
 
 use crate::read::{Datum, DatumKind, read_file};
 use crate::words::{LIBRARIES, written};

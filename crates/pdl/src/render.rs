@@ -7,7 +7,7 @@ use apex_model::source::SourceFile;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A marked span and what is written at it.
+/// A marked span with the text shown at it.
 type Mark<'d> = (Span, AnnotationKind, Option<&'d str>);
 
 /// Renders `diagnostics` over the `sources` that their spans index, in order; with terminal colours if `color`.
@@ -57,8 +57,8 @@ fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Render
     renderer.render(&[group])
 }
 
-/// Returns the lines of the spans, with the spans marked. Long spans are cut after their first line, so that a
-/// message about a form does not print the whole form.
+/// Returns the lines of the spans, with the spans marked. Long spans are cut after their first line, so that a message about a form does
+/// not print the whole form.
 fn snippet<'s>(source: &'s SourceFile, spans: &[Mark<'s>]) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
     let ranges: Vec<Range<usize>> = spans.iter().map(|(span, ..)| first_line(&source.text, span)).collect();
     let start = ranges.iter().map(|range| range.start).min().unwrap_or(0);

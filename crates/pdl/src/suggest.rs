@@ -1,31 +1,31 @@
-//! "Did you mean": known names near a misspelt one, and the fixes that put them in its place.
+//! "Did you mean": known names similar to a misspelt one, and the fixes that insert them.
 //!
-//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key next to
-//! the right one, a hyphen for an underscore cost less than any other letter.
+//! The distance weighs errors by how often they occur: two swapped letters, a doubled letter, a neighbouring key, a hyphen for an
+//! underscore cost less than any other letter.
 
 use crate::diagnostic::Span;
 use crate::fix::Fix;
 use apex_model::quantity::{UNITS, Unit};
 
-/// Characters beyond which names are not compared: keeps a message cheap whatever the input.
+/// Length in characters above which names are not compared: this bounds the cost of a message.
 const NAME_CHARACTERS_MAX: usize = 64;
-/// Known names that are compared with one misspelt name.
+/// Maximum number of known names that are compared with one misspelt name.
 const NAMES_MAX: usize = 5_000;
-/// Names suggested for one misspelt name.
+/// Maximum number of suggestions for one misspelt name.
 const SUGGESTIONS_MAX: usize = 3;
 /// Cost of one ordinary edit.
 const EDIT: u32 = 10;
-/// A suggestion is certain only if the next one is farther by more than this.
+/// A suggestion is certain only if the distance of the next one is greater by more than this.
 const MARGIN: u32 = 4;
 
-/// A known name and how far it is, in tenths of an ordinary edit.
+/// A known name with its distance, in tenths of an ordinary edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Near<'a> {
     pub(crate) name: &'a str,
     pub(crate) cost: u32,
 }
 
-/// Returns known names similar enough to be meant by `name`, nearest first; equally near ones in the order given.
+/// Returns known names similar enough to be meant by `name`, nearest first; equally near ones in the given order.
 pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Near<'a>> {
     let wanted: Vec<char> = name.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
     if wanted.is_empty() || wanted.len() > NAME_CHARACTERS_MAX {
@@ -62,17 +62,17 @@ pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
         && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
 }
 
-/// Returns the known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
+/// Returns the known name nearest to `name`, if it is near enough to be meant; of equally near ones the first.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     near(name, known).first().map(|near| near.name)
 }
 
-/// Fixes that put the nearest known names in place of `name`, which is at `span`. The first is safe if it is certain.
+/// Returns fixes that replace `name`, at `span`, by the nearest known names. The first fix is safe if it is certain.
 pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Fix> {
     renames_marked(span, name, known, str::to_string)
 }
 
-/// Like [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
+/// Like [`renames`], for names written with marks: `mark` makes `?x`, `+x+` or `:x` of `x`.
 pub(crate) fn renames_marked<'a>(
     span: Span,
     name: &str,
@@ -91,7 +91,7 @@ pub(crate) fn renames_marked<'a>(
     likely.take(SUGGESTIONS_MAX).map(fix).collect()
 }
 
-/// Fixes for a misspelt unit. Spellings of one unit do not compete with each other.
+/// Returns fixes for a misspelt unit. Different spellings of one unit count as one suggestion.
 pub(crate) fn unit_renames(span: Span, name: &str, mark: impl Fn(&str) -> String) -> Vec<Fix> {
     renames_marked(span, name, near_units(name), mark)
 }
@@ -104,14 +104,14 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     };
     let mut best: Vec<Near<'_>> = UNITS.iter().filter_map(spelling).collect();
     best.sort_by_key(|near| near.cost);
-    // A single letter is near every other one: only the neighbouring key is meant.
+    // A single letter is near every other one: only a neighbouring key counts.
     let alone = name.chars().count() == 1;
     let likely =
         best.iter().filter(|near| if alone { near.cost < EDIT } else { near.name.len() >= 2 || near.cost < EDIT });
     likely.map(|near| near.name).collect()
 }
 
-/// Returns names of several words that differ in the order of the words, in the marks between them, or in both.
+/// Returns the distance of names of several words that differ in the order of the words, in the marks between them, or in both.
 fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     let is_mark = |c: &char| matches!(c, '-' | '_' | '/' | ' ');
     let words = |name: &[char]| -> Vec<String> {
@@ -127,7 +127,7 @@ fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     (words_a.len() > 1 && words_a == words_b).then_some(EDIT)
 }
 
-/// Returns the cost to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
+/// Returns the cost of turning `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
 fn distance(a: &[char], b: &[char]) -> u32 {
     let mut before: Vec<u32> = Vec::new();
     let mut above: Vec<u32> = vec![0];
@@ -155,7 +155,7 @@ fn distance(a: &[char], b: &[char]) -> u32 {
     above.last().copied().unwrap_or(0)
 }
 
-/// Returns the cost of a letter too many or too few; `previous` is the letter before it in the name that has it.
+/// Returns the cost of an additional or missing letter; `previous` is the letter before it in the name that contains it.
 fn lone(letter: char, previous: Option<&char>) -> u32 {
     if previous == Some(&letter) || matches!(letter, '-' | '_') { EDIT - 3 } else { EDIT }
 }

@@ -4,11 +4,11 @@ use crate::read_value;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Hours that a clock time may have at most, so that its nanoseconds fit into 64 bits.
+/// Maximum hours of a clock time, so that its nanoseconds fit into 64 bits.
 const FIRST_PART_MAX: f64 = 1e6;
 
-/// Reads seconds (`90`, `2.5`), a duration of PDL (`20s`, `2h`, `P1M30S`), or hours, minutes and seconds (`1:30:00`, `1:30`).
-/// None for any other text. An instant before 0 is read as such.
+/// Reads seconds (`90`, `2.5`), a PDL duration (`20s`, `2h`, `P1M30S`), or hours, minutes and seconds (`1:30:00`, `1:30`). `None` for any
+/// other text. An instant before 0 is read too.
 pub fn read_time(text: &str) -> Option<Time> {
     if text.contains(':') {
         return clock_time(text);

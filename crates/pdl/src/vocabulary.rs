@@ -1,4 +1,4 @@
-//! The words of the language outside of expressions, as the checker knows them: for tables that must be complete.
+//! The words of the language outside of expressions, as tables that must be complete.
 
 /// Words of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,7 +117,7 @@ pub(crate) const PRIMITIVE_CLAUSES: &[&str] = &[
     "return",
 ];
 
-/// Options of `repeating`; `responding` knows some of them.
+/// Options of `repeating`; `responding` has some of them.
 pub(crate) const REPEATING_OPTIONS: &[&str] =
     &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new", "missed-messages"];
 

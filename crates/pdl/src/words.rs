@@ -1,4 +1,4 @@
-//! Meaning of a word of the language or of the libraries that ship: for `apex explain`.
+//! Explains a word of the language or of the shipped libraries, for `apex explain`.
 
 use crate::read::{Datum, DatumKind, read_file};
 use crate::suggest::nearest;
@@ -17,7 +17,7 @@ pub(crate) const LIBRARIES: &[(&str, &str)] = &[
     ("library/contingencies.pdl", include_str!("../../../library/contingencies.pdl")),
     ("library/replanning.pdl", include_str!("../../../library/replanning.pdl")),
 ];
-/// Forms in whose heads authors look for a word.
+/// Forms whose heads are searched for a word.
 const SPECIAL_SHAPES: &[(&str, &str)] = &[
     ("and", "(and FORM..) -> the last value, or nil as soon as one is nil"),
     ("case", "(case KEY (DATUM FORM..).. (t FORM..)) -> the value of the clause with the datum"),
@@ -38,8 +38,8 @@ const SPECIAL_SHAPES: &[(&str, &str)] = &[
     ("when", "(when TEST FORM..) -> the last value if TEST is true"),
 ];
 
-/// Explains `word`: functions, forms, clauses, options, indexicals; and the definitions of that name in the libraries that ship:
-/// goals, commands, messages, state variables. None for a word that nothing has.
+/// Explains `word`: functions, forms, clauses, options, indexicals, and the definitions of that name in the shipped libraries: goals,
+/// commands, messages, state variables. `None` for an unknown word.
 pub fn explain_word(word: &str) -> Option<String> {
     let word = word.trim();
     // `+now+` is written between signs; `1+` and `+` are functions.

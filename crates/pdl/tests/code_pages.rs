@@ -71,7 +71,7 @@ fn examples_yield_the_code_and_corrected_ones_do_not() {
 
 #[test]
 fn a_text_that_is_too_large_yields_its_code() {
-    // The one example that no page can print.
+    // The only example that no page can print.
     assert_eq!(codes("pdl", &";".repeat((16 << 20) + 1)), ["E0007"]);
 }
 

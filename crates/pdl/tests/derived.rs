@@ -1,4 +1,4 @@
-//! Declarations of derived state variables that are refused, and what the messages say.
+//! Declarations of derived state variables that are rejected, and the messages about them.
 
 use apex_pdl::{CheckOptions, SourceText, check, render};
 

@@ -1,4 +1,4 @@
-//! The reference page of the libraries is that of their text. UPDATE=1 writes it.
+//! The reference page of the libraries equals the one made from their text. UPDATE=1 writes it.
 
 #![allow(clippy::expect_used, reason = "a test that cannot continue fails")]
 

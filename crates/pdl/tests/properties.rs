@@ -37,7 +37,7 @@ fn primitive_key(primitive: &Primitive) -> String {
     without_places(&format!("{primitive:?}"))
 }
 
-/// Every procedure and primitive, printed and loaded again, is the same except for its places.
+/// Every procedure and primitive is unchanged, except for its places, after printing and loading.
 fn round_trip(text: &str) {
     let first = checked(text, true);
     assert!(!first.has_errors(), "{}\n{text}", render(&first.diagnostics, &first.library.sources, false));

@@ -1,4 +1,4 @@
-//! Lexical rules, seen through the door that reads one value.
+//! Lexical rules, tested through the function that reads one value.
 
 use apex_model::quantity::{Quantity, unit_named};
 use apex_model::time::Duration;

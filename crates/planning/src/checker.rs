@@ -1,8 +1,8 @@
 //! The independent checker: every plan passes it before the executive receives it, whatever planner or operator made
 //! it.
 //!
-//! Own arithmetic throughout (quadrature instead of closed forms, winding angles instead of crossing counts, vectors
-//! instead of the wind triangle), so that a planner's mistake is not made twice.
+//! Its arithmetic is independent throughout (quadrature instead of closed forms, winding angles instead of crossing counts, vectors
+//! instead of the wind triangle), so that it does not repeat a planner's mistake.
 //! Bound: O(visits x targets) quadratures for surveillance; O(route length / 5 km x (zones + landing places)) else.
 
 mod given_times;

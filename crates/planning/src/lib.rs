@@ -1,8 +1,8 @@
-//! Problems and plans, without any planner: what planners are given and answer, and how an answer is judged.
+//! Problems and plans, without any planner: the input and output of planners, and the evaluation of plans.
 //!
-//! [`solver`] is the contract that planners implement, [`registry`] holds those of a program. [`validate`] refuses problems
-//! that are invalid, [`checker`] plans that are. [`surveillance`] flies and prices visits, [`tour`] finds shortest tours:
-//! planners, bounds and classifiers build on both. The checker uses neither, so that it is a second witness.
+//! [`solver`] is the contract that planners implement, [`registry`] holds the planners of a program. [`validate`] rejects invalid
+//! problems, [`checker`] invalid plans. [`surveillance`] computes times and cost of visits, [`tour`] finds shortest tours: planners,
+//! bounds and classifiers use both. The checker uses neither, so that it is a second witness.
 
 pub mod checker;
 pub mod examples;

@@ -1,12 +1,11 @@
-//! Budget of a proof and its use so far: like planners, proofs are budgeted in units of work, never by a clock.
+//! Budget of a proof, with the used part: proofs, like planners, are budgeted in units of work, never by a clock.
 //!
-//! Loops of proofs are metered in nanoseconds, as measured on one core of a loaded server, and charged in whole units,
-//! so that equal budgets prove equal bounds everywhere. A proof with less than it needs uses a coarser grid and reports
-//! it.
+//! The loops of proofs are metered in nanoseconds, as measured on one core of a loaded server, and charged in whole units, so that equal
+//! budgets prove equal bounds on every computer. A proof with too small a budget uses a coarser grid and reports that.
 
 use crate::solver::{Budget, WORK_UNIT};
 
-/// A budget with the spent part, and whether a proof stopped early because of it.
+/// A budget with its used part, and whether the proof was cut because of it.
 pub struct Meter<'a> {
     budget: &'a mut dyn Budget,
     /// Spent and not yet a whole unit.
@@ -15,7 +14,7 @@ pub struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
-    /// Meters what is taken from `budget`.
+    /// Returns a meter that charges `budget`.
     pub fn new(budget: &'a mut dyn Budget) -> Meter<'a> {
         Meter { budget, spent_ns: 0, cut: false }
     }
@@ -25,12 +24,12 @@ impl<'a> Meter<'a> {
         self.budget.used()
     }
 
-    /// Returns true if a greater budget would not have added anything.
+    /// Returns true if a greater budget would have added nothing.
     pub fn is_complete(&self) -> bool {
         !self.cut
     }
 
-    /// Nanoseconds that are left; where a clock decides, all that there are until it says no more.
+    /// Returns the remaining nanoseconds; if a clock decides, infinity until the clock ends the proof.
     pub fn left_ns(&self) -> f64 {
         if self.budget.exhausted() {
             return 0.0;
@@ -38,7 +37,7 @@ impl<'a> Meter<'a> {
         self.budget.left().map_or(f64::INFINITY, |units| units as f64 * unit_ns())
     }
 
-    /// Notes work of so many nanoseconds.
+    /// Records work of this many nanoseconds.
     pub fn spend(&mut self, nanoseconds: f64) {
         let unit_ns = WORK_UNIT.0.unsigned_abs();
         self.spent_ns = self.spent_ns.saturating_add(nanoseconds as u64);
@@ -46,12 +45,12 @@ impl<'a> Meter<'a> {
         self.spent_ns %= unit_ns;
     }
 
-    /// Notes that something was left undone, or done less well, because the budget is too small.
+    /// Records that a part was left out or computed more coarsely because the budget is too small.
     pub fn cut(&mut self) {
         self.cut = true;
     }
 
-    /// Returns the budget itself, for those who charge it in units.
+    /// Returns the budget itself, for callers that charge it in units.
     pub fn budget(&mut self) -> &mut dyn Budget {
         self.budget
     }

@@ -24,7 +24,7 @@ impl Generator {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Returns a whole number below `count`; 0 for a count of 0.
+    /// Returns an integer below `count`; 0 for a count of 0.
     pub fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
     }

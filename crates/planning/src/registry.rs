@@ -1,4 +1,4 @@
-//! The planners that a program has: those that ship, and what third parties add.
+//! The planners of a program: the shipped ones, and those that third parties add.
 
 use crate::solver::Solver;
 use apex_model::problem::Problem;
@@ -11,7 +11,7 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// Returns a registry of `solvers`, whose names must be valid and differ ([`Registry::add`]).
+    /// Returns a registry of `solvers`, whose names must be valid and distinct ([`Registry::add`]).
     pub fn of(solvers: Vec<Arc<dyn Solver>>) -> Registry {
         Registry { solvers }
     }
@@ -45,7 +45,7 @@ impl Registry {
         self.solvers.iter()
     }
 
-    /// Those that plan for problems like `problem`.
+    /// Returns the planners that serve problems like `problem`.
     pub fn serving(&self, problem: &Problem) -> Vec<Arc<dyn Solver>> {
         self.iter().filter(|solver| solver.serves(problem)).cloned().collect()
     }

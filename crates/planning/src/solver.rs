@@ -1,16 +1,16 @@
-//! The solver contract: what a planner is given and what it gives back (paper, sections IV and V).
+//! The solver contract: the input and output of a planner (paper, sections IV and V).
 //!
-//! A solver runs next to the executive. It gets its powers by name: random numbers, a budget and a channel for its best
-//! plan so far. It answers with a [`Plan`], which an independent checker validates before the executive sees it.
+//! A solver runs concurrently with the executive. It receives random numbers, a budget and a channel for its best plan so far as
+//! arguments. It answers with a [`Plan`], which an independent checker validates before the executive receives it.
 
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 
-/// Time that one unit of a solver's work represents: in flights, in budgets and in the profile table.
+/// Time that one unit of a solver's work represents, in flights, in budgets and in the profile table.
 ///
-/// Measured on one core of a loaded server: all planners take 0.5 to 1.3 microseconds a unit, from 10 to 1,000 targets
-/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer does less in a second
-/// of flight than a unit represents: its budgets should be smaller, or its plans are late.
+/// Measured on one core of a loaded server: all planners take 0.5 to 1.3 microseconds a unit, for 10 to 1,000 targets
+/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer completes fewer units in a second of
+/// flight: its budgets should be smaller, or its plans are late.
 pub const WORK_UNIT: Duration = Duration(1_000);
 
 /// Returns the work units in `time`; at least one.
@@ -31,7 +31,7 @@ pub struct Environment<'a> {
     pub budget: &'a mut dyn Budget,
     /// Receives every better plan as soon as it is found.
     pub report: &'a mut dyn FnMut(&Plan),
-    /// The plan that is flown now, or the best one of the problem before it changed: a place to begin, never a duty.
+    /// The plan that is being flown, or the best plan for the problem before it changed: a starting point that the solver may ignore.
     pub previous: Option<&'a Plan>,
 }
 
@@ -43,11 +43,11 @@ pub trait Budget {
     fn exhausted(&self) -> bool;
     /// Returns the units charged so far.
     fn used(&self) -> u64;
-    /// Returns the remaining units; `None` if a clock decides. An annealing planner plans its temperatures by it.
+    /// Returns the remaining units; `None` if a clock decides. An annealing planner derives its temperatures from them.
     fn left(&self) -> Option<u64> {
         None
     }
-    /// Returns true when the answer is not wanted any longer: the solver must end at once, whatever it has.
+    /// Returns true if the answer is no longer required: the solver must end at once, even without a plan.
     fn is_stopped(&self) -> bool {
         false
     }
@@ -62,7 +62,7 @@ pub trait Budget {
 pub struct MachineLimits {
     /// Bytes of memory; `None` if the caller states no limit.
     pub memory_bytes: Option<u64>,
-    /// Wall time until it is stopped; `None` if the caller states no limit.
+    /// Wall time until the solver is stopped; `None` if the caller states no limit.
     pub timeout: Option<std::time::Duration>,
 }
 

@@ -1,4 +1,4 @@
-//! Shared parts of surveillance planners: flying a tour of targets, its expected cost, and the plan made of it.
+//! Shared parts of surveillance planners: the times of a tour of targets, its expected cost, and the plan made from it.
 
 pub mod previous;
 mod reach;

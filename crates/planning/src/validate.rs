@@ -1,4 +1,4 @@
-//! Does a problem make sense? Solvers ask this first, so that nonsense is named and never searched.
+//! Validation of problems. Solvers call it first, so that an invalid problem is reported instead of searched.
 
 mod travel;
 
@@ -7,7 +7,7 @@ use apex_model::problem::{
     TravelTimes,
 };
 
-/// Targets of one problem: the profile of the largest known mission, a hundred times over.
+/// Targets of one problem: a hundred times the largest known mission.
 pub const TARGETS_MAX: usize = 5_000;
 
 /// Refuses surveillance problems without meaning.
@@ -125,10 +125,10 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     precedence(problem)
 }
 
-/// Turns wider than this are a mistake: the widest of an airliner in a strong wind are a tenth of it.
+/// Greatest turn radius: ten times that of an airliner in a strong wind.
 const TURN_RADIUS_M_MAX: f64 = 200_000.0;
 
-/// Refuses turns that no vehicle flies.
+/// Rejects turns that no vehicle flies.
 ///
 /// # Errors
 /// An error message that states the limits of turns.
@@ -142,7 +142,7 @@ pub fn turn_radius(radius_m: f64) -> Result<(), String> {
     Ok(())
 }
 
-/// Travel times given as numbers: one for each pair, and nothing next to them that a vehicle in the air would need.
+/// Checks given travel times: one for each pair, and no property that only a vehicle in the air has.
 fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(), String> {
     travel::times(travel, problem.targets.len(), problem.base.is_some())?;
     let flown = [
@@ -162,7 +162,7 @@ fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {
             return Err(format!("the order of visits names {name}, which is not a target"));
         }
     }
-    // Repeatedly remove targets with nothing before them; the remaining ones form a circle.
+    // Repeatedly removes targets without predecessors; the remaining ones form a circle.
     let mut open: Vec<&(String, String)> = problem.precedence.iter().collect();
     loop {
         let before = open.len();

@@ -1,7 +1,7 @@
 //! The space of the paper's Figure 4: 243 cells of missions of surveillance.
 //!
-//! A cell fixes five features: how many targets, how they lie, the size of the map, and how the rate at which costs gather
-//! and the importance differ between targets. Test missions are drawn from cells, missions that are given are looked up in them.
+//! A cell fixes five features: the number of targets, their distribution, the size of the map, and the variation between targets of the
+//! rate at which costs accumulate and of their importance. Test missions are drawn from cells; given missions are assigned to them.
 
 use apex_planning::validate::TARGETS_MAX;
 use std::fmt;
@@ -59,7 +59,7 @@ pub struct Cell {
 }
 
 impl Scale {
-    /// Every scale, as the rows of Figure 4 have them.
+    /// Every scale, in the order of the rows of Figure 4.
     pub const ALL: [Scale; 3] = [Scale::Large, Scale::Medium, Scale::Small];
 
     /// Returns the side of the square map.
@@ -96,7 +96,7 @@ impl Spread {
 }
 
 impl Space {
-    /// Every way to lie, as the columns of Figure 4 have them.
+    /// Every distribution, in the order of the columns of Figure 4.
     pub const ALL: [Space; 3] = [Space::TwoClusters, Space::Globular, Space::Uniform];
 
     /// Returns its word in names of cells.
@@ -139,7 +139,7 @@ impl Cell {
 }
 
 impl Cell {
-    /// Returns its words, by the names of the classifiers that read them.
+    /// Returns its words, each with the name of the classifier that determines it.
     pub fn words(&self) -> [(&'static str, String); 5] {
         let Cell { scale, rate, cost, count, space } = self;
         [

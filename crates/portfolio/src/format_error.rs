@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A mistake in a file: the place, what, why, and what to do.
+/// An error in a file: place, failure, reason and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormatError {
     /// From 1; 0 where the file as a whole is meant.

@@ -1,8 +1,7 @@
 //! Selection of the best planner for a mission: features of problems, and the measured profile of planners.
 //!
-//! [`test_missions`] draws missions of each [`cell`] of the feature space, [`profile`] measures planners on them, and
-//! [`table`] chooses by what was measured. [`formats`] reads benchmark files. Planners are handed in as a registry; this
-//! crate knows none.
+//! [`test_missions`] draws missions of each [`cell`] of the feature space, [`profile`] measures planners on them, and [`table`] chooses a
+//! planner by these measurements. [`formats`] reads benchmark files. Planners are passed in as a registry; this crate contains none.
 
 pub mod cell;
 pub mod features;

@@ -1,12 +1,12 @@
-//! Independent tasks on several threads: results come in the order of the tasks, whatever the threads do.
+//! Independent tasks on several threads: results are in the order of the tasks, whatever the order of execution.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 
-/// Does `task` for each number below `count` on `threads` threads; `done` is called on this thread after each one.
+/// Runs `task` for each number below `count` on `threads` threads; `done` is called on this thread after each task.
 ///
 /// # Errors
-/// That of the first task (by number) that failed; no further ones are begun then.
+/// The error of the first task (by number) that failed; no further task is started afterwards.
 pub fn each<T: Send>(
     threads: usize,
     count: usize,

@@ -1,8 +1,8 @@
-//! The profile table and solver selection (paper, section V.C): from features of a problem and the time for deliberation to the
-//! best planner, with the reason as text.
+//! The profile table and solver selection (paper, section V.C): chooses the best planner by the features of a problem and the time for
+//! deliberation, and states the reason as text.
 //!
-//! The table is data, `data/profile-table.csv`, concluded from measurements ([`crate::profile`]). A mission is looked up in the
-//! cell nearest to its features, at the largest budget of the table that it has the time for.
+//! The table is data, `data/profile-table.csv`, derived from measurements ([`crate::profile`]). A mission is assigned to the cell nearest
+//! to its features, and to the largest budget of the table within its time.
 //! Bound: O(cells) after classification.
 
 use crate::features::{self, Feature};
@@ -26,15 +26,15 @@ pub struct Selection {
     pub solver: String,
     /// Reason: the features, the cell, and its entry in the table.
     pub reason: String,
-    /// The table says that operators plan such missions better; `solver` is the best that is none of them.
+    /// True if operators plan such missions better according to the table; `solver` is the best one that is not an operator.
     pub people_plan_better: bool,
 }
 
 /// Name of the human operator among the planners of a table.
 const PEOPLE: &str = "human";
 
-/// A table: of each cell, at each time for deliberation, which planner is best. `apex profile build --table` writes one; planners
-/// that do not ship are chosen by a table for which they were measured.
+/// A table: the best planner of each cell at each time for deliberation. `apex profile build --table` writes one. Planners that do not
+/// ship are chosen by a table for which they were measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileTable(Vec<Conclusion>);
 
@@ -47,7 +47,7 @@ impl ProfileTable {
         conclusion::read(text).map(ProfileTable)
     }
 
-    /// Chooses one of `planners` for `problem` with `budget_units` of work, as [`select_within`] by the table that ships.
+    /// Chooses one of `planners` for `problem` with `budget_units` of work, like [`select_within`] by the shipped table.
     pub fn select(&self, problem: &Problem, budget_units: u64, planners: &Registry) -> Selection {
         by_table(&self.0, problem, budget_units, planners)
     }
@@ -58,8 +58,8 @@ pub fn select(problem: &Problem, planners: &Registry) -> Selection {
     select_within(problem, units_in(BUDGET_DEFAULT), planners)
 }
 
-/// Chooses one of `planners` for `problem` with `budget_units` of work (`apex_planning::solver::WORK_UNIT`): by the table that
-/// ships, or the first that serves a problem that no table describes.
+/// Chooses one of `planners` for `problem` with `budget_units` of work (`apex_planning::solver::WORK_UNIT`): by the shipped table, or the
+/// first planner that serves a problem that no table describes.
 pub fn select_within(problem: &Problem, budget_units: u64, planners: &Registry) -> Selection {
     static TABLE: OnceLock<Result<Vec<Conclusion>, String>> = OnceLock::new();
     let read = || conclusion::read(PROFILE).map_err(|trouble| format!("profile-table.csv:{trouble}"));

@@ -1,8 +1,8 @@
-//! Alarms: when a requirement is reported as threatened, and when it is reported as kept again.
+//! Alarms: decides when a requirement is reported as threatened, and when as kept again.
 
 use serde::{Deserialize, Serialize};
 
-/// Protected good of a requirement, most important first: if several must be acted upon, the first comes first.
+/// Protected good of a requirement, most important first: if several need a response, the first has precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Concern {
@@ -36,7 +36,7 @@ pub struct Thresholds {
 }
 
 impl Thresholds {
-    /// Raised after two samples below `warning`, cleared after 15 s above 1.2 of it.
+    /// Returns thresholds that raise after two samples below `warning`, and clear after 15 s above 1.2 times that.
     pub fn new(warning: f64) -> Thresholds {
         Thresholds { warning, raise_samples: 2, clear_share: 0.2, clear_s: 15.0 }
     }
@@ -60,14 +60,14 @@ pub enum AlarmState {
 
 /// Alarms within this time are counted together.
 const ESCALATION_S: f64 = 3600.0;
-/// More alarms than this within [`ESCALATION_S`] mean that the response does not help.
+/// Number of alarms within [`ESCALATION_S`] above which the response is considered ineffective.
 pub const ALARMS_PER_HOUR_MAX: usize = 3;
 
 /// Hysteresis of one requirement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Alarm {
     state: AlarmState,
-    /// Samples in sequence that ask for the alarm.
+    /// Successive samples that request the alarm.
     asked: u32,
     /// Since when the margin is clear, while the alarm is raised.
     clear_since_s: Option<f64>,
@@ -82,7 +82,7 @@ pub struct RequirementSample {
     pub at_s: f64,
     /// The margin now.
     pub margin: f64,
-    /// True if the prediction asks for a response now ([`crate::response::must_act`]).
+    /// True if the prediction requires a response now ([`crate::response::must_act`]).
     pub must_act: bool,
 }
 
@@ -92,9 +92,10 @@ impl Alarm {
         self.state
     }
 
-    /// Takes a sample; returns the new state if it has changed.
+    /// Processes a sample; returns the new state if it has changed.
     ///
-    /// A prediction and a margin below the warning raise after the same number of samples; a violated requirement at once.
+    /// A prediction and a margin below the warning raise the alarm after the same number of samples; a violated requirement raises it at
+    /// once.
     pub fn take(&mut self, sample: RequirementSample, thresholds: &Thresholds) -> Option<AlarmState> {
         let asks = sample.must_act || sample.margin < thresholds.warning;
         match self.state {
@@ -126,7 +127,7 @@ impl Alarm {
         (self.state, self.asked, self.clear_since_s) = (AlarmState::Raised, 0, None);
     }
 
-    /// Returns true if the alarm has been raised so often in the last hour that another response is needed.
+    /// Returns true if alarms were raised so often in the last hour that another response is needed.
     pub fn is_escalated(&self) -> bool {
         self.raised_s.len() > ALARMS_PER_HOUR_MAX
     }

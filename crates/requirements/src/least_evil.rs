@@ -1,4 +1,4 @@
-//! Choice of the requirement to break if no flight keeps all of them.
+//! Choice of the requirement to violate if no flight keeps all of them.
 
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -17,18 +17,18 @@ pub enum Harm {
     Mission,
 }
 
-/// One requirement that a choice breaks.
+/// One requirement that a choice violates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breach {
     /// Harm that it may cause.
     pub harm: Harm,
-    /// Depth of the violation times its duration: the integral of the negative margin over time, in units of the requirement's
-    /// default margin times seconds, so that breaches of one harm compare.
+    /// Depth of the violation times its duration: the integral of the negative margin over time, in units of the requirement's default
+    /// margin times seconds, so that violations of one kind of harm are comparable.
     pub size: f64,
 }
 
-/// Compares two choices by what they break: lexicographically by harm, worst harm first, then by the sum of the sizes of that harm.
-/// `Less` is the lesser evil. Breaking nothing is least.
+/// Compares two choices by their violations: lexicographically by harm, worst harm first, then by the sum of the sizes of that harm.
+/// `Less` is the lesser evil; no violation is the least.
 pub fn compare(a: &[Breach], b: &[Breach]) -> Ordering {
     let size = |breaches: &[Breach], harm: Harm| -> f64 {
         breaches.iter().filter(|breach| breach.harm == harm).map(|breach| breach.size.max(0.0)).sum()

@@ -27,8 +27,8 @@ pub struct RouteSpan {
 
 /// Returns the first instant in `span` at which `margin` is negative; `None` if there is none before the route ends.
 ///
-/// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time that the margin lasts, and by
-/// at least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. An infinite bound samples at
+/// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time that the margin lasts, and by at
+/// least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. With an infinite bound the steps are
 /// [`STEP_S_MIN`].
 pub fn first_violation(
     route: &Route,
@@ -76,9 +76,9 @@ fn bisect(
     Violation { after_s: state.after_s, state }
 }
 
-/// Returns the part of a route, from now (`now_s` of mission time) on, in which something that is active from `from_s` until `until_s` of
-/// mission time can be met: widened by `before_s` at both ends and by the arrival spread of a speed that is wrong by `speed_error`
-/// (a share, less than 1). `None` if that is not before `look_ahead_s`.
+/// Returns the part of a route from now (`now_s` of mission time) on in which the vehicle can meet something that is active from `from_s`
+/// to `until_s` of mission time, extended by `before_s` at both ends and by the arrival spread of a relative speed error `speed_error`
+/// (less than 1). `None` if that is not before `look_ahead_s`.
 pub fn active_span(
     (from_s, until_s): (f64, f64),
     now_s: f64,

@@ -14,13 +14,13 @@ pub fn drift_m(turn_radius_m: f64, true_airspeed_mps: f64, tail_wind_mps: f64) -
     if true_airspeed_mps > 0.0 { tail_wind_mps * FRAC_PI_2 * turn_radius_m / true_airspeed_mps } else { 0.0 }
 }
 
-/// Returns the radius over ground that a turn needs at worst: the radius in still air, and the drift of a quarter turn.
+/// Returns the radius over ground that a turn needs in the worst case: the radius in still air plus the drift of a quarter turn.
 pub fn drifted_radius_m(turn_radius_m: f64, true_airspeed_mps: f64, wind_mps: f64) -> f64 {
     turn_radius_m + drift_m(turn_radius_m, true_airspeed_mps, wind_mps.max(0.0))
 }
 
-/// Returns the time at the present ground speed that turning away from an edge straight ahead needs: roll-in, turn radius, drift.
-/// An edge that is nearer than this in time cannot be avoided by a turn.
+/// Returns the time at the present ground speed that turning away from an edge straight ahead needs: roll-in, turn radius, drift. A turn
+/// cannot avoid an edge that is nearer than this in time.
 pub fn turn_away_s(true_airspeed_mps: f64, turn_radius_m: f64, tail_wind_mps: f64, roll_in_s: f64) -> f64 {
     let ground_speed_mps = true_airspeed_mps + tail_wind_mps;
     if ground_speed_mps <= 0.0 {
@@ -46,8 +46,8 @@ pub fn stop_s(speed_mps: f64, braking_m_s2: f64) -> f64 {
     if braking_m_s2 > 0.0 { speed_mps.max(0.0) / (2.0 * braking_m_s2) } else { f64::INFINITY }
 }
 
-/// Returns true if a response that takes `response_s` must begin now: the requirement is violated in `violation_s` (0: it is violated
-/// now), and is checked every `loop_s`. One check may be missed.
+/// Returns true if a response that takes `response_s` must begin now: the requirement is violated in `violation_s` (0: now), and is
+/// checked every `loop_s`. One check may be missed.
 pub fn must_act(violation_s: f64, response_s: f64, loop_s: f64) -> bool {
     violation_s <= response_s + 2.0 * loop_s
 }

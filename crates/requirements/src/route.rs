@@ -38,7 +38,7 @@ enum RoutePiece {
     Straight { from: Point, along: Point, length_m: f64 },
     /// On the circle from the direction `from_rad` (east is 0, north a quarter) over `sweep_rad`, positive to the left.
     Arc { centre: Point, radius_m: f64, from_rad: f64, sweep_rad: f64 },
-    /// Stays there.
+    /// Stays at a point.
     Stop { at: Point },
 }
 
@@ -49,7 +49,7 @@ struct TimedPiece {
     piece: RoutePiece,
 }
 
-/// A route from now on. After its end nothing is known: [`Route::at`] answers `None`.
+/// A route from now on. After its end the position is unknown: [`Route::at`] returns `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
     motion: Motion,
@@ -62,15 +62,15 @@ pub struct Route {
 }
 
 impl Route {
-    /// Returns a route that begins at `point` in the direction `track` (any length; north if it has none), at `altitude_m.0` with
-    /// `altitude_m.1` commanded.
+    /// Returns a route that begins at `point` in the direction `track` (any length; north if the length is zero), at the altitude
+    /// `altitude_m.0`, with `altitude_m.1` commanded.
     pub fn begin(point: Point, track: Point, altitude_m: (f64, f64), motion: Motion) -> Route {
         let track = track.unit().unwrap_or(Point { x: 0.0, y: 1.0 });
         Route { motion, pieces: Vec::new(), end: (point, track), end_s: 0.0, speed_mps_max: 0.0, altitude_m }
     }
 
-    /// Turns towards `to` by the shorter side and flies there on a straight line. A place inside the turning circle is
-    /// approached directly.
+    /// Turns towards `to` by the shorter side and flies there in a straight line. A place inside the turning circle is approached
+    /// directly.
     pub fn fly_to(mut self, to: Point) -> Route {
         let (from, track) = self.end;
         let radius_m =
@@ -100,12 +100,12 @@ impl Route {
         self.fly_to(from).fly_to(to)
     }
 
-    /// Flies to the circle of `radius_m` around `centre` and once round it, to the side that needs the smaller turn.
+    /// Flies to the circle of `radius_m` around `centre` and once around it, to the side with the smaller turn.
     pub fn circle(mut self, centre: Point, radius_m: f64) -> Route {
         let (from, track) = self.end;
         let outward = from.minus(centre);
         if outward.length() > radius_m + 1.0 {
-            // Where the straight way to the centre meets the circle, the vehicle turns onto it.
+            // The vehicle turns onto the circle where the straight way to the centre crosses it.
             let unit = outward.unit().unwrap_or(track);
             self = self.fly_to(centre.plus(radius_m, unit));
         } else if outward.length() < radius_m - 1.0 {
@@ -212,14 +212,14 @@ struct Turn {
 }
 
 impl Turn {
-    /// `None` if no turn is needed, or the place lies inside the turning circle.
+    /// Returns `None` if no turn is needed, or the place is inside the turning circle.
     fn towards(from: Point, track: Point, to: Point, radius_m: f64) -> Option<Turn> {
         let way = to.minus(from);
         let aside = track.cross(way);
         if radius_m <= 0.0 || (aside.abs() <= 1e-9 * way.length() && track.dot(way) >= 0.0) {
             return None;
         }
-        // Left is positive: the centre lies a quarter turn left of the track.
+        // Left is positive: the centre is a quarter turn left of the track.
         let side = if aside >= 0.0 { 1.0 } else { -1.0 };
         let centre = Point { x: from.x - side * track.y * radius_m, y: from.y + side * track.x * radius_m };
         let away = to.minus(centre);
@@ -236,7 +236,7 @@ impl Turn {
         if sweep_rad < 0.0 {
             sweep_rad += TAU;
         }
-        // Rounding may make a turn of nothing one of a whole circle.
+        // Rounding may turn a zero turn into a whole circle.
         if sweep_rad > TAU - 1e-9 {
             sweep_rad = 0.0;
         }

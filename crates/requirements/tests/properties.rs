@@ -1,5 +1,5 @@
-//! Properties of margins and predictions, against a naive twin: the route flown in steps of a hundredth of a second, distances by
-//! its own arithmetic.
+//! Properties of margins and predictions, against a naive twin: the route flown in steps of a hundredth of a second, with independent
+//! arithmetic for distances.
 
 #![allow(
     clippy::unwrap_used,
@@ -158,7 +158,7 @@ proptest! {
         }
         match (found, flown) {
             (Some(found), Some(flown_s)) => {
-                // A first excursion shorter than the least step may be crossed for a later one.
+                // A first excursion shorter than the least step may be skipped in favour of a later one.
                 prop_assert!((found.after_s - flown_s).abs() <= 0.05 || (violated_for_s < 1.0 && found.after_s > flown_s));
             }
             (Some(found), None) => prop_assert!(found.after_s > last_s - 0.05, "{found:?} is not flown"),

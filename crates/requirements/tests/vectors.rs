@@ -1,4 +1,4 @@
-//! Guard vectors: situations with figures that were computed by hand, independently of this crate's route and search.
+//! Guard vectors: situations with figures computed by hand, independently of this crate's route and search.
 
 #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
 

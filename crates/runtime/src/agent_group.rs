@@ -33,7 +33,7 @@ impl Numbering {
         own.saturating_mul(self.agents).saturating_add(self.agent)
     }
 
-    /// Returns the agent that owns number `outer`, and its own number for it.
+    /// Returns the agent to which the outside number `outer` belongs, and that agent's own number for it.
     fn inner(outer: u64, agents: usize) -> (usize, u64) {
         let agents = (agents as u64).max(1);
         (usize::try_from(outer % agents).unwrap_or(0), outer / agents)
@@ -101,7 +101,7 @@ impl<'a> AgentGroup<'a> {
         EndReason::Application { reason, failed }
     }
 
-    /// The next instant at which an agent wants to be woken.
+    /// Returns the next instant at which an agent requests a wake.
     pub(crate) fn next_wake(&self) -> Option<Time> {
         self.agents.iter().filter_map(|agent| agent.next_wake().map(|(at, _)| at)).min()
     }
@@ -119,7 +119,7 @@ impl<'a> AgentGroup<'a> {
         Ok(cause)
     }
 
-    /// Puts an input into the inboxes of the agents that it addresses.
+    /// Puts an input into the inboxes of its addressees.
     pub(crate) fn deliver(&mut self, mut input: Input) -> Result<(), RunError> {
         let one = match &mut input.kind {
             EventKind::CommandAcknowledged(command, _) => {
@@ -180,7 +180,7 @@ impl<'a> AgentGroup<'a> {
         })
     }
 
-    /// Returns the agent that asked `question`: the first for which it is open, or else the first that has asked that many questions.
+    /// Returns the agent that asked `question`: the first for which it is open, otherwise the first that has asked that many questions.
     fn asker(&self, question: QuestionId) -> usize {
         let open = self.agents.iter().position(|agent| agent.questions.contains_key(&question));
         let asked = || self.agents.iter().position(|agent| agent.next.question > question.0);

@@ -1,6 +1,6 @@
 //! Answers of an operator as JSON lines, for `apex run --answers`: `{"question": "go on", "value": "yes", "after": 3}`.
 //!
-//! Each line answers the first question whose text holds the words, in any case; `after` seconds later, 0 unless given.
+//! Each line answers the first question whose text contains the words, in any case, `after` seconds later (default 0).
 
 use crate::input_lines::{InputErrors, ReadValue, value_of};
 use crate::limits::INPUT_MESSAGES_MAX;
@@ -13,7 +13,7 @@ use serde_json::Value as Json;
 /// Reads the answers in `text`, called `name` in messages, in order.
 ///
 /// # Errors
-/// Every bad line with `name:line` and what is wrong, up to a limit.
+/// Every bad line with `name:line` and the error, up to a limit.
 pub fn read_answers(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<Vec<ScriptedAnswer>, InputErrors> {
     let (mut answers, mut faults) = (Vec::new(), Vec::new());
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));

@@ -18,7 +18,7 @@ pub struct Asker {
 }
 
 impl Asker {
-    /// Asks for agents of these names; `print` shows a line to the operator.
+    /// Returns an asker for agents with these names; `print` shows a line to the operator.
     pub fn new(open: OpenQuestions, names: Vec<Symbol>, print: fn(&str)) -> Asker {
         Asker { open, names, turn: 0, print }
     }
@@ -28,7 +28,7 @@ impl Asker {
         let options: Vec<String> = options.iter().map(ToString::to_string).collect();
         let choices = if options.is_empty() { String::new() } else { format!(" [{}]", options.join(", ")) };
         let number = self.number(question);
-        // Open before it is shown: the caller that reads it may answer at once.
+        // The question is registered before it is shown, because its reader may answer at once.
         self.open.opened(agent, question, text);
         (self.print)(&format!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
     }

@@ -1,9 +1,9 @@
-//! Authority over a run: one of those that may command it holds the authority, in epochs that only grow.
+//! Authority over a run: at most one actor holds it, in numbered epochs that only increase.
 //!
-//! Authority is free at the beginning. It is taken while it is free, when it is offered, from a holder that has been silent
-//! for long, and by the pilot in command at any time; each change of the holder begins an epoch. A command of another epoch
-//! or of another author is refused. The run applies requests in the order in which it takes them and records each change as
-//! the event `(authority EPOCH NAME ROLE HOW)`; clocks are those of the wall, because replay only repeats what was recorded.
+//! Authority is free at the beginning. An actor can take it while it is free, when it is offered to the actor, or from a holder that has
+//! been silent for long; the pilot in command can take it at any time. Each change of the holder begins an epoch. A command of another
+//! epoch or of another author is refused. The run applies requests in the order in which it receives them and records each change as the
+//! event `(authority EPOCH NAME ROLE HOW)`. It measures silence by wall time; a replay only repeats the recorded changes.
 
 use apex_model::event::EventKind;
 use apex_model::value::Value;
@@ -25,7 +25,7 @@ pub enum ActorRole {
     Observer,
     /// Commands, with authority; starts flights.
     Operator,
-    /// Takes authority from the actor that holds it.
+    /// May take authority from any holder.
     PilotInCommand,
 }
 
@@ -51,7 +51,7 @@ impl ActorRole {
 /// An operator or program that speaks to a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actor {
-    /// Its name: one name is one actor.
+    /// Name of the actor; an actor is identified by its name.
     pub name: String,
     /// Its role.
     pub role: ActorRole,
@@ -62,22 +62,22 @@ pub struct Actor {
 pub enum AuthorityRequest {
     /// To hold it.
     Take,
-    /// To hand it over to the actor of this name, who takes it or refuses.
+    /// Offer authority to the actor of this name, who takes or refuses it.
     Offer(String),
-    /// Not to take what was offered.
+    /// Refuse the offered authority.
     Refuse,
-    /// To hold it no longer; an open offer is over.
+    /// Release authority; an open offer ends.
     Release,
 }
 
-/// The holder of authority, and the offer of it.
+/// The holder of authority, and the open offer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Authority {
     /// The number of changes of the holder.
     pub epoch: u64,
     /// The holder; none while authority is free.
     pub holder: Option<Actor>,
-    /// The name of the actor that it is offered to, and the time of the offer.
+    /// The name of the actor to which authority is offered, and the wall time of the offer.
     offer: Option<(String, Duration)>,
     /// Time at which the holder was heard last.
     heard: Duration,
@@ -86,17 +86,17 @@ pub struct Authority {
 /// A change of authority.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AuthorityChange {
-    /// It was free, and is held now.
+    /// It was free, and the actor holds it now.
     Taken,
-    /// The actor that it was offered to holds it now.
+    /// The actor to which it was offered holds it now.
     HandedOver,
-    /// The pilot in command has taken it.
+    /// The pilot in command has taken it from its holder.
     Overridden,
-    /// It was taken from a holder that was silent.
+    /// The actor took it from a silent holder.
     TakenFromSilent,
     /// It is offered.
     Offered,
-    /// The offer is refused; the holder keeps it.
+    /// The offer was refused; the holder keeps authority.
     Refused,
     /// It is free.
     Released,
@@ -116,7 +116,7 @@ impl AuthorityChange {
         }
     }
 
-    /// Returns the event that records the change by `actor`, after it.
+    /// Returns the event that records this change by `actor`; `authority` is the state after the change.
     pub(crate) fn entry(self, authority: &Authority, actor: &Actor) -> EventKind {
         let epoch = Value::Integer(i64::try_from(authority.epoch).unwrap_or(i64::MAX));
         let mut parts = vec![
@@ -145,12 +145,12 @@ impl Authority {
         Some((to, left))
     }
 
-    /// Returns true if the holder was last heard at least [`SILENT_AFTER`] ago, so that others may take its authority.
+    /// Returns true if the last sign of the holder is at least [`SILENT_AFTER`] old, so that others may take its authority.
     pub fn is_silent(&self, now: Duration) -> bool {
         self.holder.is_some() && now.saturating_sub(self.heard) >= SILENT_AFTER
     }
 
-    /// Records that the holder, if it is `name`, was heard at `now`.
+    /// Records a sign of the holder at `now`, if `name` is the holder.
     pub fn hear(&mut self, name: &str, now: Duration) {
         if self.holder.as_ref().is_some_and(|holder| holder.name == name) {
             self.heard = now;
@@ -160,7 +160,7 @@ impl Authority {
     /// Applies a request of `actor` at `now`.
     ///
     /// # Errors
-    /// Why it is refused; nothing has changed then.
+    /// The reason of the refusal; nothing has changed then.
     pub fn apply(
         &mut self,
         request: &AuthorityRequest,
@@ -233,8 +233,8 @@ impl Authority {
         Err(format!("epoch {stale} of authority is stale: this is epoch {}, {holder}", self.epoch))
     }
 
-    /// Checks that a command of `actor`, given in `epoch` if it states one, may act. A command that may take free authority
-    /// needs to take it first.
+    /// Checks that a command of `actor` may be executed; `epoch` is the epoch that it states, if any. An actor that could take free
+    /// authority must take it first.
     ///
     /// # Errors
     /// Why it is refused.
@@ -257,7 +257,7 @@ impl fmt::Display for Actor {
     }
 }
 
-/// The authority over one run, shared by the run, which changes it, and by those that show it.
+/// The authority over one run, shared by the run, which changes it, and by the components that display it.
 #[derive(Clone, Debug)]
 pub struct AuthorityBoard {
     authority: Arc<Mutex<Authority>>,
@@ -276,7 +276,7 @@ impl AuthorityBoard {
         self.began.elapsed()
     }
 
-    /// Returns authority as it is, locked until the guard is dropped.
+    /// Returns the present authority, locked until the guard is dropped.
     pub fn authority(&self) -> MutexGuard<'_, Authority> {
         // No change can stop half-way.
         self.authority.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,8 +1,8 @@
-//! Commands of an operator to a run that is under way, each with exactly one end: accepted, rejected, or expired.
+//! Commands of an operator to a run in progress; each ends exactly once: accepted, rejected or expired.
 //!
-//! The run settles a command when it takes it, at one instant of mission time, and writes the command with its end into the
-//! record as an input: the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`, with
-//! `:by NAME :epoch NUMBER` if its author is known. The sender may settle it first, as expired; then the run does not execute it.
+//! The run decides about a command when it receives it, at one instant of mission time. It records the command with its end as an input:
+//! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`, with `:by NAME :epoch NUMBER` if its
+//! author is known. If the sender has ended the command as expired before, the run does not execute it.
 
 use crate::authority::{Actor, AuthorityRequest};
 use apex_model::event::EventKind;
@@ -17,7 +17,7 @@ pub(crate) const HEAD: &str = "operator-command";
 /// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
-    /// An input for one agent, or for all: an answer, a message, updates of a target.
+    /// An input for one agent (`None`: for all): an answer, a message, updates of a target.
     Input(Option<Symbol>, EventKind),
     /// Another pace; see [`crate::FlyOptions::pace`].
     Pace(Option<f64>),
@@ -25,7 +25,7 @@ pub enum Order {
     Step,
     /// End the run cleanly.
     Stop,
-    /// Nothing but the entry in the record: an operator has noticed something.
+    /// A remark of the operator: only the entry in the record.
     Note,
     /// A wish about the authority over the run.
     Authority(AuthorityRequest),
@@ -53,11 +53,11 @@ pub enum CommandEnd {
         /// Reason, in one clause.
         reason: String,
     },
-    /// The run did not take it in time.
+    /// The run did not receive it in time.
     Expired,
 }
 
-/// The end of a command, once it has one. Clones share it.
+/// The end of a command, shared by all clones; empty until it is set.
 #[derive(Clone, Debug, Default)]
 pub struct Ticket(Arc<Mutex<Option<CommandEnd>>>);
 
@@ -72,7 +72,7 @@ impl Ticket {
         true
     }
 
-    /// Returns the end, if there is one.
+    /// Returns the end; `None` before it is set.
     pub fn end(&self) -> Option<CommandEnd> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -87,7 +87,7 @@ pub struct Command {
     pub words: String,
     /// The order.
     pub order: Order,
-    /// Its author, who needs authority; none for a program that owns the run.
+    /// Its author, who needs authority; `None` for a program that owns the run.
     pub author: Option<Author>,
     /// Its end.
     pub ticket: Ticket,
@@ -120,7 +120,7 @@ impl PartialEq for Command {
 
 impl Drop for Command {
     fn drop(&mut self) {
-        // Commands that the run has not taken when it ends are rejected.
+        // Commands that the run has not received when it ends are rejected.
         self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
     }
 }

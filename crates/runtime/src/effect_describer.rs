@@ -1,7 +1,6 @@
 //! Describes effects as rows of text. Record, trace and explanations print the same text.
 //!
-//! A describer remembers the goal of each task and the sources that plans bring, so that every line can name its task and its
-//! place in PDL.
+//! A describer remembers the goal of each task and the sources of plans, so that every line can name its task and its place in PDL.
 
 use crate::limits::ENDED_GOALS_MAX;
 use apex_model::because::Because;
@@ -15,7 +14,7 @@ use apex_model::value::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-/// An effect as text: what readers of a record and the lines of a trace say of it.
+/// An effect as text, for readers of a record and lines of a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectRow {
     /// The kind, as in the record.
@@ -38,7 +37,7 @@ pub struct EffectRow {
     pub value: Option<Value>,
     /// The goal, form or variable.
     pub subject: String,
-    /// The cause (or what was said) as text, without the place.
+    /// The cause (or the message) as text, without the place.
     pub text: String,
     /// `file:line:column`.
     pub place: Option<String>,
@@ -48,7 +47,7 @@ pub struct EffectRow {
 #[derive(Clone, Debug)]
 struct TaskGoal {
     text: Arc<str>,
-    /// The number of the end by which it ended; `None` while it lives.
+    /// The number of the instance's end; `None` while the task lives.
     end: Option<u64>,
 }
 
@@ -71,12 +70,12 @@ impl EffectDescriber {
         EffectDescriber { library, goals: BTreeMap::new(), ended: VecDeque::new(), ends: 0, plans: BTreeMap::new() }
     }
 
-    /// Returns a describer of single effects, whose places are in `sources`; plans among them.
+    /// Returns a describer of single effects, whose places refer to `sources`, which include those of plans.
     pub(crate) fn of_sources(sources: Vec<SourceFile>) -> EffectDescriber {
         EffectDescriber::new(&Library { sources, ..Library::default() })
     }
 
-    /// Takes the goal of `task` from a caller that knows it.
+    /// Sets the goal of `task`, for a caller that knows it.
     pub(crate) fn remember(&mut self, task: TaskId, goal: Arc<str>) {
         self.goals.insert(task, TaskGoal { text: goal, end: None });
     }
@@ -100,7 +99,7 @@ impl EffectDescriber {
         }
     }
 
-    /// Describes one effect. Effects must be passed in order, all of them.
+    /// Describes one effect. All effects must be passed, in order.
     pub fn tell(&mut self, effect: &Effect) -> EffectRow {
         match effect {
             Effect::Decided(decision) => self.decided(decision),
@@ -216,8 +215,8 @@ impl EffectDescriber {
         }
     }
 
-    /// Forgets the goals of tasks that ended long ago: what is remembered is bounded by what lives. A task may begin again after
-    /// its end.
+    /// Drops the goals of tasks that ended long ago, so that memory is bounded by the number of living tasks. A task may begin again
+    /// after its end.
     fn end_or_revive(&mut self, task: TaskId, to: TaskState) {
         let Some(goal) = self.goals.get_mut(&task) else { return };
         goal.end = None;

@@ -33,7 +33,7 @@ pub enum RunError {
         /// The limit.
         limit: usize,
     },
-    /// Time stands still.
+    /// More than the permitted number of steps at one instant.
     #[error(
         "time stands still at {at}: more than {limit} steps at one instant, the last caused by {cause}; look for a repeating step whose work takes no time"
     )]
@@ -53,13 +53,13 @@ pub enum RunError {
 /// A flight record cannot be written or read.
 #[derive(Debug, Error)]
 pub enum RecordError {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("there is no flight record at {}; check the name: `apex fly` prints where it writes", path.display())]
     Missing {
         /// The file.
         path: PathBuf,
     },
-    /// The file is something else.
+    /// The file is not a flight record.
     #[error("{} is not a flight record of Apex ({found}), and it is left as it is; choose another file name", path.display())]
     NotARecord {
         /// The file.
@@ -126,7 +126,7 @@ pub enum RecordError {
     Lost {
         /// The file.
         path: PathBuf,
-        /// The instant at which a write failed. Steps before it may be lost, too: those of the group that was open.
+        /// The instant of the failed write. Earlier steps of the open group may be lost, too.
         since: Time,
         /// The instant of the last step that is stored; none if no step is.
         held: Option<Time>,
@@ -135,7 +135,7 @@ pub enum RecordError {
         /// Steps that were kept in memory.
         steps: u64,
     },
-    /// The file is a record, but parts of it cannot be understood.
+    /// The file is a record, but parts of it cannot be read.
     #[error("the flight record {} is damaged: {what}; `apex recover` saves the part before the damage into a new record", path.display())]
     Damaged {
         /// The file.
@@ -151,7 +151,7 @@ pub enum RecordError {
         /// The loader's message.
         message: String,
     },
-    /// Nothing was recorded up to the asked instant, or the name is unknown.
+    /// The record contains no answer: it has no step up to the requested instant, or the name is unknown.
     #[error("{0}")]
     Question(String),
 }

@@ -1,4 +1,4 @@
-//! Control characters on their way to a terminal: shown as `\\u{1b}`, except line ends and tabs.
+//! Escapes control characters in output to a terminal as `\\u{1b}`; line ends and tabs remain.
 
 use std::io::{self, Write};
 
@@ -13,7 +13,7 @@ pub struct Escaped<W> {
 }
 
 impl<W: Write> Escaped<W> {
-    /// Escapes what goes to `out`.
+    /// Returns a writer that escapes everything on its way to `out`.
     pub fn new(out: W) -> Escaped<W> {
         Escaped { out, is_open: false }
     }
@@ -48,7 +48,8 @@ impl<W: Write> Write for Escaped<W> {
     }
 }
 
-/// Returns a text as one line of a log: line ends as `\\n`, other control characters as `\\u{1b}`, tabs as they are.
+/// Returns a text as one line of a log: line ends as `\
+/// `, other control characters as `\\u{1b}`; tabs remain.
 pub(crate) fn one_line(text: &str) -> String {
     if !text.contains(|each: char| each.is_control() && each != '\t') {
         return text.to_owned();

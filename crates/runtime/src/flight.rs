@@ -1,5 +1,5 @@
-//! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for
-//! outside simulators move it.
+//! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for outside
+//! simulators advance it.
 
 mod ordered;
 mod resume;
@@ -25,7 +25,7 @@ use apex_model::time::{Duration, Time};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-/// The executive's door, as a value so that tests can replace it.
+/// Type of the executive's step function, as a value so that tests can replace it.
 pub(crate) type StepFunction = fn(&mut Agent, &Batch) -> Vec<Effect>;
 
 /// Everything that a run consists of.
@@ -36,7 +36,7 @@ pub(crate) struct Flight<'a, 'o> {
     deliberator: &'a mut dyn Deliberator,
     observers: &'a mut [&'o mut dyn Observer],
     pacer: Pacer,
-    /// Latest first, so that the next one is popped off the end.
+    /// Inputs, the latest first, so that the next one is popped off the end.
     scheduled: Vec<Input>,
     stream: Option<InputStream>,
     answers: Vec<ScriptedAnswer>,
@@ -45,7 +45,7 @@ pub(crate) struct Flight<'a, 'o> {
     /// Wall time at which observers have written out last.
     flushed_at: Instant,
     authority: AuthorityBoard,
-    /// A source outside may still send something in addition to `stop`.
+    /// True while an outside source may still send more than `stop`.
     expecting: bool,
     until: Time,
     poll: Option<Duration>,
@@ -55,12 +55,12 @@ pub(crate) struct Flight<'a, 'o> {
     pool: SolverPool,
     now: Time,
     steps_at_now: u64,
-    /// The first instant is still to come.
+    /// True before the first instant.
     is_new: bool,
     end: RunEnd,
 }
 
-/// The live sources of a flight; dropping it tells their readers that the flight is over.
+/// The live sources of a flight; dropping it informs their readers that the flight is over.
 struct HeardSources(LiveSources);
 
 impl Drop for HeardSources {
@@ -72,9 +72,9 @@ impl Drop for HeardSources {
 /// Result of waiting for an instant.
 enum Waited {
     Reached(Time),
-    /// Solvers have answered, or no source outside remains: what comes next must be asked again.
+    /// Solvers have answered, or no outside source remains: the next instant must be computed again.
     Changed,
-    /// An operator wants the run to end, at this instant.
+    /// An operator requests the end of the run at this instant.
     Stop(Time),
 }
 
@@ -182,7 +182,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(None)
     }
 
-    /// Returns the next instant at which the agents want to be stepped, if nothing comes in before.
+    /// Returns the next instant at which the agents request a step, if no input arrives before.
     pub(crate) fn next_wake(&self) -> Option<Time> {
         self.next_instant()
     }
@@ -197,7 +197,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.group.check(input)
     }
 
-    /// Lets the observers keep everything up to now safe.
+    /// Lets the observers store everything up to now permanently.
     pub(crate) fn flush(&mut self, now: Time) -> Result<(), RunError> {
         self.each_observer(now, |observer| observer.flush())
     }
@@ -207,7 +207,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.stop_all(None, &EndReason::Stopped.text())
     }
 
-    /// Notices that the instant is stepped later than wall time; reports it when it gets worse.
+    /// Records that the instant is stepped later than its wall time; reports it when the delay grows.
     fn watch_lateness(&mut self, at: Time) -> Result<(), RunError> {
         let late = self.pacer.lateness(at);
         if late < LATENESS_TOLD_MIN {
@@ -223,7 +223,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// Returns the next instant at which something happens, never before now. None: nothing ever will.
+    /// Returns the next instant at which something happens, never before now; `None` if no further event can occur.
     fn next_instant(&self) -> Option<Time> {
         let report = self.vehicle.next_report();
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
@@ -237,11 +237,11 @@ impl<'a, 'o> Flight<'a, 'o> {
         all.into_iter().flatten().min().map(|at| at.max(self.now))
     }
 
-    /// Fetches what solvers have answered; true when that was something. Without a pace they are waited for.
+    /// Collects the answers of solvers; returns true if there was one. Without a pace it waits for all of them.
     fn fetch_answers(&mut self, instant: Time) -> Result<bool, RunError> {
         let now = self.pacer.now(self.now, instant);
         if self.pool.is_waiting() && !self.pacer.is_paced() {
-            // A solver may take minutes: nothing waits for it uncommitted.
+            // A solver may take minutes: steps are committed before the wait.
             self.flush(now)?;
         }
         let Some(notes) = self.pool.collect(now, !self.pacer.is_paced()) else { return Ok(false) };
@@ -320,7 +320,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(self.group.wake(now)?.unwrap_or_else(|| cause.to_owned()))
     }
 
-    /// Executes one step of one agent with recording and sending. Returns `Some` if the application is over.
+    /// Executes one step of one agent, with recording and sending. Returns `Some` if the application is over.
     fn execute(&mut self, index: usize, batch: &Batch) -> Result<Option<String>, RunError> {
         let now = batch.now;
         if self.group.len() > 1 {
@@ -402,13 +402,13 @@ impl<'a, 'o> Flight<'a, 'o> {
             let answer = self.answers.remove(found);
             let at = now + answer.after.max(Duration::ZERO);
             let kind = EventKind::OperatorAnswered(*question, answer.value);
-            // The latest stands first; answers of one instant keep their order.
+            // The list is in descending order of time; answers of one instant keep their order.
             let place = self.scheduled.partition_point(|input| input.at > at);
             self.scheduled.insert(place, Input { at, kind, agent: Some(agent), command_form: None });
         }
     }
 
-    /// Tells the agents and all observers what an observer has to say, such as that the disk is full.
+    /// Passes messages of observers, such as a full disk, to the agents and to all observers.
     pub(super) fn hear_observers(&mut self, now: Time) -> Result<(), RunError> {
         while let Some(News { message, note }) = self.observers.iter_mut().find_map(|observer| observer.take_news()) {
             self.each_observer(now, |observer| observer.note(now, &note))?;
@@ -428,7 +428,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// Closes the books: reports what no longer happened.
+    /// Ends the flight: reports requests and inputs that can no longer take effect.
     pub(crate) fn close(mut self, reason: EndReason) -> Result<RunEnd, RunError> {
         let now = self.now;
         for text in self.pool.close(now) {

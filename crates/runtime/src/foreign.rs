@@ -1,5 +1,5 @@
-//! An outside simulator owns the clock (`:type foreign-sim`): a protocol of JSON lines. The simulator says how far time
-//! goes and what it saw; the answer says what the agents want, and when they want to be stepped next.
+//! Protocol for an outside simulator that owns the clock (`:type foreign-sim`), as JSON lines. A line of the simulator states the new
+//! time and its observations; the answer contains the effects of the agents and the next instant at which they request a step.
 //!
 //! `docs/reference/foreign-simulators.md` is the protocol for its users. A line that cannot be understood is answered by
 //! an `error` line and changes nothing.
@@ -31,7 +31,7 @@ pub struct Cues {
     pub init: Vec<Value>,
     /// Said with the first answer.
     pub start: Vec<Value>,
-    /// Said with every answer after the first.
+    /// Messages sent with every line after the first.
     pub step: Vec<Value>,
     /// Said with the last answer.
     pub stop: Vec<Value>,
@@ -44,13 +44,13 @@ impl Cues {
         Cues { init: forms("init"), start: forms("start"), step: forms("step"), stop: forms("stop") }
     }
 
-    /// Those of the next episode, after a reset: its greeting is the application's `:reset`.
+    /// Returns the messages of the next episode, after a reset: its greeting is the application's `:reset`.
     pub fn after_reset(self, library: &Library) -> Cues {
         Cues { init: forms(library, "reset"), ..self }
     }
 }
 
-/// The forms of an option: one form, or a list of them.
+/// Returns the forms of an option: one form, or a list of forms.
 fn forms(library: &Library, option: &str) -> Vec<Value> {
     let Some(value) = library.application.as_ref().and_then(|application| application.option(option)) else {
         return Vec::new();
@@ -81,11 +81,11 @@ pub struct SimulatorLink<'a> {
 pub struct ForeignEnd {
     /// As any run.
     pub end: RunEnd,
-    /// The simulator wants to begin again.
+    /// True if the simulator requests a reset.
     pub reset: bool,
 }
 
-/// Runs `agents` at the clock of an outside simulator until it says `stop`, its lines end, or the application ends.
+/// Runs `agents` by the clock of an outside simulator until it sends `stop`, its lines end, or the application ends.
 ///
 /// # Errors
 /// Like [`crate::fly_all`]; and when an answer cannot be written.
@@ -143,7 +143,8 @@ pub fn run(
         if ended.is_none() && now >= until {
             ended = Some(EndReason::Until);
         }
-        // The simulator obeys the answer: what it holds is committed first, and nothing waits uncommitted for the next line.
+        // The simulator acts on the answer: the step is committed before the answer is sent, and nothing is uncommitted during the wait
+        // for the next line.
         flight.flush(now)?;
         answer(link, &said, now, flight.next_wake(), ended.as_ref(), first)?;
         first = false;
@@ -271,7 +272,7 @@ fn seconds(time: Time) -> Json {
     serde_json::from_str(&seconds_text(time)).unwrap_or(Json::Null)
 }
 
-/// Commands and withdrawals go to the simulator with the next answer.
+/// Commands and withdrawals, which go to the simulator with the next answer.
 struct Remote(Said);
 
 impl Vehicle for Remote {
@@ -296,7 +297,7 @@ impl Vehicle for Remote {
     }
 }
 
-/// Messages, prints and questions go the same way.
+/// Messages, prints and questions, which go to the simulator with the next answer.
 struct Listener {
     said: Said,
     /// The names of the agents, where there are several.

@@ -1,7 +1,7 @@
-//! Continues a recorded flight from an instant on: the recorded steps are executed again, and the vehicle obeys the recorded
-//! commands again, so that agents, vehicle and mission are as they were; from the instant on the flight lives.
+//! Continues a recorded flight from an instant on. The recorded steps are executed again, and the vehicle obeys the recorded commands
+//! again, so that agents, vehicle and mission are in the state of that instant; from there on the flight is live.
 //!
-//! Requests that are open at the instant keep their recorded answers: those were made from the situation before it.
+//! Requests that are open at the instant keep their recorded answers, because these were computed from the situation before it.
 
 use crate::agent_group::Numbering;
 use crate::error::{RecordError, RunError};
@@ -52,8 +52,8 @@ pub enum ForkError {
 
 /// Executes the steps of `reader` up to `at` again, applies `change` to the vehicle, and continues with `options`.
 ///
-/// The observers see all steps from the beginning, so that a recorder writes a whole record. Of `options.inputs` those
-/// later than `at` come.
+/// The observers receive all steps from the beginning, so that a recorder writes a whole record. Of `options.inputs`, those later than
+/// `at` are used.
 ///
 /// # Errors
 /// [`ForkError`].
@@ -91,7 +91,7 @@ pub fn fork<V: Vehicle>(
 
 type OpenRequests = BTreeMap<SolveRequestId, (SolveRequest, Time, Posed)>;
 
-/// Splits open requests into those with a recorded answer and those whose answer the record does not hold.
+/// Splits open requests into those with a recorded answer and those without.
 fn split(
     open: OpenRequests,
     problems: &BTreeMap<SolveRequestId, ProblemRow>,
@@ -175,7 +175,7 @@ impl Past {
         Ok(())
     }
 
-    /// Lets the vehicle live until the step; what it reports must be among the recorded inputs.
+    /// Advances the vehicle to the step; its reports must be among the recorded inputs.
     fn advance(&mut self, vehicle: &mut dyn Vehicle, recorded: &RecordedStep) -> Result<(), ForkError> {
         let now = recorded.batch.now;
         if let Some(missing) = self.reported.iter().find(|input| input.at < now) {

@@ -1,7 +1,7 @@
 //! The inbox: numbers and queues inputs, assembles the batches of executive steps.
 //!
-//! All inputs of one instant go into one batch, in order of arrival. The queue is bounded; what does not fit is an
-//! error of the sender, not silence.
+//! All inputs of one instant belong to one batch, in order of arrival. The queue is bounded; an input beyond the limit is reported as an
+//! error of the sender.
 
 use crate::error::RunError;
 use crate::limits::INBOX_INPUTS_MAX;
@@ -53,8 +53,8 @@ impl Inbox {
         Ok(())
     }
 
-    /// Returns the batch of the step at `now`: everything that happened until then, oldest first, numbered. More than
-    /// [`BATCH_EVENTS_MAX`] events are left for a further batch of the same instant. `None` if there is nothing.
+    /// Returns the batch of the step at `now`: all inputs up to that instant, oldest first, numbered. More than [`BATCH_EVENTS_MAX`]
+    /// events are left for a further batch of the same instant. `None` if there is no input.
     pub fn take(&mut self, now: Time) -> Option<Batch> {
         if !self.ordered {
             self.queue.make_contiguous().sort_by_key(|input| input.at);

@@ -1,4 +1,4 @@
-//! Inputs as JSON lines: what `apex run --inputs` reads and what tests write by hand.
+//! Inputs as JSON lines: the format of `apex run --inputs`, also used by tests.
 //!
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
 //! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
@@ -20,7 +20,7 @@ use std::fmt;
 /// Reads one PDL datum from text; the PDL front end is passed in so that this crate need not know it.
 pub type ReadValue<'a> = &'a dyn Fn(&str) -> Result<Value, String>;
 
-/// Faults of an input file, one sentence each with `file:line`.
+/// Errors of an input file, one sentence each with `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputErrors(pub Vec<String>);
 
@@ -35,7 +35,7 @@ impl std::error::Error for InputErrors {}
 /// Reads the inputs in `text`, called `name` in messages, ordered by time (lines of one time keep their order).
 ///
 /// # Errors
-/// Every bad line with `name:line` and what is wrong, up to a limit.
+/// Every bad line with `name:line` and the error, up to a limit.
 pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<Vec<Input>, InputErrors> {
     let mut inputs = Vec::new();
     let mut faults = Vec::new();
@@ -178,10 +178,10 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
     Ok(EventKind::OperatorAnswered(QuestionId(question), value))
 }
 
-/// Reads `{"acknowledge": 3}`: with `"value"` the vehicle has carried out command 3, with `"error"` it could not, and with
-/// `"progress"` the command continues.
+/// Reads `{"acknowledge": 3}`: with `"value"` the vehicle has executed command 3, with `"error"` it could not, and with `"progress"` the
+/// command continues.
 fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadValue<'_>) -> Result<EventKind, String> {
-    // An acknowledgement may name its command by form, because the executive numbers commands only as it sends them.
+    // An acknowledgement may identify its command by form, because the executive numbers commands only when it sends them.
     let command = match datum {
         Json::String(_) => u64::MAX,
         _ => datum.as_u64().ok_or_else(|| {

@@ -1,7 +1,7 @@
-//! Inputs that are read while they are needed: a file of any length takes the memory of one line.
+//! Inputs that are read when they are needed: a file of any length needs the memory of one line.
 //!
-//! The file is read twice: first all of it is checked, so that a run does not begin with inputs that cannot be used; then line by
-//! line. Only files in order of time without acknowledgements can be read so; others are held in memory.
+//! The file is read twice: first completely, to check it before the run begins, then line by line. This requires order of time and no
+//! acknowledgements; other files are held in memory.
 
 use crate::input_lines::{InputErrors, ReadValue, read_numbered};
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
@@ -59,10 +59,10 @@ impl InputStream {
         if self.failure.is_some() { Some(self.last) } else { self.next.as_ref().map(|input| input.at) }
     }
 
-    /// Takes the next input if it is due.
+    /// Returns the next input if it is due.
     ///
     /// # Errors
-    /// The file has changed since it was checked, or cannot be read any longer.
+    /// The file has changed since it was checked, or can no longer be read.
     pub(crate) fn take_due(&mut self, now: Time) -> Result<Option<Input>, String> {
         if let Some(failure) = self.failure.take() {
             return Err(failure);
@@ -100,7 +100,7 @@ pub struct Survey {
 /// Checks all lines of a file of inputs.
 ///
 /// # Errors
-/// Every bad line with `name:line` and what is wrong, up to a limit.
+/// Every bad line with `name:line` and the error, up to a limit.
 pub fn survey(name: &str, file: impl BufRead, read_value: ReadValue<'_>) -> Result<Survey, InputErrors> {
     let mut lines = Lines { name: name.to_string(), file, number: 0 };
     let mut survey = Survey { can_be_streamed: true, agents: BTreeSet::new() };
@@ -159,7 +159,7 @@ impl<R: BufRead> Lines<R> {
         }
         self.number += 1;
         if line.len() > INPUT_LINE_BYTES_MAX && line.last() != Some(&b'\n') {
-            // What follows belongs to the same line.
+            // The rest belongs to the same line.
             self.skip().map_err(|error| unreadable(&self.name, error))?;
             return Err(format!("{}:{}: the line is longer than {INPUT_LINE_BYTES_MAX} bytes", self.name, self.number));
         }

@@ -1,11 +1,11 @@
-//! Invocation (deliberation): one solver at work on a separate thread, watched and contained.
+//! Invocation (deliberation): one solver on a separate thread, supervised and isolated.
 //!
-//! While it works its best plan so far can be polled, and it can be paused and cancelled. Whatever it does,
-//! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
-//! in the answer, and the best plan reported before counts. No plan is trusted here: the checker checks it next.
+//! While the solver runs, its best plan so far can be polled, and it can be paused and cancelled. Whatever it does, the caller has an
+//! answer in bounded time: the answer names a panic, work beyond the budget, endless work or memory beyond the limit, and contains the
+//! best plan reported before. This module trusts no plan: the checker checks it next.
 //!
-//! Work is counted, so what is decided by count is the same in every run; timeout and memory are the machine's, far off, and
-//! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
+//! Decisions by counted work are the same in every run. The timeout and the memory limit depend on the machine, are generous, and are
+//! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped: it is abandoned.
 
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
 use crate::ports::CancelToken;
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 pub struct SolverLimits {
     /// Work units.
     pub units: u64,
-    /// Wall time until it is abandoned, pauses not counted.
+    /// Wall time until the solver is abandoned, without pauses.
     pub timeout: Duration,
     /// Bytes by which the program may grow meanwhile.
     pub memory_bytes: u64,
@@ -38,7 +38,7 @@ pub struct Answer {
     pub plan: Result<Plan, String>,
     /// Work units used.
     pub used: u64,
-    /// Processor seconds of the solver's thread; none where the system does not tell, or where it was left behind.
+    /// Processor seconds of the solver's thread; `None` if the system does not measure them, or the thread was abandoned.
     pub cpu_s: Option<f64>,
     /// Contract violation by the solver.
     pub violation: Option<String>,
@@ -116,7 +116,7 @@ impl SolverState {
     }
 }
 
-/// The payload that unwinds a solver that does not stop; no panic, so nothing is printed.
+/// The payload that unwinds a solver that does not stop. It is not a panic, so nothing is printed.
 struct UnwindPayload;
 
 struct WatchedBudget {
@@ -186,7 +186,7 @@ pub struct Invocation {
 }
 
 impl Invocation {
-    /// Sets `solver` to work on `problem`, from the plan `previous` if there is one.
+    /// Starts `solver` on `problem`, from the plan `previous` if there is one.
     ///
     /// # Errors
     /// A message if the system gives no thread.
@@ -205,7 +205,7 @@ impl Invocation {
             let ended = solve(&*worker, &problem, previous.as_ref(), seed, limits, &watched);
             let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
             watched.ended.store(true, Ordering::Release);
-            // No caller listens to one that was left behind.
+            // No receiver exists if the invocation was abandoned.
             let _ = sender.send((ended, cpu_s));
         };
         let builder = thread::Builder::new().name(format!("solver {}", solver.name())).stack_size(SOLVER_STACK_BYTES);
@@ -226,7 +226,7 @@ impl Invocation {
         self.shared.used.load(Ordering::Relaxed)
     }
 
-    /// Lets it wait at its next unit of work.
+    /// Pauses the solver at its next unit of work.
     pub fn pause(&self) {
         self.shared.pause(true);
     }
@@ -236,12 +236,12 @@ impl Invocation {
         self.shared.pause(false);
     }
 
-    /// Tells it to stop with what it has; [`finish`](Invocation::finish) then has the answer.
+    /// Requests the solver to stop with its best plan; [`finish`](Invocation::finish) then returns the answer.
     pub fn cancel(&self) {
         self.shared.stop(StopReason::Cancelled);
     }
 
-    /// Waits for the answer until the timeout, or until the solver must stop because its answer is no longer wanted.
+    /// Waits for the answer until the timeout, or until the solver must stop because its answer is no longer required.
     pub fn finish(self, cancel: &CancelToken) -> Answer {
         let mut stopped_at: Option<Instant> = None;
         let (ended, cpu_s) = loop {
@@ -261,7 +261,7 @@ impl Invocation {
         self.answer(ended, cpu_s)
     }
 
-    /// Stops what takes too long or too much, or is not wanted.
+    /// Stops a solver that exceeds its time or memory, or that was cancelled.
     fn watch(&self, cancel: &CancelToken) {
         if cancel.is_cancelled() {
             self.cancel();
@@ -294,7 +294,7 @@ impl Invocation {
     }
 }
 
-/// Runs the solver on this thread; what it throws ends here.
+/// Runs the solver on this thread and catches its panics.
 fn solve(
     solver: &dyn Solver,
     problem: &Problem,
@@ -307,7 +307,7 @@ fn solve(
     let mut budget = WatchedBudget { shared: Arc::clone(shared), machine, allowed: limits.units, used: 0, overdue: 0 };
     let mut report = |plan: &Plan| shared.state().best = Some(plan.clone());
     let mut environment = Environment { seed, budget: &mut budget, report: &mut report, previous };
-    // What it leaves half-changed is dropped with it.
+    // State that an unwound solver leaves half-changed is dropped with it.
     let outcome = catch_unwind(AssertUnwindSafe(|| solver.solve(problem, &mut environment)));
     match outcome {
         Ok(plan) => Ended::Answered(plan),
@@ -316,20 +316,20 @@ fn solve(
     }
 }
 
-/// Returns bytes of memory that the program holds now; `None` if the system does not tell.
+/// Returns the resident memory of the program in bytes; `None` if the system does not report it.
 fn resident_bytes() -> Option<u64> {
     let told = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes << 10)
 }
 
-/// Returns the time that this thread has spent on a processor; `None` if the system does not tell.
+/// Returns the processor time of this thread in seconds; `None` if the system does not report it.
 fn cpu_s() -> Option<f64> {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Sets solvers to work in sequence, and remembers those that never came back.
+/// Runs solvers in sequence, and remembers those that never returned.
 #[derive(Debug, Default)]
 pub struct Invocations {
     left_behind: BTreeMap<String, Arc<SolverState>>,
@@ -347,7 +347,7 @@ impl Invocations {
         self.worked
     }
 
-    /// Lets `solver` plan for `problem`, from the plan `previous` if there is one, until it answers or is not wanted.
+    /// Lets `solver` plan for `problem`, from the plan `previous` if there is one, until it answers or is cancelled.
     pub fn solve(
         &mut self,
         solver: &Arc<dyn Solver>,

@@ -1,4 +1,4 @@
-//! Solvers that misbehave in every way, and what the caller has of it.
+//! Solvers that misbehave in every way, and the answer that the caller receives.
 
 use super::*;
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
@@ -72,7 +72,7 @@ impl Solver for Bad {
     }
 }
 
-/// Comes back when the gate opens, and checks nothing meanwhile.
+/// Returns when the gate opens, and checks nothing before.
 struct Sleeper(Arc<AtomicBool>);
 
 impl Solver for Sleeper {
@@ -166,7 +166,7 @@ fn a_solver_is_polled_paused_and_cancelled() {
         thread::yield_now();
     }
     begun.pause();
-    // One unit may be under way.
+    // One unit of work may be in progress.
     thread::sleep(Duration::from_millis(30));
     let used = begun.used();
     thread::sleep(Duration::from_millis(30));
@@ -191,7 +191,7 @@ fn who_is_not_wanted_any_more_stops_with_what_it_has() {
     assert_eq!((answer.plan.map(|plan| score(&plan)), answer.violation), (Ok(4.0), None));
 }
 
-/// Never comes back while the gate is shut.
+/// Does not return while the gate is shut.
 struct Named(String, Arc<AtomicBool>);
 
 impl Solver for Named {

@@ -1,7 +1,7 @@
 //! The imperative shell: clock, inbox, outbox, solver pool, flight record, replay, ports.
 //!
-//! Everything impure of Apex that is not an adapter, the web server or the command line lives here. The executive is
-//! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
+//! Everything with side effects that is not an adapter, the web server or the command line belongs here. The executive is called in one
+//! place only (`mission_loop.rs`); `replay.rs` and `record/restore.rs` call it again with recorded input.
 
 pub mod agent_group;
 pub mod answer_lines;

@@ -1,4 +1,4 @@
-//! Lines that come in during a run: inputs, forms, answers to open questions, `stop`.
+//! Lines that arrive during a run: inputs, forms, answers to open questions, `stop`.
 
 use crate::input_lines::{ReadValue, read_live};
 use crate::terms::Control;
@@ -28,7 +28,7 @@ impl OpenQuestions {
         self.with(|open| open.push(Open { agent, question, text: text.to_string() }));
     }
 
-    /// Removes the questions of an agent that it no longer asks.
+    /// Removes the questions of an agent that are no longer open.
     pub fn keep_those_of(&self, agent: &Agent) {
         self.with(|open| {
             open.retain(|each| each.agent != agent.name || agent.questions.contains_key(&each.question));
@@ -38,7 +38,7 @@ impl OpenQuestions {
     /// Reads a line: `{"event": "(go)"}`, `(go)`, `yes`, `2: yes`, `pilot/2: yes`, `stop`.
     ///
     /// # Errors
-    /// The line is neither an input, nor an answer to one open question.
+    /// The reason if the line is neither an input nor an answer to an open question.
     pub fn understand(&self, line: &str, read_value: ReadValue<'_>) -> Result<Control, String> {
         if line.starts_with('{') {
             let input = read_live(line, Time::ZERO, read_value)?;

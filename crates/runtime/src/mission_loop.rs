@@ -1,8 +1,8 @@
-//! The mission loop: simulated time jumps from instant to instant; at each the vehicle reports, the executive steps,
-//! observers see, and effects go out.
+//! The mission loop: simulated time jumps from instant to instant. At each instant the vehicle reports, the executive steps, the
+//! observers receive the step, and the effects are sent.
 //!
-//! The next instant is the earliest of: the vehicle's next report, the agent's next wake, the next solver answer, the
-//! next scheduled input. Nothing else moves time, so a run depends on its inputs only.
+//! The next instant is the earliest of: the vehicle's next report, the agent's next wake, the next solver answer, the next scheduled
+//! input. Time advances in no other way, so a run depends on its inputs only.
 
 use crate::error::RunError;
 use crate::flight::{Flight, StepFunction};
@@ -17,7 +17,7 @@ pub use crate::terms::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer};
 /// Observers are called in order; the recorder comes first, so that no observer sees what is not stored.
 ///
 /// # Errors
-/// [`RunError`] when the vehicle's link or an observer breaks, or time stands still.
+/// [`RunError`] if the vehicle's link or an observer fails, or too many steps occur at one instant.
 pub fn fly(
     agent: &mut Agent,
     vehicle: &mut dyn Vehicle,
@@ -28,11 +28,11 @@ pub fn fly(
     fly_all(std::slice::from_mut(agent), vehicle, deliberator, observers, options)
 }
 
-/// Like [`fly`], with all agents of an application at one clock, in the order of their declarations: see [`crate::agent_group`]. The run is
-/// over after `(end-application)`, or when all agents are done.
+/// Like [`fly`], for all agents of an application with one clock, in the order of their declarations: see [`crate::agent_group`]. The run
+/// is over after `(end-application)`, or when all agents have finished.
 ///
 /// # Errors
-/// Like [`fly`], and when an input is for an agent that does not exist.
+/// Like [`fly`], and if an input addresses an agent that does not exist.
 pub fn fly_all(
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,

@@ -1,4 +1,4 @@
-//! The mission loop with stand-ins for executive, vehicle, solver and operator.
+//! The mission loop with test doubles for executive, vehicle, solver and operator.
 
 use super::*;
 use crate::commands::{Command, CommandEnd, Order, Ticket};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
-/// Executes what messages say (test double of the executive): `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
+/// Test double of the executive: obeys the messages `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
 fn obey(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     agent.started = true;
     let mut effects = Vec::new();
@@ -104,7 +104,7 @@ fn slow_answer() -> SolverAnswer {
     SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) }
 }
 
-/// Writes down what it sees: `0s Woken, Measurement(..)`.
+/// Observer that writes down the steps: `0s Woken, Measurement(..)`.
 #[derive(Default)]
 struct Scribe(Vec<String>);
 
@@ -269,7 +269,7 @@ impl SolverQueue for FakeQueue {
     }
 }
 
-/// Flies the balloon in real time by a clock that only sleeping moves, with a solver that takes this time.
+/// Flies the balloon in real time, by a clock that only sleeping advances, with a solver that takes `takes_s` seconds.
 fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<String>, bool) {
     let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
     let mut balloon = Balloon { reports, ..Balloon::default() };

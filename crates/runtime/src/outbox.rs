@@ -1,7 +1,7 @@
-//! The outbox: sends what a step decided, in the order decided.
+//! The outbox: sends the effects of a step in their order.
 //!
-//! Commands and withdrawals go to the vehicle, requests to the solver pool. Decisions, `inform`, `print` and `ask` are
-//! for observers, who have seen the whole list of effects before anything is sent.
+//! Commands and withdrawals go to the vehicle, requests to the solver pool. Decisions, `inform`, `print` and `ask` are for observers,
+//! which have received the whole list of effects before anything is sent.
 
 use crate::agent_group::Numbering;
 use crate::pool::SolverPool;
@@ -20,12 +20,12 @@ pub struct Sent {
     pub told: Vec<(Symbol, Message)>,
     /// Requests to solvers, in order, numbered as outside of the agents.
     pub requests: Vec<SolveRequest>,
-    /// Decisions of the runtime meanwhile (a dropped answer, say), for [`crate::ports::Observer::note`].
+    /// Decisions of the runtime in between (a dropped answer, for example), for [`crate::ports::Observer::note`].
     pub notes: Vec<String>,
 }
 
-/// Sends `effects` of the step at `now` to vehicle and pool; `numbering` is that of the agent that stepped. Requests to
-/// solvers are returned: they are posed and recorded first.
+/// Sends the `effects` of the step at `now` to vehicle and pool; `numbering` belongs to the agent of the step. Requests to solvers are
+/// returned, because they are posed and recorded first.
 pub fn send(
     effects: &[Effect],
     numbering: Numbering,
@@ -75,8 +75,8 @@ pub fn leaves(effect: &Effect) -> bool {
     }
 }
 
-/// Returns the requests to solvers among the effects of one step, in order, numbered as outside of the agents. A request that
-/// the same step cancels is never posed.
+/// Returns the solver requests among the effects of one step, in order, with outside numbers. A request that the same step cancels is
+/// never posed.
 pub fn requests(effects: &[Effect], numbering: Numbering) -> Vec<SolveRequest> {
     let is_cancelled =
         |request| effects.iter().any(|effect| matches!(effect, Effect::CancelSolve(id) if *id == request));

@@ -1,7 +1,7 @@
 //! Pacing: lets mission time pass at a multiple of wall time, so that operators can watch.
 //!
-//! Only the moment at which a step is executed depends on the pace, never what is decided: without inputs from
-//! outside, and while no solver is late, a paced run and a fast run write the same record.
+//! The pace decides only when a step is executed, never its result: without inputs from outside, and while no solver is late, a paced run
+//! and a fast run write the same record.
 
 use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
 use std::fmt;
@@ -91,8 +91,8 @@ impl Wait {
 }
 
 impl Pacer {
-    /// Returns a pacer at mission time `now`; `pace` seconds of mission time pass in one second; `None` is as fast as possible, 0 is a
-    /// pause.
+    /// Returns a pacer at mission time `now`. `pace` is the mission time in seconds that passes in one second of wall time: `None` as
+    /// fast as possible, 0 a pause.
     ///
     /// # Errors
     /// A message for a pace that is negative or not a number.
@@ -152,7 +152,7 @@ impl Pacer {
         }
     }
 
-    /// Returns the wall time since `instant`; zero if it lies ahead, or without a clock.
+    /// Returns the wall time that has passed since `instant`; zero if it is in the future, or without a clock.
     pub fn lateness(&self, instant: Time) -> Duration {
         let Some(pace) = self.pace.filter(|pace| *pace > 0.0) else { return Duration::ZERO };
         let due_s = (instant - self.anchor_mission).seconds() / pace;

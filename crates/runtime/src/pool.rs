@@ -1,10 +1,9 @@
-//! The solver pool: requests that are open, and answers until they are due.
+//! The solver pool: open requests, and answers until they are due.
 //!
-//! In simulation a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever the wall clock
-//! says: the pool queues the job and waits, and the order of answers is the same in every run. A paced flight does not wait: it
-//! queues the job and continues. Its answer takes effect at the same instant, or, if it arrives later, when it arrives, so a paced
-//! run in which no solver is late writes the record of a fast one. An answer that arrives after a cancellation, or never, is
-//! reported.
+//! In simulation, a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever the wall clock
+//! shows: the pool queues the job and waits, and the order of answers is the same in every run. A paced flight queues the job and
+//! continues. Its answer takes effect at the same instant, or on arrival if it arrives later, so a paced run in which no solver is late
+//! writes the record of a fast one. An answer that arrives after a cancellation, or never, is reported.
 
 use crate::limits::ANSWER_LATE_TOLD_MIN;
 use crate::ports::{Input, SolverAnswer, SolverJob, SolverQueue};
@@ -56,7 +55,7 @@ impl SolverPool {
         SolverPool { queue, answered: BTreeMap::new(), submitted: BTreeMap::new(), fresh: Vec::new() }
     }
 
-    /// Queues the job that answers `request`, made at `at`. With `waits`, returns after it is answered.
+    /// Queues the job that answers `request`, made at `at`. With `waits`, it returns after the answer.
     pub fn request(&mut self, request: &SolveRequest, at: Time, job: Box<dyn SolverJob>, waits: bool) {
         let (id, solver) = (request.request, &request.solver);
         if self.answered.len() + self.submitted.len() >= SOLVE_REQUESTS_MAX {
@@ -84,7 +83,7 @@ impl SolverPool {
         std::mem::take(&mut self.fresh)
     }
 
-    /// Keeps an answer that was made in an earlier run until it is due.
+    /// Keeps an answer from an earlier run until it is due.
     pub fn expect(&mut self, solver: Symbol, request: SolveRequestId, due: Time, report: SolverReport) {
         self.answered.insert((due, request), Answered { solver, report });
     }
@@ -103,12 +102,12 @@ impl SolverPool {
         !self.submitted.is_empty()
     }
 
-    /// Returns true if an answer may still arrive whose request is not cancelled.
+    /// Returns true if the answer to a request that is not cancelled may still arrive.
     pub fn is_expecting(&self) -> bool {
         self.submitted.values().any(|open| open.cancelled.is_none())
     }
 
-    /// Takes the answers that have arrived by now, or, with `wait`, all. `None` if none arrived, else notes about them.
+    /// Takes the answers that have arrived by now; with `wait`, waits for all. Returns notes about them, or `None` if none arrived.
     pub fn collect(&mut self, now: Time, wait: bool) -> Option<Vec<String>> {
         let mut notes: Option<Vec<String>> = None;
         while !self.submitted.is_empty() {
@@ -162,7 +161,7 @@ impl SolverPool {
         ))
     }
 
-    /// Returns the instant of the next due answer, of those that have arrived.
+    /// Returns the instant of the next due answer among those that have arrived.
     pub fn next_due(&self) -> Option<Time> {
         self.answered.first_key_value().map(|((due, _), _)| *due)
     }
@@ -178,7 +177,7 @@ impl SolverPool {
         }
     }
 
-    /// Drops all answers that did not become due, or did not arrive, before the end of the run, and names them.
+    /// Drops all answers that did not arrive or become due before the end of the run, and returns notes that name them.
     pub fn close(&mut self, now: Time) -> Vec<String> {
         let late = |((due, request), answered): ((Time, SolveRequestId), Answered)| {
             format!(

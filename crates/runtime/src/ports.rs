@@ -1,4 +1,4 @@
-//! The ports of the runtime: what a vehicle, a source of planning problems and an observer of a run must offer.
+//! The ports of the runtime: the traits of a vehicle, a source of planning problems and an observer of a run.
 //!
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
@@ -13,16 +13,16 @@ use apex_model::value::Value;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Something that came in, before the inbox numbers it.
+/// An input before the inbox numbers it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
     /// Instant of the event, in mission time.
     pub at: Time,
     /// Content.
     pub kind: EventKind,
-    /// The agent that it is for, by name; none is every agent. Answers find the agent that asked.
+    /// Name of the agent for which it is; `None` for every agent. Answers go to the agent that asked.
     pub agent: Option<Symbol>,
-    /// For an acknowledgement that names its command by the form instead of a number: the form. Its number is known when
+    /// The form of the command, for an acknowledgement that identifies its command by form instead of number. Its number is known when
     /// the command is sent ([`crate::program`]).
     pub command_form: Option<Value>,
 }
@@ -36,25 +36,25 @@ impl Input {
 
 /// A controlled system: the built-in simulator, a simulator elsewhere, or an autopilot behind a link.
 pub trait Vehicle {
-    /// Returns the instant of its next report, if it knows (simulators do).
+    /// Returns the instant of its next report; `None` if it is unknown (only simulators know it).
     fn next_report(&self) -> Option<Time>;
 
-    /// Lets it live until `to` (never backwards) and collects what it says, in order of time, none later than `to`.
+    /// Advances the vehicle to `to` (never backwards) and returns its reports in order of time, none later than `to`.
     ///
     /// # Errors
     /// A message if the link is lost.
     fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String>;
 
-    /// Sends a command, for example `(fly-to (34.7 -119.8 7010))`. The answer comes as `CommandAcknowledged`
-    /// out of a later [`Vehicle::advance`], also for commands it refuses.
+    /// Sends a command, for example `(fly-to (34.7 -119.8 7010))`. The answer is a `CommandAcknowledged` of a later [`Vehicle::advance`],
+    /// also for refused commands.
     fn command(&mut self, command: CommandId, form: &Value, at: Time);
 
     /// Withdraws a command that is still being carried out.
     fn withdraw(&mut self, command: CommandId, at: Time);
 
-    /// Returns true if a command has effects outside of this program at once. The observers then keep the step safe first
-    /// ([`Observer::flush`]): what a vehicle obeys is in the record, whatever happens next. False for simulated vehicles and
-    /// for links that keep commands until they are flushed themselves.
+    /// Returns true if a command has effects outside of this program at once. The observers then store the step first
+    /// ([`Observer::flush`]), so that the record contains every command that a vehicle obeys. False for simulated vehicles and for links
+    /// that hold commands until they are flushed themselves.
     fn acts_outside(&self) -> bool {
         true
     }
@@ -74,14 +74,14 @@ pub struct SolverAnswer {
 /// All calls come from the thread of the flight, in the order of the steps, so that a problem depends on the recorded
 /// inputs and effects only. Solving is a separate [`SolverJob`], on any thread.
 pub trait Deliberator {
-    /// Observes one step of the agent with this number, before its effects are sent. The situation afterwards is a
-    /// function of the steps observed.
+    /// Observes one step of the agent with this number, before its effects are sent. The situation afterwards is a function of all
+    /// observed steps.
     fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
         let _ = (agent, batch, effects);
     }
 
-    /// Takes what the mission derives from the step that it has just observed: inputs of the same instant for the next batch,
-    /// recorded like all others. Must be a function of the steps observed, so that replay derives the same.
+    /// Returns inputs that the mission derives from the observed step: inputs of the same instant for the next batch, recorded like all
+    /// others. They must be a function of the observed steps, so that replay derives the same.
     fn derive(&mut self) -> Vec<Input> {
         Vec::new()
     }
@@ -100,9 +100,9 @@ pub trait Deliberator {
     }
 }
 
-/// A problem that has been posed, and the job that solves it.
+/// A posed problem, and the job that solves it.
 pub struct Posed {
-    /// The problem as JSON, for the record: everything on which the answer depends. Replay poses it again and compares.
+    /// The problem as JSON, for the record: everything on which the answer depends. Replay poses it again and compares both.
     pub problem: String,
     /// The job.
     pub job: Box<dyn SolverJob>,
@@ -143,7 +143,7 @@ pub trait SolverQueue {
     /// An error message if no worker accepts jobs.
     fn submit(&mut self, request: SolveRequestId, solver: &Symbol, job: Box<dyn SolverJob>) -> Result<(), String>;
 
-    /// Cancels a request. Its answer comes all the same, sooner.
+    /// Cancels a request. Its answer still arrives, but earlier.
     fn cancel(&mut self, request: SolveRequestId);
 
     /// Returns an answer that has arrived.
@@ -176,9 +176,9 @@ impl CancelToken {
 
 /// Sees every step of a run, live: recorder, progress bar, Sherpa and mission bookkeeping are observers.
 ///
-/// Where several agents run, `turn` tells before the other calls whose step they are about.
-/// Per step the calls are `begin`, (the executive works), `observe`, (the effects go out), `inspect`.
-/// An error of any call is a message that states why continuing would lose data (an unwritable record); the run stops.
+/// If several agents run, `turn` announces the agent of the following calls. The calls for a step are `begin`, (the executive computes),
+/// `observe`, (the effects are sent), `inspect`. An error of any call is a message that states why continuing would lose data, such as an
+/// unwritable record; the run then stops.
 pub trait Observer {
     /// Announces the agent whose steps follow, by its number in order of declaration from 0.
     ///
@@ -213,8 +213,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Receives a planning problem that was posed at `at` for `request`, before a solver works on it. The request has its number outside of
-    /// the agents.
+    /// Receives a planning problem that was posed at `at` for `request`, before a solver works on it. The request has its outside number.
     ///
     /// # Errors
     /// An error message; the run stops.
@@ -223,7 +222,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Receives the answer of a solver to `request`, which takes effect at `due`. It is stored even if it comes too late to be used.
+    /// Receives the answer of a solver to `request`, which takes effect at `due`. It is stored even if it arrives too late to be used.
     ///
     /// # Errors
     /// An error message; the run stops.
@@ -249,7 +248,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Takes what the observer has to tell the agents, in order, until there is nothing more.
+    /// Returns the next message of the observer to the agents; `None` if there are no more.
     fn take_news(&mut self) -> Option<News> {
         None
     }
@@ -258,7 +257,7 @@ pub trait Observer {
 /// A message of an observer for the agents and the operators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct News {
-    /// The message to all agents, an input like others.
+    /// The message to all agents, as an input.
     pub message: Value,
     /// The same for operators.
     pub note: String,

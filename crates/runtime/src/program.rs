@@ -1,4 +1,4 @@
-//! A program without a vehicle: `apex run`. Inputs come from a list; a command is acknowledged as the list says, else at
+//! A program without a vehicle: `apex run`. Inputs come from a list, which may acknowledge commands; other commands are acknowledged at
 //! once.
 
 use crate::error::RunError;
@@ -13,9 +13,8 @@ use std::collections::BTreeSet;
 
 /// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any longer.
 ///
-/// Commands are acknowledged at the instant at which they are sent, with `nil`, except for those that an input acknowledges,
-/// by number or by form. Requests to solvers fail, with a
-/// reason; give a deliberator to [`run_with`] if planners are available.
+/// Commands are acknowledged with `nil` at the instant at which they are sent, except for those that an input acknowledges, by number or
+/// by form. Requests to solvers fail, with a reason; pass a deliberator to [`run_with`] if planners are available.
 ///
 /// # Errors
 /// Like [`fly`].
@@ -48,7 +47,7 @@ pub fn run_all(
     fly_all(agents, &mut NoVehicle::beside(&mut options.inputs), &mut NoDeliberator, observers, options)
 }
 
-/// Replaces a vehicle: does nothing, and acknowledges at once what no input acknowledges.
+/// Replaces a vehicle: does nothing, and acknowledges commands at once unless an input does.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
     /// In order of time.
@@ -62,7 +61,7 @@ pub struct NoVehicle {
 }
 
 impl NoVehicle {
-    /// Leaves to `inputs` what they acknowledge, and takes out of them what is acknowledged by form.
+    /// Leaves the commands that `inputs` acknowledge by number to them, and moves acknowledgements by form out of `inputs`.
     pub fn beside(inputs: &mut Vec<Input>) -> NoVehicle {
         let (named, others) = std::mem::take(inputs).into_iter().partition(|input| input.command_form.is_some());
         *inputs = others;
@@ -73,7 +72,7 @@ impl NoVehicle {
         NoVehicle { numbered: numbered.collect(), named, ..NoVehicle::default() }
     }
 
-    /// Acknowledges nothing: a vehicle does, whose reports come in like other inputs.
+    /// Acknowledges nothing, for an outside vehicle whose reports arrive like other inputs.
     pub fn silent() -> NoVehicle {
         NoVehicle { silent: true, ..NoVehicle::default() }
     }
@@ -116,7 +115,7 @@ impl Vehicle for NoVehicle {
                 _ => {}
             }
         }
-        // A command whose progress comes as inputs ends by an input.
+        // A command whose progress arrives as inputs is ended by an input.
         if !goes_on {
             self.report(at, EventKind::CommandAcknowledged(command, Ok(Value::nil())));
         }
@@ -129,7 +128,7 @@ impl Vehicle for NoVehicle {
         });
     }
 
-    /// Returns true if inputs acknowledge the commands; an outside vehicle then reads them from the trace.
+    /// Returns true if inputs acknowledge the commands: an outside vehicle then reads them from the trace.
     fn acts_outside(&self) -> bool {
         self.silent
     }

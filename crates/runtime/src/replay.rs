@@ -31,7 +31,7 @@ pub struct ReplayReport {
     pub end: Time,
     /// The first difference; none when the record is confirmed.
     pub difference: Option<Difference>,
-    /// Steps that are missing because the disk took none: replay ends before them.
+    /// Steps that are missing because the disk accepted no writes: replay ends before them.
     pub gap: Option<RecordGap>,
 }
 
@@ -44,9 +44,9 @@ pub struct Difference {
     pub batch: i64,
     /// Kind of difference.
     pub what: Differing,
-    /// The recorded side as text; `None` if the record has nothing there.
+    /// The recorded side as text; `None` if the record lacks it.
     pub recorded: Option<String>,
-    /// The side of the replay as text; `None` if it made nothing there.
+    /// The replayed side as text; `None` if the replay did not make it.
     pub replayed: Option<String>,
 }
 
@@ -61,7 +61,7 @@ pub enum Differing {
     Situation,
     /// A row that is derived from inputs and effects: its table and number, and the column that differs (empty: the whole row).
     Row(String, &'static str),
-    /// An input that the mission derives from the step before: the batch does not hold it.
+    /// An input that the mission derives from the preceding step: the batch does not contain it.
     Derived,
 }
 
@@ -207,7 +207,7 @@ struct Witness<'a> {
     deliberator: &'a mut dyn Deliberator,
     problems: BTreeMap<SolveRequestId, ProblemRow>,
     situations: BTreeMap<i64, Vec<u8>>,
-    /// Derived inputs of the steps so far that no batch has held.
+    /// Derived inputs of the steps so far that no batch has contained yet.
     derived: Vec<Input>,
     posed: u64,
 }
@@ -233,7 +233,7 @@ impl<'a> Witness<'a> {
         let difference = |what, recorded: Option<String>, replayed: Option<String>| {
             Some(Difference { at: now, batch, what, recorded, replayed })
         };
-        // Every agent gets what is derived; the first is the one that is compared.
+        // Every agent receives the derived inputs; only those of the first agent are compared.
         if recorded.agent == 0
             && let Some(missing) = missing(&std::mem::take(&mut self.derived), &recorded.batch)
         {
@@ -291,7 +291,7 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], describer: &mut EffectDe
                 Err(fault) => fault,
             });
             let replayed_words = made.map(|made| words(&describer.tell(made)));
-            // Words that say the same leave the reader helpless: show everything then.
+            // If both texts are equal although the effects differ, the full effects are shown instead.
             let (recorded_words, replayed_words) = if recorded_words == replayed_words {
                 let whole = |effect: &Effect| format!("{effect:?}");
                 (stored.and_then(|stored| stored.effect().ok()).as_ref().map(whole), made.map(whole))

@@ -40,7 +40,7 @@ pub(crate) fn sample(attribute: &str, value: Value) -> EventKind {
     EventKind::Measurement(variable(attribute, "aircraft-1"), value)
 }
 
-/// Returns a batch at `seconds` whose events happened then, numbered from `first`.
+/// Returns a batch at `seconds` whose events happened at that instant, numbered from `first`.
 pub(crate) fn batch(seconds: f64, first: u64, kinds: Vec<EventKind>) -> Batch {
     let now = Time::from_seconds(seconds);
     let events = (first..).zip(kinds).map(|(sequence, kind)| Event { sequence, at: now, kind }).collect();

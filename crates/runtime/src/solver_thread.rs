@@ -1,4 +1,4 @@
-//! A thread for solver jobs: requests are queued, answers fetched when they have arrived, and a job that never ends is abandoned.
+//! A thread for solver jobs: requests are queued, answers are collected when they have arrived, and a job that never ends is abandoned.
 //!
 //! Jobs run in the order of requests. A job that is cancelled before its turn is not started. A panic is an answer.
 
@@ -72,8 +72,8 @@ impl Worker {
 
 /// A queue with one thread, which starts with the first job. A caller that waits gets a failed answer after the timeout.
 ///
-/// While the thread is still at an abandoned job, further requests fail at once; when it returns, its stale answer is
-/// dropped and the next request is served again.
+/// While the thread is blocked by an abandoned job, further requests fail at once. When that job returns, its stale answer is dropped and
+/// the next request is served again.
 pub struct SolverThread {
     worker: Option<Worker>,
     timeout: std::time::Duration,
@@ -82,7 +82,7 @@ pub struct SolverThread {
 }
 
 impl SolverThread {
-    /// Returns a queue whose answers are waited for at most for `timeout` of wall time.
+    /// Returns a queue that waits for an answer for at most `timeout` of wall time.
     pub fn new(timeout: std::time::Duration) -> SolverThread {
         SolverThread { worker: None, timeout, pending: Vec::new() }
     }

@@ -5,7 +5,8 @@ use crate::samples;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Makes jobs that answer by the goal: `plan`, `panic`, `hang` until the gate opens, anything else fails. Counts the jobs that ran.
+/// Makes jobs that behave as their goal says: `plan`, `panic`, `hang` until the gate opens, anything else fails. Counts the jobs that
+/// ran.
 #[derive(Clone, Default)]
 struct Scripted {
     gate: Arc<AtomicBool>,

@@ -1,4 +1,4 @@
-//! Words of solvers that reach the record: of bounded length.
+//! Texts of solvers that enter the record, cut to a bounded length.
 
 use crate::limits::SOLVER_WORDS_MAX;
 use std::any::Any;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// State of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TargetState {
-    /// It is part of the plan.
+    /// The target is part of the plan.
     Planned,
     /// The vehicle is at it.
     Observing,

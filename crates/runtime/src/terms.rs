@@ -1,4 +1,4 @@
-//! The terms of a run: settings, orders of operators, end.
+//! The options of a run, the orders of operators, and the end of a run.
 
 use crate::authority::AuthorityBoard;
 use crate::commands::Command;
@@ -21,26 +21,26 @@ pub struct FlyOptions {
     pub until: Time,
     /// Mission seconds per second of wall time; none is as fast as possible, 0 waits for [`Control::Pace`].
     pub pace: Option<f64>,
-    /// By which a pace is kept: the one on the wall, except for tests.
+    /// Clock that a pace follows: the wall clock, except in tests.
     pub clock: Arc<dyn Clock>,
-    /// Inputs that come at known times, in addition the vehicle's: a scenario, an operator's answers. Any order.
+    /// Inputs at known times in addition to those of the vehicle, such as a scenario or answers of an operator, in any order.
     pub inputs: Vec<Input>,
-    /// Further inputs, which are read while they are needed. At one instant they come after the others.
+    /// Further inputs, read when they are needed. At one instant they follow the others.
     pub stream: Option<InputStream>,
     /// Answers of the operator to future questions; each answers one.
     pub answers: Vec<ScriptedAnswer>,
-    /// Orders of operators while it runs.
+    /// Orders of operators during the run.
     pub controls: Option<Receiver<Control>>,
-    /// Sources that are heard by class and in turn; they wake the run by [`Control::Look`].
+    /// Sources that are served by class and in turn; they wake the run by [`Control::Look`].
     pub live: Option<LiveSources>,
-    /// Authority over the run, shared with those that show it.
+    /// Authority over the run, shared with the components that display it.
     pub authority: AuthorityBoard,
-    /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
+    /// Largest step of time for a vehicle whose next report is unknown; `None` if the other instants suffice.
     pub poll: Option<Duration>,
-    /// Let mission time stand still while a solver works, also where the run is paced: a simulated flight then depends on no
-    /// pace. Without it a paced run continues, and a late answer takes effect when it arrives.
+    /// True if mission time stops while a solver runs, even in a paced run: a simulated flight then does not depend on the pace.
+    /// Otherwise a paced run continues, and a late answer takes effect when it arrives.
     pub hold_for_solvers: bool,
-    /// Wall time after which a solver that does not answer is abandoned, where the run waits for it.
+    /// Wall time after which a solver without an answer is abandoned, in runs that wait for it.
     pub solver_timeout: std::time::Duration,
 }
 
@@ -68,7 +68,7 @@ impl Default for FlyOptions {
 pub struct ScriptedAnswer {
     /// Part of the question's text, in any case.
     pub question: String,
-    /// The agent that asks; none is any.
+    /// The agent that asks; `None` for any agent.
     pub agent: Option<Symbol>,
     /// The answer.
     pub value: Value,
@@ -81,15 +81,15 @@ pub struct ScriptedAnswer {
 pub enum Control {
     /// An input, now: an operator's answer, a message.
     Input(EventKind),
-    /// The same, for one agent.
+    /// An input for one agent.
     InputFor(Symbol, EventKind),
     /// Another pace; see [`FlyOptions::pace`].
     Pace(Option<f64>),
     /// An operator's command, which ends as accepted, rejected or expired.
     Command(Arc<Command>),
-    /// Live sources have something to say.
+    /// Live sources have inputs.
     Look,
-    /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
+    /// No further message follows except [`Control::Stop`]: the run need not wait for inputs.
     Quiet,
     /// End the run cleanly.
     Stop,
@@ -102,7 +102,7 @@ pub enum EndReason {
     Application {
         /// The agent's reason.
         reason: String,
-        /// True if the initial task of an agent failed, whatever the words of the reason are.
+        /// True if the initial task of an agent failed, whatever text the reason has.
         failed: bool,
     },
     /// The time limit.

@@ -1,5 +1,5 @@
-//! JSON whose objects have each key once. Of a key that is given twice most readers silently take one value, and two readers may
-//! take different ones.
+//! JSON whose objects contain each key once. Of a repeated key most readers silently take one value, and two readers may take different
+//! ones.
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
@@ -8,7 +8,7 @@ use std::fmt;
 /// Parses JSON text.
 ///
 /// # Errors
-/// Those of `serde_json`, and a key that an object has twice.
+/// Errors of `serde_json`, and an error for a key that occurs twice in an object.
 pub fn parse(text: &str) -> serde_json::Result<Value> {
     serde_json::from_str::<Unique>(text).map(|unique| unique.0)
 }

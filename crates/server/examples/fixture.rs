@@ -1,5 +1,5 @@
-//! Writes a made-up flight record for work on the page: `cargo run -p apex-server --example fixture -- FILE.apex`.
-//! With `--live SECONDS` it writes the flight bit by bit over that time, as `apex fly` does.
+//! Writes a fictitious flight record for work on the page: `cargo run -p apex-server --example fixture -- FILE.apex`. With `--live
+//! SECONDS` it writes the flight in pieces over that time, as `apex fly` does.
 
 #[path = "../tests/flight/mod.rs"]
 mod flight;

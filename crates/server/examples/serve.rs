@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // The words of `apex serve FILE --port N`, so that the page's tests can run either.
+    // The arguments are those of `apex serve FILE --port N`, so that the page's tests can run either program.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "serve" && word != "--port").collect();
     let Some(record) = words.first() else {
         eprintln!("usage: serve FILE.apex [--port PORT]");

@@ -33,7 +33,7 @@ impl ApiError {
         ApiError { status: StatusCode::BAD_REQUEST, error: error.into(), help: help.into() }
     }
 
-    /// There is no such thing.
+    /// Returns the error for something that does not exist (404).
     pub(crate) fn not_found(error: impl Into<String>, help: impl Into<String>) -> ApiError {
         ApiError { status: StatusCode::NOT_FOUND, error: error.into(), help: help.into() }
     }

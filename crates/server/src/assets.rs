@@ -11,7 +11,7 @@ use rust_embed::RustEmbed;
 #[allow_missing = true]
 struct Pages;
 
-/// Said instead of the page when the program was built without it.
+/// Page that is sent if the program was built without the web page.
 const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Sherpa</title>\
 <body><h1>The page is not built in</h1>\
 <p>This program was built before the web page. Run <code>make web</code>, then build it again.</p>\
@@ -41,7 +41,7 @@ pub(crate) async fn page(uri: Uri, headers: HeaderMap) -> Response {
     }
 }
 
-/// Returns true if the client accepts gzip: it names it, or everything, and not with the weight 0.
+/// Returns true if the client accepts gzip: it lists gzip or everything, with a weight other than 0.
 fn takes_gzip(headers: &HeaderMap) -> bool {
     let accepted = headers.get(ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
     accepted.split(',').any(|one| {

@@ -1,9 +1,9 @@
-//! Keeps other web sites away: every request must name this server, and must not come from a page of another site.
+//! Blocks other web sites: every request must name this server, and must not come from a page of another site.
 //!
-//! A page from elsewhere can make a browser ask this server under a foreign name (DNS rebinding), open a WebSocket across
-//! sites or post a form. So `Host` must be the address of the connection, a loopback name on a loopback connection, or a name
-//! that the user states; `Origin`, where a browser sends it, must be the host that is asked; and what a browser marks as
-//! cross-site gets no answer of the API.
+//! A page of another site can make a browser contact this server under a foreign name (DNS rebinding), open a WebSocket across sites or
+//! post a form. So `Host` must be the address of the connection, a loopback name on a loopback connection, or a name that the user
+//! states; `Origin`, if a browser sends it, must be the requested host; and a request that a browser marks as cross-site gets no answer
+//! of the API.
 
 use crate::answer::ApiError;
 use crate::listening::Endpoint;
@@ -15,7 +15,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use std::net::IpAddr;
 
-/// The header by which browsers state the relation between the page that asks and the server.
+/// The header by which browsers state the relation between the requesting page and the server.
 const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 
 /// Middleware of all addresses: refuses requests of other web sites and under other names.
@@ -47,7 +47,7 @@ fn is_own_site(site: &str) -> bool {
     matches!(site, "same-origin" | "none")
 }
 
-/// True unless a browser says that the page that asks came from another host than the one asked.
+/// Returns true unless a browser states that the requesting page came from another host than the requested one.
 fn same_origin(headers: &HeaderMap) -> bool {
     let Some(origin) = headers.get(ORIGIN) else { return true };
     let origin = origin.to_str().ok().and_then(|origin| origin.split_once("://")).map(|(_, host)| host);

@@ -1,4 +1,4 @@
-//! Rules of all answers and requests: security headers, and a body that comes in time.
+//! Rules for all answers and requests: security headers, and a time limit for the body.
 
 use crate::answer::ApiError;
 use crate::state::Shared;
@@ -18,8 +18,8 @@ const BODY_PATIENCE: Duration = Duration::from_secs(10);
 /// Bytes of the largest body of any address; most take less.
 const BODY_MAX_BYTES: usize = 64 << 10;
 
-/// The page needs nothing from elsewhere: no fonts, no tiles, no scripts. `'self'` of `connect-src` is also the WebSocket of this
-/// server. Pictures that the page makes are `data:` and `blob:`, the worker of the map is a `blob:`.
+/// The page loads nothing from other hosts: no fonts, tiles or scripts. `'self'` of `connect-src` includes the WebSocket of this server.
+/// Pictures that the page makes are `data:` and `blob:`, the worker of the map is a `blob:`.
 const CONTENT_RULES: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
 img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; \
 base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -35,7 +35,7 @@ const HEADERS: [(HeaderName, &str); 7] = [
     (HeaderName::from_static("permissions-policy"), "camera=(), geolocation=(), microphone=(), payment=(), usb=()"),
 ];
 
-/// Middleware of everything: adds the headers. Answers that say nothing of it are not stored.
+/// Middleware of all answers: adds the headers. Answers without a caching rule are not stored.
 pub(crate) async fn add_headers(State(state): Shared, request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     let headers = response.headers_mut();
@@ -49,7 +49,7 @@ pub(crate) async fn add_headers(State(state): Shared, request: Request, next: Ne
     response
 }
 
-/// Middleware of all addresses: a body that does not come in time, or is too large, is refused before it is read on.
+/// Middleware of all addresses: refuses a body that does not arrive in time or is too large, before it is read further.
 pub(crate) async fn whole_body(request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD) {
         return next.run(request).await;

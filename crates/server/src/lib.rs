@@ -1,9 +1,9 @@
-//! The web face of Apex: serves one flight record, and the page (Sherpa) that draws it, over HTTP and WebSocket.
+//! The web server of Apex: serves one flight record, and the page (Sherpa) that draws it, over HTTP and WebSocket.
 //!
-//! Contents: addresses, parameters, status codes, and the page's files (`docs/reference/server-api.md`). Answers come
-//! from the record view and the explainer of `apex-runtime` and are sent as they are. A record that is still being
-//! written is read the same way and polled, so that live and recorded flights have one path. With a folder of missions it also
-//! flies them, through `apex-simulation`. Out of scope: SQL, decisions, planning, writing into the served record.
+//! Contents: addresses, parameters, status codes, and the page's files (`docs/reference/server-api.md`). Answers come unchanged from the
+//! record view and the explainer of `apex-runtime`. A record that is still being written is read in the same way and polled, so that live
+//! and recorded flights share one path. With a folder of missions the server also flies them, through `apex-simulation`. Out of scope:
+//! SQL, decisions, planning, writing into the served record.
 
 mod access;
 mod answer;

@@ -1,7 +1,7 @@
-//! `/api/live`: a WebSocket that tells how far the record has grown.
+//! `/api/live`: a WebSocket that reports the growth of the record.
 //!
-//! The record is polled, not the program that writes it: a second process, a crashed one and a finished one look
-//! the same from here. Bound: one small query per client and poll.
+//! The server polls the record and not the program that writes it, so that a second, a crashed and a finished process need no
+//! distinction. Bound: one small query per client and poll.
 
 use crate::state::AppState;
 use apex_runtime::record::view::Growth;
@@ -9,7 +9,7 @@ use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Four looks a second: faster than eyes ask for, slow enough to cost nothing.
+/// Interval of polls: faster than a viewer needs, and cheap.
 const POLL: Duration = Duration::from_millis(250);
 
 /// Sends `{end_ns, batches, status}` at once and whenever it changes, until the client leaves or the record is
@@ -28,7 +28,7 @@ pub(crate) async fn tell_growth(mut socket: WebSocket, state: Arc<AppState>) {
         let state = Arc::clone(&state);
         let look = tokio::task::spawn_blocking(move || state.read(|view| Ok(state.with_life(view.growth()?)))).await;
         let Ok(Ok(now)) = look else {
-            // The record is busy or gone for the moment; the next look may find it.
+            // The record is temporarily busy or missing; the next poll may succeed.
             continue;
         };
         if sent.as_ref() == Some(&now) {

@@ -5,16 +5,16 @@ use apex_mission::{Mission, Target, TargetKind};
 use apex_model::time::Time;
 use serde::Serialize;
 
-/// Facts of the mission that the page needs next to its record: all of them are in the mission's files.
+/// Facts of the mission that the page needs in addition to its record, all from the mission's files.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.
     #[cfg_attr(test, ts(type = "'fixed-wing' | 'rotorcraft'"))]
     kind: &'static str,
-    /// Greatest distance from a landing place that the mission allows, metres; none if it states none.
+    /// Greatest permitted distance from a landing place, metres; `None` if the mission states none.
     landing_distance_m_max: Option<f64>,
-    /// Windows of the wanted looks of targets. The page shows those of targets that are known.
+    /// Windows of the wanted looks of targets. The page shows those of known targets.
     windows: Vec<WantedWindow>,
 }
 

@@ -1,4 +1,4 @@
-//! Tokens and certificate of a server: from files, or made for this run where other machines are let in.
+//! Tokens and certificate of a server: from files, or made for this run if other machines have access.
 
 use crate::access::AccessToken;
 use crate::listening::{TlsError, TlsIdentity};
@@ -11,9 +11,9 @@ use std::path::Path;
 
 /// Files and names from which the access to a server is prepared.
 pub struct AccessFiles<'a> {
-    /// The file of tokens; none makes one for each role where other machines are let in.
+    /// The file of tokens; `None` makes one for each role if other machines have access.
     pub tokens: Option<&'a Path>,
-    /// The files of the certificate and of its key; none makes both where other machines are let in.
+    /// The files of the certificate and of its key; `None` makes both if other machines have access.
     pub certificate: Option<(&'a Path, &'a Path)>,
     /// Names of hosts by which the server is reached.
     pub host_names: &'a [String],
@@ -23,7 +23,7 @@ impl AccessFiles<'_> {
     /// Returns the access to a server on `address`, and the lines that the user needs to enter.
     ///
     /// # Errors
-    /// A file cannot be read or is not what it should be.
+    /// If a file cannot be read or has invalid contents.
     pub fn prepare(&self, address: IpAddr) -> MissionResult<(AccessOptions, Vec<String>)> {
         let (mut said, is_open) = (Vec::new(), !address.is_loopback());
         let tokens = match self.tokens {

@@ -25,7 +25,8 @@ use tower_http::compression::CompressionLayer;
 /// Maximum bytes of a message from a client of `/api/live`; the server expects none.
 const LIVE_MESSAGE_MAX_BYTES: usize = 1 << 10;
 
-/// Returns all routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
+/// Returns all routes. The layers, from outside to inside: headers of answers, the requesting site, compression, the body, the caller's
+/// role.
 pub(crate) fn router(state: Arc<AppState>) -> Router {
     Router::new()
         .route("/api/mission", get(mission))

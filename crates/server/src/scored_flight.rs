@@ -1,4 +1,4 @@
-//! The mission score if the flight ended at an instant, folded from the steps of the record.
+//! The mission score if the flight ended at an instant, computed from the steps of the record.
 
 use crate::answer::{ApiError, ApiResult};
 use apex_mission::recorded::mission_of;
@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
 use std::sync::{Mutex, PoisonError};
 
-/// The fold over the record's steps, as far as it is done. A finished record is folded once.
+/// The state of the computation over the record's steps. A finished record is processed once.
 #[derive(Default)]
 pub(crate) struct ScoredFlight(Mutex<Option<Fold>>);
 
@@ -18,7 +18,7 @@ struct Fold {
 }
 
 impl ScoredFlight {
-    /// One caller at a time folds; the others wait for what it finds.
+    /// One caller at a time extends the computation; the others wait for its result.
     pub(crate) fn at(&self, reader: &RecordReader, at: Time) -> ApiResult<Option<ScoreSoFar>> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let fold = match slot.take() {

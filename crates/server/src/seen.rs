@@ -31,7 +31,7 @@ async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> 
     Ok(Json(seen).into_response())
 }
 
-/// The score at an instant, the last one by default; `null` for missions that are not measured by a score.
+/// Returns the score at an instant, by default the last one; `null` for missions without a score.
 async fn score(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at.map_or(Time::END, Time);
     let score = blocking(move || state.score.at(&state.reader_of(0)?, at)).await?;

@@ -1,4 +1,4 @@
-//! The ground that the sensors of a record have seen, folded from its steps.
+//! The ground that the sensors of a record have seen, computed from its steps.
 
 use crate::answer::{ApiError, ApiResult};
 use apex_mission::recorded::mission_of;
@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
 use std::sync::{Mutex, PoisonError};
 
-/// The fold over the record's steps, as far as it is done. A finished record is folded once.
+/// The state of the computation over the record's steps. A finished record is processed once.
 #[derive(Default)]
 pub(crate) struct SeenGround(Mutex<Option<Fold>>);
 
@@ -18,7 +18,8 @@ struct Fold {
 }
 
 impl SeenGround {
-    /// The footprints in a window, of the record that `reader` reads as its first agent. One caller at a time folds; the others wait for what it finds.
+    /// Returns the footprints in a window, of the record that `reader` reads as its first agent. One caller at a time extends the
+    /// computation; the others wait for its result.
     pub(crate) fn between(&self, reader: &RecordReader, from_ns: i64, to_ns: i64) -> ApiResult<Footprints> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let fold = match slot.take() {

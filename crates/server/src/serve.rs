@@ -1,4 +1,4 @@
-//! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
+//! Serves a record: opens it, binds the address, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
 use crate::access::{AccessToken, Sessions};
 use crate::flights::{FlightOptions, Tower};
@@ -33,12 +33,12 @@ const LIVE_PLACES: usize = 64;
 /// Tokens, names and encryption of a server.
 #[derive(Default)]
 pub struct AccessOptions {
-    /// Tokens of operators and programs. An address that other machines reach needs at least one; on a loopback address without any,
-    /// every caller is this machine.
+    /// Tokens of operators and programs. A public address needs at least one; on a loopback address without tokens, every caller is the
+    /// local user.
     pub tokens: Vec<AccessToken>,
     /// Names of this server in addition to its addresses: requests under other names are refused.
     pub names: Vec<String>,
-    /// Encrypts connections; an address that other machines reach needs it.
+    /// Encrypts connections; a public address needs it.
     pub tls: Option<TlsIdentity>,
 }
 
@@ -50,17 +50,17 @@ pub struct ServeOptions {
     pub agent: usize,
     /// The address to bind to; `127.0.0.1` keeps the record on this machine.
     pub address: IpAddr,
-    /// The port; 0 takes any free one.
+    /// The port; 0 for any free one.
     pub port: u16,
     /// Restores instants for `/api/why`; without it the answers come from the record's decisions alone.
     pub load: Option<LoadSources>,
-    /// The way to the run that writes the record; without it the page only looks.
+    /// The connection to the run that writes the record; without it the page is read-only.
     pub door: Option<FlightDoor>,
     /// Further records that the page can show.
     pub others: Vec<PathBuf>,
     /// Planners and the reader of forms, for continuing flights with changes and for drafts of plans.
     pub what_if: Option<(PlanningResources, ReadDatum)>,
-    /// The missions that the server may fly; `None`: it only reads.
+    /// The missions that the server may fly; `None` if it only reads.
     pub flights: Option<FlightOptions>,
     /// Tokens, names and encryption.
     pub access: AccessOptions,
@@ -94,7 +94,7 @@ pub enum ServeError {
         "cannot serve on {address} without {missing}: other machines reach this address; serve on 127.0.0.1, or state {missing}"
     )]
     Open {
-        /// The address that was asked for.
+        /// The requested address.
         address: SocketAddr,
         /// The missing option.
         missing: &'static str,
@@ -110,7 +110,7 @@ pub enum ServeError {
 /// Serves the record and flies missions until Ctrl-C (or SIGTERM); blocks. Flights under way are ended cleanly.
 ///
 /// # Errors
-/// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
+/// If the record cannot be read, the port is not available, or the network fails; each error states the remedy.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     let ServeOptions { record, agent, load, door, others, what_if, flights, access, ready, address, port } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
@@ -197,9 +197,9 @@ fn filled_shelf(record: Option<&PathBuf>, agent: usize, others: &[PathBuf]) -> R
     Ok(shelf)
 }
 
-/// Reads the log of the record into its index, in pauses of the questions. What is written later each question reads itself.
+/// Reads the log of the record into its index, in pauses between queries. Queries read later steps themselves.
 fn index_log(view: &RecordView) {
-    // An error comes again with the next question, which tells it.
+    // An error occurs again in the next query, which reports it.
     let _ = view.prepare();
     while view.index_effects(INDEXING_TURN).is_ok_and(|is_done| !is_done) {
         std::thread::sleep(INDEXING_PAUSE);
@@ -213,7 +213,7 @@ fn bind_error(address: SocketAddr, source: io::Error) -> ServeError {
     }
 }
 
-/// Returns a future that ends when the user or the system asks the program to stop.
+/// Returns a future that completes when the user or the system requests the program to stop.
 #[cfg(unix)]
 fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
     use tokio::signal::unix::{SignalKind, signal};
@@ -227,7 +227,7 @@ fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError>
     })
 }
 
-/// Returns a future that ends when the user asks the program to stop.
+/// Returns a future that completes when the user requests the program to stop.
 #[cfg(not(unix))]
 fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
     Ok(async {

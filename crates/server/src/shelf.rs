@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 /// Records on a shelf; more are left out.
 const ENTRIES_MAX: usize = 64;
 
-/// Further records that the page can show. The served record and its shown agent are not on it.
+/// Further records that the page can show, without the shown agent of the served record.
 #[derive(Default)]
 pub(crate) struct Shelf(Mutex<Vec<ShelfEntry>>);
 
@@ -20,11 +20,11 @@ pub(crate) struct ShelfEntry {
     pub(crate) path: PathBuf,
     pub(crate) agent: usize,
     pub(crate) shown: ShelfRow,
-    /// Answers about it; made at the first question.
+    /// Routes for queries about it; made at the first query.
     pub(crate) routes: Arc<OnceLock<Router>>,
 }
 
-/// An entry as the API describes it.
+/// An entry in the form of the API.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ShelfRow {
@@ -52,8 +52,7 @@ impl Shelf {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts all agents of the record at `path` on the shelf, except agent number `except`. Beyond the limit they are left out. Returns the
-    /// number of the first of them.
+    /// Adds all agents of the record at `path`, except agent number `except`, up to a limit. Returns the number of the first added one.
     ///
     /// # Errors
     /// A record that cannot be read.
@@ -74,7 +73,7 @@ impl Shelf {
     }
 }
 
-/// One row for each agent of a record.
+/// Returns one row for each agent of a record.
 pub(crate) fn rows(path: &Path) -> Result<Vec<ShelfRow>, RecordError> {
     let reader = RecordReader::open(path)?;
     let at_ns = reader.meta("forked_at_ns")?.and_then(|text| text.parse().ok());

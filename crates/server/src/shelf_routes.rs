@@ -1,5 +1,4 @@
-//! `/api/records` lists the records that the page can show; `/api/records/ID/..` answers about one of them as `/api/..` answers
-//! about the first.
+//! `/api/records` lists the records that the page can show; `/api/records/ID/..` is the API of one of them, like `/api/..` for the first.
 
 use crate::answer::{ApiError, ApiResult};
 use crate::scored_flight::ScoredFlight;
@@ -50,7 +49,7 @@ async fn of_one(
     Ok(routes.oneshot(request).await.into_response())
 }
 
-/// Returns the routes of one entry, made at the first question about it.
+/// Returns the routes of one entry, made at the first query about it.
 fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
     if id == 0 {
         return Ok((state.routes)(Arc::clone(state)));

@@ -21,10 +21,10 @@ use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use tokio::sync::Semaphore;
 
-/// Questions that are answered at the same time.
+/// Maximum number of queries answered at the same time.
 const CONNECTIONS: usize = 8;
 
-/// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
+/// Checks the PDL sources of a record again, so that an instant can be restored; the server itself has no parser.
 pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<RestoredProgram, String> + Send + Sync>;
 
 /// State shared by all request handlers.
@@ -37,15 +37,15 @@ pub(crate) struct AppState {
     pub(crate) load: Option<LoadSources>,
     /// Connections to the record, if there is one.
     pub(crate) views: Option<Views>,
-    /// The record's checked program, loaded at its first use; none if it cannot be loaded.
+    /// The record's checked program, loaded at its first use; the inner `None` if it cannot be loaded.
     pub(crate) program: OnceLock<Option<RestoredProgram>>,
-    /// Facts of the record's mission, which never change; none before they are asked for.
+    /// Facts of the record's mission, which never change; empty before the first request.
     pub(crate) facts: OnceLock<Option<MissionFacts>>,
-    /// The way to the run that writes the record, if it is under way in this program.
+    /// The connection to the run that writes the record, if this program runs it.
     pub(crate) door: Option<FlightDoor>,
-    /// The ground that the record's sensors have seen, as far as it was asked for.
+    /// The ground that the record's sensors have seen, computed as far as requested.
     pub(crate) seen: SeenGround,
-    /// The score of the record's flight, as far as it was asked for.
+    /// The score of the record's flight, computed as far as requested.
     pub(crate) score: ScoredFlight,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
@@ -66,13 +66,13 @@ pub(crate) struct AppState {
 }
 
 impl AppState {
-    /// Reads with one of the connections; blocks while all are in use.
+    /// Runs a query on one of the connections; blocks while all are in use.
     pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> ApiResult<T>) -> ApiResult<T> {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
     }
 
-    /// Returns another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
-    /// new one would read the whole file.
+    /// Returns another connection to the record, for longer work. The record was checked when the server started; opening it as a new one
+    /// would read the whole file.
     pub(crate) fn reader(&self) -> ApiResult<RecordReader> {
         self.reader_of(self.agent)
     }
@@ -101,7 +101,7 @@ impl AppState {
     /// Returns the means of continuing flights and of drafting plans.
     ///
     /// # Errors
-    /// The server was started without them.
+    /// If the server was started without them.
     pub(crate) fn what_if(&self) -> ApiResult<&WhatIf> {
         self.what_if.as_ref().ok_or_else(|| {
             ApiError::not_found(
@@ -114,7 +114,7 @@ impl AppState {
     /// Returns the flights of this server.
     ///
     /// # Errors
-    /// It was started without a folder of missions.
+    /// If the server was started without a folder of missions.
     pub(crate) fn tower(&self) -> ApiResult<&Tower> {
         self.tower.as_deref().ok_or_else(|| {
             ApiError::not_found(
@@ -125,7 +125,7 @@ impl AppState {
     }
 }
 
-/// Connections to one record. Each question has one to itself, so that a long one does not hold up the others.
+/// Connections to one record. Each query uses one exclusively, so that a long query does not delay the others.
 pub(crate) struct Views {
     free: Mutex<Vec<RecordView>>,
     returned: Condvar,
@@ -164,13 +164,13 @@ impl Views {
         let mut free = self.returned.wait_while(free, |free| free.is_empty()).unwrap_or_else(PoisonError::into_inner);
         let view = free.pop()?;
         drop(free);
-        // Also after a panic of the query: it has written nothing, so the connection is as good as before.
+        // A panic of the query does not matter: it has written nothing, so the connection can be used again.
         let mut lent = Lent { views: self, view: Some(view) };
         lent.view.as_mut().map(query)
     }
 }
 
-/// A connection in use; it is given back when it is dropped.
+/// A connection in use; it is returned when it is dropped.
 struct Lent<'a> {
     views: &'a Views,
     view: Option<RecordView>,
@@ -191,7 +191,7 @@ pub(crate) fn no_record() -> ApiError {
 pub(crate) type Shared = State<Arc<AppState>>;
 pub(crate) type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
-/// Returns the parameters of a request, or what is wrong with them.
+/// Returns the parameters of a request, or the error in them.
 pub(crate) fn checked<T>(params: QueryParams<T>) -> ApiResult<T> {
     params.map(|Query(query)| query).map_err(|rejection| {
         ApiError::bad_request(

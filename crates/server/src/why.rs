@@ -8,8 +8,8 @@ use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Monitors, TaskExplanation};
 use apex_runtime::record::view::TaskLookup;
 
-/// Explains task `id` at mission time `at_ns`. `restore` asks for what only the restored agent knows; if it cannot be
-/// restored, the answer says why and holds what the record's decisions alone tell.
+/// Explains task `id` at mission time `at_ns`. With `restore` the answer includes what only the restored agent knows; if the agent cannot
+/// be restored, the answer states the reason and is made from the record's decisions alone.
 pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiResult<TaskExplanation> {
     let (task, children) = match state.read(|view| Ok(view.task(id, at_ns)?))? {
         TaskLookup::Found { task, children } => (task, children),
@@ -26,10 +26,10 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
             ));
         }
     };
-    // Restoring an instant may take a while: a separate connection keeps the shared one free.
+    // Restoring an instant may take long: a separate connection keeps the shared one free.
     let reader = state.reader()?;
     let load = state.load.as_deref().filter(|_| restore);
-    // The program of a record never changes: it is checked once. One that cannot be loaded is tried again for its message.
+    // The program of a record never changes, so it is checked once. If it cannot be loaded, it is loaded again for the error message.
     let program = load.and_then(|_| state.program());
     let (id, at) = (TaskId(id), Time(at_ns));
     let decided = || Explainer::of_decisions(&reader).task(id, at);
@@ -46,7 +46,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
     Ok(TaskExplanation::new(at_ns, task, children, why, error))
 }
 
-/// Returns the conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
+/// Returns the conditions that living tasks watch at an instant; with `id`, only those of that task, with its variables.
 pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> ApiResult<Monitors> {
     let reader = state.reader()?;
     let program = state.program().ok_or_else(|| {

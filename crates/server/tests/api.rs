@@ -178,7 +178,7 @@ fn why_gives_the_decisions_in_order_and_the_error_of_restoring() {
     assert_eq!(why["now"], "T1 has ended (success) because all of its steps have ended");
     assert_eq!((&why["task"]["id"], &why["explanation"]["task"]), (&json!(1), &json!("T1")));
     assert_eq!(why["explanation_error"], Value::Null);
-    // A task that continues is explained by the agent; where it cannot be restored, by the decisions alone.
+    // The restored agent explains a task that continues; if it cannot be restored, the decisions alone do.
     let middle = story.end_ns() / 2;
     let (_, full) = get(server, &format!("/api/why?task=1&at={middle}"));
     let error = full["explanation_error"].as_str().unwrap();

@@ -91,7 +91,7 @@ fn trace(record: &Path) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// Stations are callers that may command, other than the one that asks.
+/// Stations are callers that may command, other than the requesting one.
 fn check_stations(stations: &Value) {
     let van = json!({"name": "van", "role": "operator"});
     assert!(stations.as_array().unwrap().contains(&van), "{stations}");

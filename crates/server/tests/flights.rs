@@ -86,7 +86,7 @@ fn stop(server: SocketAddr, id: &Value) -> (u16, Value) {
     ask(server, "POST", &format!("/api/flights/{id}/stop"), "", "")
 }
 
-/// Asks again until the flight is over.
+/// Polls until the flight is over.
 fn ended(server: SocketAddr, id: &Value) -> Value {
     loop {
         let (status, flight) = get(server, &format!("/api/flights/{id}"));
@@ -400,7 +400,7 @@ fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers(
     );
     assert_eq!(get(server, "/api/holdings?at=soon").0, 400);
 
-    // More callers than connections: every one gets the answer that a single one gets.
+    // With more callers than connections, each gets the answer that a single caller gets.
     let alone = get(server, "/api/tasks").1;
     let callers: Vec<_> = (0..12).map(|_| std::thread::spawn(move || get(server, "/api/tasks").1)).collect();
     for caller in callers {

@@ -168,7 +168,7 @@ fn connections_beyond_the_cap_are_turned_away_and_places_come_back() {
     let (_folder, server) = local(AccessOptions::default());
     let mut open: Vec<TcpStream> = (0..256).map(|_| TcpStream::connect(server).unwrap()).collect();
     let request = format!("GET /api/mission HTTP/1.1\r\nHost: {server}\r\nConnection: close\r\n\r\n");
-    // Each of those that have a place is served.
+    // Each connection with a permit is served.
     assert_eq!(answer(&mut open.pop().unwrap(), &request).0, 200);
     open.push(TcpStream::connect(server).unwrap());
     std::thread::sleep(Duration::from_millis(300));

@@ -1,5 +1,5 @@
-//! Everything that is shown of an instant is what was known at that instant: shipped missions are flown, and random
-//! instants of their records are compared with the restored agent, and with the same record cut off at that instant.
+//! Every answer for an instant shows what was known at that instant: shipped missions are flown, and random instants of their records are
+//! compared with the restored agent, and with the same record cut off at that instant.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
@@ -26,7 +26,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Flies a shipped mission for so many hours into a record in `folder`.
+/// Flies a shipped mission for `hours` hours into a record in `folder`.
 fn flown(folder: &Path, name: &str, hours: f64) -> PathBuf {
     let mission = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
     let mission = Arc::new(Mission::load(&mission).unwrap());
@@ -38,7 +38,7 @@ fn flown(folder: &Path, name: &str, hours: f64) -> PathBuf {
     record
 }
 
-/// `count` instants of the record by a fixed sequence, both ends among them.
+/// Returns `count` instants of the record from a fixed sequence, both ends included.
 fn instants(reader: &RecordReader, count: u64) -> Vec<i64> {
     let (first, last) = reader.span().unwrap().unwrap();
     let mut generator = ChaCha8Rng::seed_from_u64(42);
@@ -154,7 +154,7 @@ fn compare_with_agent(record: &Path, agent: usize, count: u64) {
     }
 }
 
-/// Compares the score so far with that of a report which is made of the steps until then alone.
+/// Compares the score so far with that of a report made from the steps until then alone.
 fn compare_score(record: &Path, count: u64) {
     let reader = RecordReader::open(record).unwrap();
     let mission = mission_of(&reader).unwrap().unwrap();

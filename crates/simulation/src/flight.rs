@@ -79,7 +79,7 @@ pub fn fly(
     lost.map_or(Ok(outcome), Err)
 }
 
-/// Like [`fly`]. A flight whose record was lost on the way has an outcome, too: it comes with the error of the record.
+/// Like [`fly`], but a flight whose record was interrupted still returns its outcome, together with the error of the record.
 ///
 /// # Errors
 /// A mission that cannot be simulated, a flight that breaks.
@@ -92,7 +92,7 @@ pub fn fly_to_the_end(
     observers: &mut [&mut dyn Observer],
 ) -> MissionResult<(FlightOutcome, Option<MissionError>)> {
     let mut vehicle = world(&mission, seed)?;
-    // In simulated time the watcher's pace decides nothing: planners have the same time at every pace.
+    // In simulated time the pace of watching has no influence: planners get the same time at every pace.
     let terms = FlyOptions { hold_for_solvers: !is_real_time(&mission), ..terms };
     let outcome = {
         let mut all: Vec<&mut dyn Observer> = vec![&mut *recorder];

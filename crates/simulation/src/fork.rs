@@ -1,4 +1,4 @@
-//! A recorded flight continued in the built-in simulator, with changes.
+//! Continuing a recorded flight in the built-in simulator, with changes.
 
 use crate::flight::{BUILT_IN, create_record};
 use crate::world::world;
@@ -24,20 +24,20 @@ const NOTHING: &str = "nothing is changed";
 /// Changes to the simulated world.
 #[derive(Clone, Debug, Default)]
 pub struct WorldChanges {
-    /// The wind that blows after the instant; `None` leaves it.
+    /// The wind after the instant; `None` leaves it unchanged.
     pub wind: Option<WindField>,
-    /// Seed of turbulence and radio links after the instant; `None` leaves it.
+    /// Seed of turbulence and radio links after the instant; `None` leaves it unchanged.
     pub seed: Option<u64>,
 }
 
-/// Settings of the continued flight. By default it flies to the end of the mission, without commands and further observers.
+/// Settings of the continued flight. By default it flies to the end of the mission, without commands or additional observers.
 #[derive(Default)]
 pub struct ForkTerms<'o> {
     /// Latest end of the continued flight.
     pub until: Option<Time>,
-    /// Commands of the caller, such as to stop.
+    /// Commands from the caller, such as to stop.
     pub controls: Option<Receiver<Control>>,
-    /// Sees all steps in addition to the recorder, those of the past included.
+    /// Receives all steps in addition to the recorder, including those before the instant.
     pub observer: Option<&'o mut dyn Observer>,
 }
 
@@ -49,12 +49,12 @@ pub struct Forked {
     pub forked: FlightOutcome,
 }
 
-/// Continues the flight in `reader` from `at` on, and records the whole flight at `output`. `text` describes the changes in the
-/// new record; `None` if there are none.
+/// Continues the flight in `reader` from `at` on, and records the whole flight at `output`. `text` is the description of the changes for
+/// the new record; `None` if there are no changes.
 ///
 /// # Errors
-/// A record that does not hold a mission flown with the built-in simulator, that is itself a changed fork, or that ends
-/// before `at`; an output that is the record itself; all errors of a flight.
+/// A record without a mission flown in the built-in simulator; a record that is itself a fork with changes, or that ends before `at`; an
+/// output that is the record itself; all errors of a flight.
 pub fn fork(
     reader: &RecordReader,
     at: Time,

@@ -1,5 +1,5 @@
-//! A mission in the built-in simulator. `mission` knows no simulator and `adapters/sim` knows no mission; this crate joins them
-//! for all callers.
+//! A mission in the built-in simulator. Crate `mission` knows no simulator, and crate `adapters/sim` knows no mission; this crate joins
+//! the two for all callers.
 
 mod flight;
 mod fork;

@@ -1,4 +1,4 @@
-//! Many flights of one mission, each in the world of another seed: what a mission achieves on the whole, and how it is lost.
+//! Many flights of one mission, each in a world from another seed: the distribution of results, and the causes of losses.
 
 use crate::world::world;
 use apex_mission::Mission;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-/// Flights of one series at most.
+/// Greatest number of flights in one series.
 pub const RUNS_MAX: usize = 1_000_000;
 /// Threads at most.
 pub const JOBS_MAX: usize = 1_024;
@@ -27,11 +27,11 @@ pub const JOBS_MAX: usize = 1_024;
 /// Selection of flights.
 #[derive(Clone, Debug)]
 pub struct RunTerms {
-    /// Seed of the first flight; the next ones follow it. `None` is the mission's own.
+    /// Seed of the first flight; each further flight uses the next number. `None`: the mission's own seed.
     pub first_seed: Option<u64>,
     /// Number of flights, 1 to [`RUNS_MAX`].
     pub runs: usize,
-    /// Threads, 1 to [`JOBS_MAX`]. The results do not depend on it.
+    /// Threads, 1 to [`JOBS_MAX`]. The results do not depend on their number.
     pub jobs: usize,
     /// Mission time at which a flight ends at the latest; `None` is the mission's duration.
     pub until: Option<Time>,
@@ -63,7 +63,7 @@ impl RunOutcome {
 /// One flight of a series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunRow {
-    /// Seed of its world: `apex fly MISSION --seed SEED` repeats it.
+    /// Seed of the flight's world: `apex fly MISSION --seed SEED` repeats the flight.
     pub seed: u64,
     /// Outcome.
     pub outcome: RunOutcome,
@@ -79,11 +79,12 @@ pub struct RunRow {
     pub expected_cost: Option<f64>,
     /// Fires that broke out at structures until the horizon; `None` without a world file that has ignitions.
     pub fires: Option<u64>,
-    /// Of them seen until the horizon.
+    /// Number of these fires seen before the horizon.
     pub fires_seen: Option<u64>,
-    /// Cost of these fires by their ages when they became known.
+    /// Cost of these fires, from their ages when they became known.
     pub realised_cost: Option<f64>,
-    /// Expected cost of ignorance of the same visits at the rates that the mission states: the mean of `realised_cost` over many seeds.
+    /// Expected cost of ignorance for the same visits at the rates stated in the mission: over many seeds the mean of `realised_cost`
+    /// approaches it.
     pub expected_cost_stated: Option<f64>,
     /// Observations that ended.
     pub observed: u64,
@@ -93,9 +94,9 @@ pub struct RunRow {
     pub reflies: u64,
     /// Plans that were adopted.
     pub plans: u64,
-    /// Positions in the air that were checked, as `apex verify` checks them.
+    /// Checked positions in the air, by the same checks as `apex verify`.
     pub positions: u64,
-    /// Of them inside active restricted zones.
+    /// Number of these positions inside active restricted zones.
     pub inside_zones: u64,
     /// Outside of the permitted area.
     pub outside_permitted: u64,
@@ -103,7 +104,7 @@ pub struct RunRow {
     pub near_ground: u64,
     /// Beyond the landing distance.
     pub beyond_landing_distance: u64,
-    /// Requirements that the flight said it had to break.
+    /// Requirements whose unavoidable violation the flight announced.
     pub said_broken: u64,
 }
 
@@ -177,14 +178,14 @@ impl RunRow {
     }
 }
 
-/// Flies all flights of a series and returns their rows in the order of their seeds. `done` is called on this thread after
-/// each flight; when it answers false, the flights that are under way are the last ones.
+/// Flies all flights of a series and returns their rows in the order of their seeds. `done` is called on this thread after each flight;
+/// if it returns false, no further flights are started and those in progress are completed.
 ///
 /// The flights share the memory limit of `means` for planners, which therefore grows with the number of threads.
 ///
 /// # Errors
-/// The number of flights or threads is out of range, or the mission cannot be simulated at all. A single flight that breaks
-/// is a row with its reason.
+/// The number of flights or threads is out of range, or the mission cannot be simulated at all. A single flight that fails is not an
+/// error: its row holds the reason.
 pub fn fly_runs(
     mission: &Arc<Mission>,
     means: &PlanningResources,
@@ -246,9 +247,9 @@ pub struct RunSummary {
     pub completed: usize,
     /// Summarised measure: `score` or `expected cost`; empty if neither is known of any flight.
     pub measure: &'static str,
-    /// Least value, 5 %, 25 %, median, 75 %, 95 % and greatest value of it, by nearest rank.
+    /// Least value, 5 %, 25 %, median, 75 %, 95 % and greatest value, by nearest rank.
     pub quantiles: Vec<f64>,
-    /// Mean of it.
+    /// Mean of the values.
     pub mean: Option<f64>,
     /// Realised next to expected cost of ignorance; `None` unless fires broke out.
     pub ignorance: Option<IgnoranceSummary>,
@@ -263,13 +264,13 @@ pub struct RunSummary {
 pub struct IgnoranceSummary {
     /// Flights compared.
     pub flights: usize,
-    /// Fires that broke out in them.
+    /// Fires that broke out in these flights.
     pub fires: u64,
     /// Of them seen.
     pub seen: u64,
     /// Mean cost of the fires of a flight.
     pub realised: f64,
-    /// Mean of what was expected.
+    /// Mean of the expected costs.
     pub expected: f64,
     /// Standard error of the mean difference.
     pub standard_error: f64,
@@ -303,9 +304,9 @@ impl IgnoranceSummary {
 /// Flights that violated a requirement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Violated {
-    /// In so many flights.
+    /// Number of these flights.
     pub flights: usize,
-    /// At so many positions of them.
+    /// Number of positions with the violation in these flights.
     pub positions: u64,
     /// Seed of the first of these flights.
     pub first_seed: u64,

@@ -7,9 +7,9 @@ use apex_sim::{
     WorldConfig,
 };
 
-/// Added around every target for its patch of ground: aircraft see and turn next to it.
+/// Margin around every target's patch of ground, for the surroundings that aircraft see and turn over.
 const PATCH_MARGIN_M: f64 = 10_000.0;
-/// Ground at the elevation of the start where there is no other.
+/// Radius of the ground at the elevation of the start, where no other ground is given.
 const START_M: f64 = 1_000.0;
 /// Levelled ground around an airfield on known terrain.
 const FIELD_M: f64 = 300.0;
@@ -19,7 +19,7 @@ const START_HEADING_DEG: f64 = 0.0;
 /// Makes the world that `mission` flies in, with `seed` or the mission's own.
 ///
 /// # Errors
-/// The world's own sentence when something in the mission cannot be simulated.
+/// The error of the simulated world when something in the mission cannot be simulated, with the world's own message.
 pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWorld> {
     let start = Start::on_ground(
         mission.start.latitude_deg,
@@ -99,7 +99,7 @@ fn ground(mission: &Mission) -> Ground {
         radius_m: radius_m(target) + PATCH_MARGIN_M,
         elevation_m: target.elevation_m,
     };
-    // Where the terrain is known, fields alone are levelled.
+    // Where the terrain is known, only airfields are levelled.
     let is_known = mission.terrain.is_some();
     let field_m = if is_known { FIELD_M } else { PATCH_MARGIN_M };
     let airfields = mission.airfields.iter().map(|airfield| GroundPatch {
@@ -110,7 +110,7 @@ fn ground(mission: &Mission) -> Ground {
     let targets = mission.targets.iter().filter(|_| !is_known).map(target_patch);
     let mut patches: Vec<GroundPatch> = targets.chain(airfields).collect();
     let start_m = if is_known { FIELD_M } else { START_M };
-    // Later patches win: the start's own ground must be the one below it.
+    // Later patches have precedence: below the start, the start's own patch must apply.
     patches.push(GroundPatch { position: mission.start, radius_m: start_m, elevation_m: mission.start_altitude_m });
     let lowest_m = patches.iter().map(|patch| patch.elevation_m).fold(mission.start_altitude_m, f64::min);
     Ground { elevation_m: lowest_m, patches, terrain: mission.terrain.clone() }

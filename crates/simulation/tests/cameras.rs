@@ -1,5 +1,5 @@
-//! Pictures planned, flown in the simulator, recorded, and scored again from the record. For each manoeuvre of a quadrotor, a helicopter
-//! and a fixed-wing mapper the flown result equals the prediction, within 5 % in still air and within 10 % in wind.
+//! Pictures that are planned, flown in the simulator, recorded, and scored again from the record. For each manoeuvre of a quadrotor, a
+//! helicopter and a fixed-wing mapper the flown result equals the prediction within 5 % in still air and within 10 % in wind.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -58,12 +58,12 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     all
 }
 
-/// Returns a mission of one vehicle in a separate folder.
+/// Returns a mission with one vehicle, in a separate folder.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
     mission_with("", folder, (model, winds), targets)
 }
 
-/// The same with one more library.
+/// Like [`mission`], with one more library.
 fn mission_with(library: &str, folder: &Path, (model, winds): (&str, &str), targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
@@ -100,8 +100,8 @@ fn fly(mission: Mission, path: &Path) -> FlightOutcome {
     apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap()
 }
 
-/// Compares plan and flight of every look: points within `share` of the value, and the time from the end of the visit before to
-/// the end of this one within `share`, or three seconds.
+/// Compares the plan and the flight of every look. Points must agree within `share`. The time from the end of the previous visit to the
+/// end of this one must agree within `share` or three seconds.
 fn compare(name: &str, report: &Report, share: f64) -> usize {
     const SECONDS: f64 = 3.0;
     let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
@@ -158,7 +158,7 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
     }
 }
 
-/// Returns the reason why the only target that a mission does not observe is left out.
+/// Returns the stated reason why a mission leaves its only target unobserved.
 fn reason(model: &str, targets: &[String]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));
@@ -233,7 +233,7 @@ fn each_of_forty_targets_can_be_observed() {
     assert!(unobservable.is_empty(), "{unobservable:?}");
 }
 
-/// An oblique view of a field: no line and no hover gives one, a manoeuvre of the library does, as the plan predicts.
+/// An oblique view of a field: lines and hovers cannot give one, but a manoeuvre of the library can, as the plan predicts.
 #[test]
 fn a_planned_manoeuvre_sees_obliquely_what_lines_and_hovers_cannot() {
     let wanted =

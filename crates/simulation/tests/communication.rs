@@ -1,5 +1,5 @@
-//! The paper's example 2 in whole flights: a link is lost, and the aircraft returns, waits, obeys, and learns. Distances and levels
-//! are computed here, from the recorded samples alone.
+//! Example 2 of the paper in whole flights: a link is lost, and the aircraft returns, waits, obeys commands, and remembers the place.
+//! Distances and signal levels are computed here, from the recorded samples alone.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
@@ -20,7 +20,7 @@ fn hidden_shadow(vehicle: &str) -> World {
         .modem(&format!(":station home :full-level 1500m {SHADOW}"))
 }
 
-/// After each loss the aircraft comes within 200 m of the last place that was good, before it says anything else.
+/// After each loss the aircraft comes within 200 m of the last place with a good link before it makes any other statement.
 fn assert_returned(flown: &Flown) {
     let after = |at_s: f64, heads: &[&str]| {
         let said = heads.iter().flat_map(|head| flown.said(head)).map(|said| said.0).filter(|said_s| *said_s > at_s);
@@ -34,8 +34,8 @@ fn assert_returned(flown: &Flown) {
     }
 }
 
-/// After each loss the aircraft comes within 200 m of the place that it names, and the link was good there: ten seconds of samples
-/// around the pass before the loss have a mean above 0.3. Near the range of a radio fading hides the edge.
+/// After each loss the aircraft comes within 200 m of the place that it names, and the link was good there: ten seconds of samples around
+/// the pass before the loss have a mean above 0.3. Near the range of a radio, fading blurs the edge of the coverage.
 fn assert_returned_to_the_goal(flown: &Flown) {
     // At 25 minutes the mission calls home, which outranks the return.
     for (lost_s, _) in flown.said("communication-lost").into_iter().filter(|(at_s, _)| *at_s < 1_500.0 - 300.0) {
@@ -172,8 +172,8 @@ impl Draws {
     }
 }
 
-/// Random ranges, shadows and sites: in one flight at most one loss for each site; over all flights at most one for each shadow and
-/// each range. Several sites may lie behind one shadow.
+/// Random ranges, shadows and sites. One flight has at most one loss for each site; all flights together have at most one loss for each
+/// shadow and each range. Several sites may lie behind one shadow.
 #[test]
 fn losses_are_bounded_whatever_the_world_hides() {
     let seeds = std::env::var("APEX_LINK_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(12);
@@ -220,7 +220,7 @@ fn losses_are_bounded_whatever_the_world_hides() {
     assert!(total <= expected, "{total} losses in {seeds} flights, more than {expected}");
 }
 
-/// Every figure of the settings, wrong in each way: the error names the option, the key and what to do.
+/// Every figure of the settings, wrong in each possible way: the error names the option, the key and the correction.
 #[test]
 fn impossible_figures_are_refused_by_name() {
     let with = |modem: &str, options: &str| {
@@ -283,7 +283,7 @@ fn impossible_figures_are_refused_by_name() {
     with("", "").unwrap();
 }
 
-/// Wherever the shadow lies along the pipeline, it costs the points in it and not the rest of the mission.
+/// Wherever the shadow lies along the pipeline, only the points inside it are missed, and the rest of the mission is flown.
 #[test]
 fn a_pipeline_is_inspected_beyond_a_shadow() {
     use apex_mission::Mission;

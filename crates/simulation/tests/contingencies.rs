@@ -1,5 +1,5 @@
-//! Contingencies of library "contingencies", each with an injected failure or weather: the response comes after the failure and in time,
-//! what it is for is reached, and it is left when the cause is gone. What is compared is the recorded flight, not the plan.
+//! Contingencies of library "contingencies", each with an injected failure or weather: the response follows the failure within its time
+//! limit, reaches its purpose, and ends when the cause is gone. The recorded flight is compared, not the plan.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
@@ -140,7 +140,7 @@ fn ice_is_left_for_warmer_air_and_the_altitude_comes_back() {
     let exposures = flown.numbers("(ice-exposure uav-1)");
     let most_s = exposures.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max);
     assert!(most_s > 20.0 && most_s < 400.0, "{most_s} s of icing");
-    // It was warmer than freezing while it waited for clear air, and is back at its altitude.
+    // The aircraft waited for clear air above freezing, and is back at its altitude.
     let temperatures =
         flown.numbers("(outside-temperature uav-1)").into_iter().filter(|(at_s, _)| (met_s..left_s).contains(at_s));
     let warmest_k = temperatures.map(|(_, kelvin)| kelvin).fold(0.0, f64::max);
@@ -188,7 +188,7 @@ fn a_storm_on_the_way_is_flown_around() {
     assert!(without_m < 0.0, "{without_m}");
     let (with_m, flown) = nearest_m("(step guard (guard against storms))");
     assert!(with_m > 4_000.0, "{with_m} m\n{}", flown.story());
-    // Once on the way out and once on the way back.
+    // Once on the outbound leg and once on the return.
     assert!((1..=4).contains(&flown.count("(storm-passed uav-1)")), "{}", flown.story());
     flown.assert_replays();
 }
@@ -285,7 +285,7 @@ fn a_drifting_aircraft_is_judged_where_it_is_and_not_where_it_reports_to_be() {
     flown.assert_replays();
 }
 
-/// At 4,500 m it freezes by 14 degrees; the clouds of the forecast reach to 5,000 m.
+/// At 4,500 m the air is 14 degrees below freezing; the clouds of the forecast reach up to 5,000 m.
 #[test]
 fn an_aircraft_leaves_the_level_of_ice_before_it_comes_to_the_clouds() {
     let cloud = r#""clouds": [{"latitude_deg": 37.7, "longitude_deg": -117.0, "radius_m": 55000, "base_m": 3000, "top_m": 5000, "cover": 0.9}]"#;
@@ -307,7 +307,7 @@ fn an_aircraft_leaves_the_level_of_ice_before_it_comes_to_the_clouds() {
     flown.assert_replays();
 }
 
-/// A helicopter flies towards a shadow of its radio that its planner knows: it turns back to where the link was good.
+/// A helicopter flies towards a radio shadow known to its planner: it turns back to where the link was good.
 #[test]
 fn a_helicopter_turns_away_before_its_link_is_lost_for_too_long() {
     let radio =

@@ -1,6 +1,6 @@
-//! Flights keep out of zones, inside the permitted area, over the ground and within landing distance, whatever is flown:
-//! seeds of `western-states` and random missions with random zones, replans, lost links and returns. The check is
-//! `apex_mission::verification`, which shares no arithmetic with the ways that are flown.
+//! Flights stay out of zones, inside the permitted area, above the ground and within landing distance, for any mission: seeds of
+//! `western-states`, and random missions with random zones, replans, lost links and returns. The check is `apex_mission::verification`,
+//! which shares no arithmetic with the code that plans the ways.
 //!
 //! `APEX_GUARDED_SEEDS` and `APEX_GUARDED_MISSIONS` set how many of each are flown.
 
@@ -27,7 +27,7 @@ fn number(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// Prints what failed, where that is wished.
+/// Prints failures, where output is wanted.
 struct Failures;
 
 impl Observer for Failures {
@@ -78,7 +78,7 @@ fn western_states_keeps_its_requirements() {
     }
     let program = folder.path().join("mission.pdl");
     let text = std::fs::read_to_string(&program).unwrap();
-    // The quality of plans is not what is tested.
+    // The quality of plans is not under test here.
     std::fs::write(&program, text.replace(":budget 3s", ":budget 200ms")).unwrap();
     let mission = Arc::new(Mission::load(folder.path()).unwrap());
     let mut wrong = Vec::new();
@@ -111,7 +111,7 @@ fn a_recorded_flight_by_ways_is_replayed_and_verified() {
     assert!(result.positions > 1_000 && result.unsaid().next().is_none(), "{result}");
 }
 
-/// It waits for hours next to a zone, and descends meanwhile to the altitude of its way.
+/// The aircraft waits for hours next to a zone, and meanwhile descends to the altitude of its way.
 #[test]
 fn a_wait_keeps_out_of_zones_at_every_altitude_that_it_is_flown_at() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,7 +135,7 @@ fn random_missions_keep_their_requirements() {
         for (t_s, what) in &result.said_broken {
             println!("mission {seed} at {t_s:.0} s: {what} ({} violations)", result.violations());
         }
-        // What the flight named before it happened is a field or a place where the mission forbids it to be.
+        // Violations that the flight announced are accepted: it has to reach an airfield or a place where the mission forbids it to be.
         if result.unsaid().next().is_some() {
             wrong.push(format!("mission {seed}: {result}"));
         }

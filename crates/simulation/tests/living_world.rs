@@ -1,5 +1,5 @@
-//! The living world in whole flights: what ignorance costs against what was expected of it, bad world files, and two failures that a model
-//! separates.
+//! The living world in whole flights: the realised cost of ignorance against the expected one, bad world files, and two failures that a
+//! fault model distinguishes.
 //!
 //! `APEX_IGNORANCE_SEEDS` sets the number of seeds.
 
@@ -24,7 +24,7 @@ fn means() -> PlanningResources {
     PlanningResources::of(&Arc::new(apex_solvers::shipped()))
 }
 
-/// Returns a helicopter that watches two structures in turn, each every minute and a half or so, whatever it sees.
+/// Returns a mission in which a helicopter watches two structures in turn, each about every 90 seconds, regardless of its findings.
 fn watch(folder: &Path, world: &str) -> Mission {
     let site = |id: &str, north_deg: f64, more: &str| {
         format!(
@@ -70,7 +70,7 @@ fn ignorance(world: &str, runs: usize) -> IgnoranceSummary {
     summary.ignorance.unwrap()
 }
 
-/// The test of the metric: over many worlds the fires cost what was expected of them.
+/// Check of the metric: over many worlds the mean cost of fires equals the expected cost.
 #[test]
 fn expected_and_realised_ignorance_agree() {
     let seeds = std::env::var("APEX_IGNORANCE_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(1_000);
@@ -82,7 +82,7 @@ fn expected_and_realised_ignorance_agree() {
     assert!(seen.standard_error < 0.1 * seen.expected, "{seen:?}");
 }
 
-/// Looks that see half of the fires cost more than the metric, which assumes that they see all.
+/// Looks that detect half of the fires cost more than the metric, which assumes that they detect all.
 #[test]
 fn looks_that_miss_fires_cost_more_than_expected() {
     let missed = ignorance(r#"{"format": "apex-world-1", "ignitions": {"detection": 0.4}}"#, 150);
@@ -140,7 +140,8 @@ fn bad_world_files_are_refused_with_the_field_and_what_would_be_right() {
     }
 }
 
-/// Mission `diagnosis`: the mount fails first, the power of the payload later; the model separates them, and the mission continues.
+/// Mission `diagnosis`: first the mount fails, later the power of the payload. The fault model distinguishes the two, and the mission
+/// continues.
 #[test]
 fn a_mount_and_a_bus_that_fail_are_told_apart_and_the_rest_is_used() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,8 +179,8 @@ fn a_mount_and_a_bus_that_fail_are_told_apart_and_the_rest_is_used() {
     flown.assert_replays();
 }
 
-/// `western-states/living.pdl`: planners wait for clouds to go, fly below a deck and near the pass of a satellite, and the record says what
-/// clouds hid that no forecast knew.
+/// `western-states/living.pdl`: planners wait until clouds have cleared, fly below a deck and near a satellite pass, and the record names
+/// places hidden by clouds that were not forecast.
 #[test]
 fn a_living_sky_is_planned_for_and_scored() {
     let folder = tempfile::tempdir().unwrap();
@@ -196,7 +197,7 @@ fn a_living_sky_is_planned_for_and_scored() {
     let report = report_of(&reader, &mission).unwrap();
     let visit =
         |target: &str| report.visits.iter().rfind(|visit| visit.target == target && visit.end.is_some()).unwrap();
-    // The clouds over Zaca go after six hours; the satellite passes after nine hours and a quarter.
+    // The clouds over Zaca clear after six hours; the satellite passes after nine hours and a quarter.
     assert!(visit("zaca").begin.seconds() > 6.0 * 3_600.0, "{}", report.text());
     assert!((visit("castle-rock").begin.seconds() - 9.25 * 3_600.0).abs() < 2_400.0, "{}", report.text());
     let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
@@ -269,11 +270,11 @@ fn a_fire_that_grows_is_mapped_where_it_burns_now() {
             grown.text()
         );
     }
-    // A tenth of 8 m/s for an hour: 2.9 km more than the 10.2 km that it was long.
+    // A tenth of 8 m/s for an hour: 2.9 km more than the initial length of 10.2 km.
     assert!(time_s(&grown) > 1.15 * time_s(&still), "{} s for {} s", time_s(&grown), time_s(&still));
     let notes = grown.notes.iter().filter(|note| note.text.starts_with("brush burns on"));
     assert_eq!(notes.count(), 2, "{}", grown.text());
-    // The next report comes after the plan and a minute before the first line; the one after it changes nothing.
+    // One report arrives after the plan and a minute before the first line; the report after it changes nothing.
     let late = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.5}}"#);
     let (flown, predicted) = coverage(&late);
     assert!(flown < predicted - 0.03, "{flown} flown, {predicted} predicted");

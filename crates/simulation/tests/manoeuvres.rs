@@ -1,5 +1,5 @@
-//! Manoeuvres of the PDL library, flown in the simulator by a rotorcraft and a fixed wing: what was predicted happens, coverage and
-//! time in still air within 5 %, in wind within 10 %. What was seen is scored from the flight, not from the prediction.
+//! Manoeuvres of the PDL library, flown in the simulator by a rotorcraft and a fixed wing: the flight follows the prediction, with
+//! coverage and time within 5 % in still air and within 10 % in wind. The views are scored from the flight, not from the prediction.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -15,13 +15,13 @@ use std::sync::Arc;
 const STILL: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,0,0,0\n";
 const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,250,4,0.02\n";
 
-/// Longitude and latitude of a place east and north of the pad, as GeoJSON has them.
+/// Longitude and latitude, in the order of GeoJSON, of a place east and north of the pad.
 fn place(east_m: f64, north_m: f64) -> String {
     let (latitude, longitude) = (40.0 + north_m / 111_034.0, -100.0 + east_m / 85_395.0);
     format!("[{longitude:.7}, {latitude:.7}]")
 }
 
-/// Returns a mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
+/// Returns a mission whose program performs one manoeuvre over a square field with its centre at this distance east of the pad.
 fn mission(folder: &Path, model: &str, winds: &str, away_m: f64, half_m: f64, goal: &str) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let corner = |x: f64, y: f64| place(away_m + x * half_m, y * half_m);
@@ -89,7 +89,7 @@ impl Case {
         Value::list(std::iter::once(Value::symbol(self.form.0)).chain(fields))
     }
 
-    /// Flies it in a wind and compares with the prediction; `share` is the tolerance.
+    /// Flies the case in a wind and compares it with the prediction; `share` is the tolerance.
     fn check(&self, winds: &str, share: f64) -> Result<(), String> {
         let name = format!("{} {}", self.model, self.form.0);
         let folder = tempfile::tempdir().unwrap();
@@ -173,7 +173,7 @@ const ROTORCRAFT: [(Form, f64); 8] = [
     (RING, 100.0),
 ];
 
-/// All cases, so that one report shows all that differ.
+/// Checks all cases, and reports all that differ in one message.
 fn all(cases: impl Iterator<Item = Case>, winds: &str, share: f64) {
     let wrong: Vec<String> = cases.filter_map(|case| case.check(winds, share).err()).collect();
     assert_eq!(wrong, Vec::<String>::new());
@@ -259,8 +259,8 @@ fn turned_deg(a: f64, b: f64) -> f64 {
     ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
 }
 
-/// The mission `stand-off` keeps out of the smoke, sees it from all sides, crosses above it tail first, and photographs what a lookout
-/// reported.
+/// Mission `stand-off` stays out of the smoke, sees it from all sides, crosses above it tail first, and photographs the sighting reported
+/// by a lookout.
 #[test]
 fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/stand-off");
@@ -375,7 +375,8 @@ fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
     }
 }
 
-/// Worth falls and time falls along the answer; the first is as good as the best and the fastest of these. `benches` measures its time.
+/// Along the answer both worth and time decrease; its first entry is as good as the better and the faster of these. `benches` measures
+/// the time to compute it.
 #[test]
 fn the_answer_to_a_goal_is_a_front_of_worth_and_time() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! A fire planned, flown in the simulator, recorded and scored again from the record: in still air what was predicted happens.
+//! A fire that is planned, flown in the simulator, recorded, and scored again from the record: in still air the flight matches the
+//! prediction.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -11,20 +12,20 @@ use apex_mission::report::MissionValue;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Two of the fires of `western-states` in still, smooth air: one by lines over it, one along its perimeter.
+/// Two of the fires of `western-states`, in still, smooth air: one is scanned by lines over it, the other along its perimeter.
 const FIRES: [&str; 2] = ["lick", "gw"];
 
 /// Fires in wind: far from each other, with several lines each.
 const FAR_FIRES: [&str; 5] = ["butler-2", "zaca", "lick", "moonlight", "egley-complex"];
-/// Permitted difference between planned and flown begin of an observation, in a flight of six hours: the first descent, and turns that are
-/// planned longer than they are flown.
+/// Permitted difference between planned and flown begin of an observation, in a flight of six hours. It covers the first descent, and
+/// turns that are planned longer than they are flown.
 const BEGIN_S: f64 = 120.0;
 
 fn mission() -> Mission {
     mission_of_fires(&FIRES, true)
 }
 
-/// `western-states` with these fires and without events; in still air, or with the winds that are forecast.
+/// `western-states` with these fires and without events, in still air or with the forecast winds.
 fn mission_of_fires(fires: &[&str], is_still: bool) -> Mission {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();
@@ -91,7 +92,7 @@ fn in_still_air_the_flight_is_worth_what_the_plan_predicted() {
     assert_eq!(replayed.difference, None);
 }
 
-/// In wind and turbulence as forecast, over the way that was planned: joins, turns between lines and legs take what the plan says.
+/// In forecast wind and turbulence, along the planned way: joins, turns between lines, and legs take as long as planned.
 #[test]
 fn observations_begin_when_the_plan_says() {
     let mission = Arc::new(mission_of_fires(&FAR_FIRES, false));

@@ -1,4 +1,4 @@
-//! Requirements guarded in whole flights. Distances are computed here, from the recorded locations alone.
+//! Requirements that are guarded in whole flights. Distances are computed here, from the recorded locations alone.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
@@ -145,7 +145,7 @@ fn an_aircraft_stays_inside_of_what_is_permitted() {
     flown.assert_replays();
 }
 
-/// A face that covers everything around cannot be left sideways: the aircraft levels off below, and continues.
+/// An upper face that covers everything around cannot be avoided sideways: the aircraft levels off below it and continues.
 #[test]
 fn an_aircraft_that_climbs_towards_the_upper_face_of_what_is_permitted_stays_below() {
     let area = zone("permitted", -119.0, 35.5, -115.0, 38.5)
@@ -263,7 +263,8 @@ fn what_is_kept_is_reported_and_raises_no_alarm() {
     flown.assert_replays();
 }
 
-/// Returns the camera of a helicopter in the evening: at 01:30 UTC of the equinox the sun stands 5 degrees above the western horizon there.
+/// Returns the flight of a helicopter with a camera in the evening: at 01:30 UTC of the equinox the sun is 5 degrees above the western
+/// horizon.
 fn evening(target: &str) -> Flown {
     fly(
         ":vehicle (sim :model rmax :at home) :start \"2026-03-20T01:30:00Z\" :duration 1h :targets \"base.geojson\"",

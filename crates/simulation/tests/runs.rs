@@ -1,4 +1,4 @@
-//! A series of flights: equal for any number of threads, equal to single flights, and bad numbers are refused.
+//! A series of flights: the same for any number of threads, the same as single flights, and bad numbers are rejected.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
 use apex_mission::Mission;

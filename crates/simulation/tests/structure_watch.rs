@@ -1,5 +1,5 @@
-//! `structure-watch` as designed: it looks with its camera, plans again after every update and when the wind is not as forecast, asks
-//! the operator about smoke with a deadline and a default, and plans to its own end.
+//! `structure-watch` works as designed: it looks with its camera, plans again after every update and when the wind differs from the
+//! forecast, asks the operator about smoke with a deadline and a default answer, and ends when its own plan ends.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -35,7 +35,7 @@ fn fly_in(mission: Mission, seed: Option<u64>, observers: &mut [&mut dyn Observe
     apex_simulation::fly(Arc::clone(&mission), means, seed, terms, &mut recorder, observers).unwrap()
 }
 
-/// Returns the instant of the first note that begins so, in seconds.
+/// Returns the instant of the first note with this beginning, in seconds.
 fn noted_s(flown: &FlightOutcome, text: &str) -> f64 {
     let note = flown.report.notes.iter().find(|note| note.text.starts_with(text));
     note.unwrap_or_else(|| panic!("no note `{text}`:\n{}", flown.report.text())).at.seconds()
@@ -58,7 +58,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
     // The wind rises at 24 min and is stronger than forecast for a minute then.
     let wind_s = noted_s(&flown, "replanning wanted: wind-as-forecast");
     assert!((1_500.0..1_860.0).contains(&wind_s), "{wind_s}");
-    // Smoke is seen at 1,680 s; no answer comes for 90 s, so the default holds.
+    // Smoke is seen at 1,680 s. No answer comes for 90 s, so the default applies.
     let smoke_s = noted_s(&flown, "sawmill: 0.8 events an hour");
     assert!((smoke_s - 1_770.0).abs() < 2.0, "{smoke_s}");
     assert!(flown.report.plans >= 7, "{}", flown.report.plans);
@@ -70,7 +70,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
     assert!(counted <= seen, "{counted} observations of {seen} pictures");
     // The camp was not known at the start and is watched.
     assert!(looks.iter().any(|site| site.target == "camp" && site.seen > 0), "{}", flown.report.text());
-    // Pixels of 5 cm are wanted, from a hover straight above.
+    // Pixels of 5 cm are required, from a hover straight above.
     for site in looks.iter().filter(|site| site.seen > 0) {
         let pixel_m = site.pixel_m.unwrap();
         assert!(pixel_m > 0.02 && pixel_m <= 0.05, "{site:?}");

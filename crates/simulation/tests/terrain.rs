@@ -1,4 +1,4 @@
-//! Flights over known terrain. Heights over ground are computed here, from the recorded locations and the formula of the ground.
+//! Flights over known terrain. Heights above ground are computed here, from the recorded locations and the formula of the ground.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes heights apart from the product")]
@@ -16,7 +16,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Returns ground of 500 m with a ridge from west to east along 37.5 N, 2,600 m higher and some 15 km wide, with a pass at 116.0 W.
+/// Returns the ground elevation: 500 m, with a ridge from west to east along 37.5 N, 2,600 m higher and about 15 km wide, with a pass at
+/// 116.0 W.
 fn ground_m(latitude_deg: f64, longitude_deg: f64) -> f64 {
     let across = (latitude_deg - 37.5) / 0.07;
     let from_pass = (longitude_deg + 116.0) / 0.12;
@@ -104,7 +105,7 @@ impl Flown {
         self.events.iter().find(|(_, text)| text.starts_with(&format!("({head} "))).map(|(at_s, _)| *at_s)
     }
 
-    /// Returns the least height over ground between the climb from the field and the approach to it.
+    /// Returns the least height above ground between the climb from the airfield and the approach to it.
     fn least_m(&self) -> f64 {
         let from_s = self.at_s("airborne").unwrap() + 300.0;
         let until_s = self.at_s("landed").map_or(f64::INFINITY, |landed_s| landed_s - 900.0);

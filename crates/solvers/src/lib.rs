@@ -1,7 +1,6 @@
-//! Planners (`planners/`, one folder each) and bounds on the value of plans (`bounds/`); `routing/` lies below both, `prove`
-//! above.
+//! Planners (`planners/`, one folder each) and bounds on the value of plans (`bounds/`). Both import `routing/`; `prove` imports both.
 //!
-//! A planner implements `apex_planning::solver::Solver`: problem in, plan out, within a budget of work units. All are
+//! A planner implements `apex_planning::solver::Solver`: it answers a problem with a plan, within a budget of work units. All are
 //! deterministic in seed and budget. A new planner is a folder and a row in [`solvers`].
 
 pub mod bounds;

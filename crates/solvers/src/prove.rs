@@ -1,5 +1,4 @@
-//! Proofs of the quality of a given plan, by planners' and bounds' methods together: planners know the bounds of their
-//! own plans.
+//! Proofs of the quality of a given plan, by the methods of planners and of bounds: a planner knows the bound of the plan that it made.
 
 use crate::bounds::{Contradiction, expected_cost_within, expected_cost_without_waiting_within, state_at_least};
 use crate::planners::single_visit;
@@ -10,9 +9,9 @@ use apex_planning::surveillance::scenario::Scenario;
 /// A visit that ends later than possible by less than this many seconds does not wait.
 const WAIT_S: f64 = 1e-6;
 
-/// States in a plan the best bound that the budget of `meter` suffices for: of surveillance a lower bound on the expected
-/// cost (of plans that never wait, if this one never waits), of single visits an upper bound on the benefits. A plan keeps
-/// a better bound that it already states. The meter reports the work, and whether a greater budget would prove more.
+/// Adds to a plan the best bound that the budget of `meter` permits: for surveillance a lower bound on the expected cost (of plans that
+/// never wait, if this one never waits), for single visits an upper bound on the benefits. A better bound in the plan is kept. The meter
+/// reports the work, and whether a greater budget would prove more.
 ///
 /// # Errors
 /// A bound contradicts the plan, which then states none.
@@ -31,7 +30,7 @@ pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) -> Resul
     state_at_least(problem, plan, best)
 }
 
-/// Returns true if a visit of the plan begins or ends later than it could, or if the plan cannot be flown as it is.
+/// Returns true if a visit of the plan begins or ends later than necessary, or if the plan cannot be flown with its times.
 fn waits(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> bool {
     let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
     let tour: Option<Vec<usize>> = plan.visits.iter().map(|visit| index(&visit.target)).collect();

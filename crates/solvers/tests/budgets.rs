@@ -1,4 +1,5 @@
-//! Plans of single visits by budgets: the smallest brings a whole plan, and more is never worse, with few targets and with many.
+//! Single-visit plans by budget: the smallest budget gives a complete plan, and a larger one never a worse plan, with few and with many
+//! targets.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test")]
 
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
@@ -16,8 +17,8 @@ fn solved(problem: &Problem, units: u64, seed: u64) -> SingleVisitPlan {
     plan
 }
 
-/// Returns a flight through wind and around zones, where each target can be observed from several altitudes: what there is to choose from
-/// must not keep the planner from a first plan.
+/// Returns a flight through wind and around zones in which each target can be observed from several altitudes: the number of choices must
+/// not delay the first plan.
 fn with_altitudes(count: usize, seed: u64) -> SingleVisitProblem {
     let mut problem = examples::random(count, seed);
     for target in &mut problem.targets {

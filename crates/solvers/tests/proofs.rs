@@ -1,4 +1,4 @@
-//! Proofs of single-visit plans at full size, with what they remember in use.
+//! Proofs of single-visit plans at full size, with the largest ng-sets in use.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test")]
 
 use apex_model::problem::{Plan, Problem, SingleVisitPlan};
@@ -6,8 +6,8 @@ use apex_planning::solver::{Budget, Environment, Solver, WorkBudget};
 use apex_portfolio::formats::{self, generate};
 use apex_solvers::planners::single_visit::SingleVisit;
 
-/// A hundred targets with narrow windows: the proof ends long before the budget does. Of `c107` it finds the best route too,
-/// which this seed's first cooling misses by a visit or two.
+/// A hundred targets with narrow windows: the proof ends long before the budget. For `c107` it also finds the best route, which the first
+/// annealing run with this seed misses by a visit or two.
 #[test]
 fn a_hundred_targets_with_narrow_windows_are_proven_soon() {
     let known = [("c107", 570.0), ("r107", 296.0), ("rc103", 360.0), ("r201", 691.0), ("pr07", 515.0)];
@@ -39,7 +39,7 @@ fn forty_targets_with_wide_windows_are_proven() {
     }
 }
 
-/// A tour of many places, and the most value in too little time: a plan of more work is never worse, whatever the two budgets.
+/// A tour of many places, and the most value in too little time: a plan of more work is never worse, for any two budgets.
 #[test]
 fn more_work_never_gives_a_worse_plan() {
     let problems =
@@ -59,7 +59,7 @@ fn more_work_never_gives_a_worse_plan() {
     assert_eq!(worse, Vec::<String>::new());
 }
 
-/// Returns a plan without faults, and the units of work that it took.
+/// Returns a valid plan, and the units of work that it took.
 fn solved(problem: &Problem, units: u64, seed: u64) -> (SingleVisitPlan, u64) {
     let mut budget = WorkBudget::new(units);
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };

@@ -13,7 +13,8 @@ pub fn declaration<T: TS>() -> String {
 /// Compares a file of `web/src/record/generated` with the declarations of a crate.
 ///
 /// # Errors
-/// The file differs; the message names the command that writes it. With `UPDATE` in the environment the file is written instead.
+/// The file differs from the generated text; the message names the command that writes it. With `UPDATE` in the environment the file is
+/// written instead.
 pub fn check(crate_name: &str, file: &str, imports: &str, declarations: &[String]) -> Result<(), String> {
     let command = format!("UPDATE=1 cargo test -p apex-{crate_name} typescript");
     let header = format!("// Generated from crates/{crate_name} by `{command}`. Do not edit.\n");

@@ -1,4 +1,4 @@
-//! Figures that follow from a vehicle file and by which a reader checks it: ranges, turns, pixels, swaths, scan rates.
+//! Figures that follow from a vehicle file, against which a reader can check it: ranges, turns, pixels, swaths, scan rates.
 
 use crate::energy::EnergyModel;
 use crate::model::{Airframe, VehicleModel};
@@ -8,7 +8,7 @@ use libm::{cos, tan};
 /// Standard acceleration of gravity.
 const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// View of a sensor from one height above flat ground, level.
+/// A sensor's view of flat ground from one height, in level flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// Height above the ground, m.
@@ -23,7 +23,7 @@ pub struct Sight {
     pub scan_rate_hz_min: Option<f64>,
 }
 
-/// Least height without gaps between lines at one scan rate, at cruise speed in still air.
+/// Least height at which successive lines leave no gaps, for one scan rate, at cruise speed in still air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GapFreeHeight {
     /// Scan rate, lines per second.
@@ -53,7 +53,7 @@ impl VehicleModel {
         (self.stored_full() - self.reserve()) / self.drain_cruise_per_s() * self.true_airspeed_m_s_cruise
     }
 
-    /// Returns the unit of the energy on board and what one of it is in kg or J: for printing.
+    /// Returns the unit in which the energy on board is printed, and the size of that unit in kg or J.
     pub fn energy_unit(&self) -> (&'static str, f64) {
         match self.energy {
             EnergyModel::Fuel(_) => ("kg", 1.0),
@@ -100,8 +100,8 @@ impl VehicleModel {
         mode.scan_rates_hz.iter().map(height).collect()
     }
 
-    /// Returns three heights at which figures of `sensor` are printed: for a scanner and a long range aircraft a quarter, a half and three
-    /// quarters of the ceiling; for others half, once and twice the height of visits.
+    /// Returns three heights at which figures of `sensor` are printed. For a scanner on a long-range aircraft: a quarter, a half and
+    /// three quarters of the ceiling. Otherwise: half, once and twice the height from which sites are visited.
     pub fn sample_heights_m(&self) -> [f64; 3] {
         match self.airframe {
             Airframe::FixedWing if self.sensors.iter().any(|sensor| sensor.scanner_mode().is_some()) => {

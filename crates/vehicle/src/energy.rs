@@ -1,7 +1,7 @@
-//! Energy on board and the rate at which flight drains it: fuel in kilograms, batteries in joules.
+//! Energy on board and the rate at which flight consumes it: fuel in kilograms, batteries in joules.
 //!
-//! `stored` is kilograms of fuel or joules of charge, `drain` kilograms or joules per second. Callers that only compare and
-//! divide need not know which.
+//! `stored` is in kilograms of fuel or joules of charge, `drain` in kilograms or joules per second. Callers that only compare and divide
+//! do not need to distinguish the two.
 
 use crate::model::{Airframe, VehicleModel};
 use libm::{pow, sqrt};
@@ -37,13 +37,13 @@ pub enum EnergyModel {
 pub struct FuelModel {
     /// Usable fuel when full.
     pub capacity_kg: f64,
-    /// Flow at the reference speed and altitude in level flight, if the shares sum to one.
+    /// Fuel flow in level flight at the reference speed and altitude, if the shares sum to one.
     pub flow_kg_h_reference: f64,
-    /// Speed at which `x` is one.
+    /// Reference speed, at which `x` is one.
     pub speed_m_s_reference: f64,
     /// Constant, linear and cubic share of the flow.
     pub share: [f64; 3],
-    /// Altitude at which the altitude factor is one.
+    /// Reference altitude, at which the altitude factor is one.
     pub altitude_m_reference: f64,
     /// Additional share of the flow at sea level, compared with the reference altitude.
     pub low_altitude_penalty: f64,
@@ -53,7 +53,7 @@ pub struct FuelModel {
     pub descent_saving: f64,
 }
 
-/// A battery and the power that flight takes from it.
+/// A battery, and the power that flight draws from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatteryModel {
     /// Energy of the new, full battery at 20 degrees Celsius.
@@ -64,7 +64,7 @@ pub struct BatteryModel {
     pub discharge_efficiency: f64,
     /// Outside temperatures, rising, degrees Celsius.
     pub temperature_c: Vec<f64>,
-    /// Usable share of the capacity at each of them; linear between, constant beyond.
+    /// Usable share of the capacity at each of these temperatures: linear between them, constant beyond the first and the last.
     pub temperature_share: Vec<f64>,
     /// Power of avionics and sensors.
     pub avionics_w: f64,

@@ -1,4 +1,4 @@
-//! The error of a vehicle or sensor file: file, field, expected, found, help.
+//! The error of a vehicle or sensor file: the file, the field, the expected and the found value, and advice.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ impl fmt::Display for FileKind {
 pub(crate) struct FileName<'a> {
     /// Its kind.
     pub(crate) kind: FileKind,
-    /// The name as the caller gave it.
+    /// The file's name as given by the caller.
     pub(crate) name: &'a str,
 }
 
@@ -64,7 +64,7 @@ impl<'a> FileName<'a> {
 pub struct VehicleFileError {
     /// Kind of the file.
     pub kind: FileKind,
-    /// Name of the file as the caller gave it.
+    /// The file's name as given by the caller.
     pub file: Box<str>,
     /// JSON path of the field, for example `flight.ceiling_m` or `sensors[1].name`; empty for the file as a whole.
     pub path: String,

@@ -1,4 +1,4 @@
-//! A JSON tree that keeps the order of members and those that are given twice, so that the reader can refuse them with their path.
+//! A JSON tree that keeps the order of members and also repeated members, so that the reader can reject repeated ones by their path.
 
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;

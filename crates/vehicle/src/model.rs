@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Airframe {
-    /// Needs speed: banks to turn, circles to wait.
+    /// Needs airspeed to fly: it banks to turn and circles to wait.
     FixedWing,
     /// May stop, turn in place and fly in any direction.
     Rotorcraft,
@@ -45,11 +45,11 @@ pub struct VehicleModel {
     pub climb_rate_m_s_max: f64,
     /// Fastest descent.
     pub descent_rate_m_s_max: f64,
-    /// Highest altitude it can hold, above mean sea level.
+    /// Highest altitude that the vehicle can hold, above mean sea level.
     pub ceiling_m: f64,
-    /// Strongest steady wind at the surface in which it may fly.
+    /// Strongest steady surface wind in which the vehicle may fly.
     pub wind_m_s_max: f64,
-    /// Metres forward for each metre of height without an engine; zero: it falls.
+    /// Metres forward for each metre of height lost without an engine. Zero: the vehicle falls.
     pub glide_ratio: f64,
     /// Length of the final approach to a runway; zero for a rotorcraft.
     pub final_approach_m: f64,
@@ -84,9 +84,9 @@ pub struct VehicleModel {
 /// Model of turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurnModel {
-    /// Share of `bank_deg_max` that turns are planned with; the rest corrects errors.
+    /// Share of `bank_deg_max` used in planned turns; the rest is left for correcting errors.
     pub bank_share: f64,
-    /// Radius of circles around a site as a multiple of the tightest planned turn: the wind may exceed the forecast.
+    /// Radius of circles around a site, as a multiple of the tightest planned turn. The margin is for wind stronger than forecast.
     pub circle_width: f64,
 }
 
@@ -116,7 +116,7 @@ pub struct CameraModel {
     pub tilt_deg_min: f64,
     /// Highest tilt.
     pub tilt_deg_max: f64,
-    /// Pan to either side; zero: the mount tilts only and the aircraft has to turn.
+    /// Pan to either side. Zero: the mount only tilts, and the aircraft has to turn instead.
     pub pan_deg_max: f64,
     /// Slew rate of tilt and pan.
     pub slew_rate_deg_s: f64,

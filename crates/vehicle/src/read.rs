@@ -1,4 +1,4 @@
-//! From the text of a vehicle file to a vehicle model.
+//! Reading a vehicle model from the text of a vehicle file.
 
 use crate::energy::{BatteryModel, EnergyModel, FlightPower, FuelModel, Reserve, StatedEndurance};
 use crate::error::{FileName, VehicleFileError};
@@ -90,12 +90,12 @@ impl VehicleModel {
         VehicleModel::parse_with(file, text, &mut |_| Ok(None))
     }
 
-    /// Reads the text of a vehicle file; `file` names it in errors. `sensor_file` returns the text of a sensor by its reference,
-    /// with the name of its file for errors; `None` leaves it to the sensors that ship.
+    /// Reads the text of a vehicle file; `file` is its name in errors. `sensor_file` takes the reference to a sensor and returns the name
+    /// (for errors) and the text of its file, or `None` if the sensor is one that ships with Apex.
     ///
     /// # Errors
-    /// Text that is not JSON, a member that is unknown, repeated, missing or of another type, a figure without a source, a
-    /// figure that describes nothing that can fly; an unknown sensor, an invalid sensor file, the error of `sensor_file`.
+    /// Text that is not JSON; a member that is unknown, repeated, missing or of the wrong type; a figure without a source, or one that no
+    /// flying vehicle can have; an unknown sensor; an invalid sensor file; an error of `sensor_file`.
     pub fn parse_with(
         file: &str,
         text: &str,
@@ -112,8 +112,8 @@ impl VehicleModel {
     }
 }
 
-/// Returns name and text of the sensor file that a vehicle file refers to; `None`: it is a shipped sensor. An error says why it
-/// cannot be read.
+/// Returns the name and the text of the sensor file that a vehicle file refers to, or `None` for a shipped sensor. The error is the
+/// reason why the file cannot be read.
 pub type SensorFile<'a> = dyn FnMut(&str) -> Result<Option<(String, String)>, String> + 'a;
 
 fn read(file: FileName<'_>, root: &Node, sensor_file: &mut SensorFile<'_>) -> Read<VehicleModel> {
@@ -194,7 +194,7 @@ fn fuel(section: &Section<'_>) -> Read<FuelModel> {
     })
 }
 
-/// Returns the section of the fuel or of the battery: one of them.
+/// Returns the fuel section or the battery section: exactly one must be present.
 fn energy(root: &Section<'_>) -> Read<EnergyModel> {
     match (root.member("fuel"), root.member("battery")) {
         (_, None) => Ok(EnergyModel::Fuel(fuel(&section(root, "fuel", FUEL)?)?)),
@@ -254,7 +254,7 @@ fn reserve(section: &Section<'_>) -> Read<Reserve> {
     }
 }
 
-/// Reads the one of two figures that is present; true if it is the first.
+/// Reads whichever of two figures is present; true if it is the first one.
 fn either(section: &Section<'_>, first: &str, second: &str) -> Read<(bool, f64)> {
     match (section.figure_optional(first)?, section.figure_optional(second)?) {
         (Some(value), None) => Ok((true, value)),
@@ -308,7 +308,7 @@ fn sensor(section: &Section<'_>, sensor_file: &mut SensorFile<'_>) -> Read<Carri
     })
 }
 
-/// Returns the mode in use of a line scanner; it may be left out if there is only one.
+/// Returns the mode in which a line scanner is used. The member may be left out if the scanner has only one mode.
 fn mode(section: &Section<'_>, model: &SensorModel) -> Read<Option<String>> {
     let Optics::LineScanner { modes } = &model.optics else {
         return match section.member("mode") {

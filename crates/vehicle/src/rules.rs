@@ -1,4 +1,4 @@
-//! Rules that single figures obey, and the errors of those that do not.
+//! Rules for single figures, and the errors of figures that break them.
 
 use crate::error::{FileName, VehicleFileError};
 

@@ -1,4 +1,4 @@
-//! Reading one object of a vehicle file: its members by name, unknown and repeated ones refused, figures with their sources.
+//! Reading one object of a vehicle file: members by name, figures with their sources. Unknown and repeated members are rejected.
 
 use crate::error::{FileName, VehicleFileError};
 use crate::json::Node;
@@ -69,7 +69,7 @@ impl<'a> Section<'a> {
         self.file.error(self.path_of(name), expected, found, help)
     }
 
-    /// Returns a member; `None` if it is absent.
+    /// Returns a member, or `None` if it is absent.
     pub(crate) fn member(&self, name: &str) -> Option<&'a Node> {
         self.members.iter().find(|(known, _)| known == name).map(|(_, node)| node)
     }
@@ -77,7 +77,7 @@ impl<'a> Section<'a> {
     /// Returns a member that must be present.
     ///
     /// # Errors
-    /// It is absent; `help` says what to write.
+    /// The member is absent; `help` is the advice on what to write.
     pub(crate) fn required(&self, name: &str, expected: &str, help: &str) -> Result<&'a Node, VehicleFileError> {
         self.member(name).ok_or_else(|| self.wrong(name, expected, "nothing", help))
     }
@@ -99,7 +99,7 @@ impl<'a> Section<'a> {
     /// Returns one figure that must be present.
     ///
     /// # Errors
-    /// An absent figure, one without a source, one that is not a number.
+    /// A figure that is absent, has no source, or is not a number.
     pub(crate) fn figure(&self, name: &str) -> Result<f64, VehicleFileError> {
         match self.sourced(name)? {
             Node::Number(number) => Ok(*number),
@@ -107,7 +107,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Returns one figure; `None` if the member is absent.
+    /// Returns one figure, or `None` if the member is absent.
     ///
     /// # Errors
     /// Like [`Section::figure`].
@@ -118,7 +118,7 @@ impl<'a> Section<'a> {
     /// Returns `true` or `false`, which must be present.
     ///
     /// # Errors
-    /// An absent member or one of another type.
+    /// A member that is absent or of the wrong type.
     pub(crate) fn truth(&self, name: &str) -> Result<bool, VehicleFileError> {
         const HELP: &str = "write true or false";
         match self.required(name, "true or false", HELP)? {
@@ -172,10 +172,10 @@ impl<'a> Section<'a> {
         Ok(self.text("name")?.unwrap_or_default().to_owned())
     }
 
-    /// Returns a figure that only vehicles of some airframe have: present if `wanted`, else zero.
+    /// Returns a figure that only vehicles of some airframes have: it must be present if `wanted`, and is zero otherwise.
     ///
     /// # Errors
-    /// Like [`Section::figure`]; a figure that this airframe does not have.
+    /// The errors of [`Section::figure`]; also a figure that this airframe does not have.
     pub(crate) fn figure_if(&self, name: &str, wanted: bool, airframe: &str) -> Result<f64, VehicleFileError> {
         if wanted {
             return self.figure(name);

@@ -3,21 +3,21 @@
 use crate::model::CameraModel;
 use serde::{Deserialize, Serialize};
 
-/// Slew rate of a mount that does not move: it points where it points at once.
+/// Slew rate given to a mount that does not move: its one direction is always reached at once.
 const FIXED_SLEW_DEG_S: f64 = 360.0;
 
-/// A sensor: what it sees, in which modes, on which mount, and what its data need.
+/// A sensor: the bands it sees, its modes, its mount, and the size of its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorModel {
     /// Name of the type, for messages.
     pub name: String,
     /// Optics and detector.
     pub optics: Optics,
-    /// Parts of the spectrum with what they see.
+    /// Parts of the spectrum that the sensor records, and what is visible in each.
     pub bands: Vec<Band>,
     /// Mount on the airframe.
     pub mount: Mount,
-    /// Limits of the vehicle's motion while it records.
+    /// Limits on the vehicle's motion while the sensor records.
     pub motion: MotionLimits,
     /// Least angle between the sun and the edge of the field of view; 0: the sun does no harm.
     pub sun_keep_out_deg: f64,
@@ -29,7 +29,7 @@ pub struct SensorModel {
     pub power_w: f64,
     /// Mass with its mount.
     pub mass_kg: f64,
-    /// Temperature inside, if it limits the use.
+    /// Temperature inside the sensor, if it limits use.
     pub temperature: Option<SensorTemperature>,
     /// Use of its data.
     pub data: SensorData,
@@ -40,7 +40,7 @@ pub struct SensorModel {
 pub enum Optics {
     /// Scans lines across the track below the aircraft.
     LineScanner {
-        /// Modes, one of which is used in a flight.
+        /// Modes; one of them is used throughout a flight.
         modes: Vec<ScannerMode>,
     },
     /// Takes single pictures.
@@ -60,7 +60,7 @@ pub struct ScannerMode {
     pub field_of_view_deg: f64,
     /// Scan rates to choose from, rising, lines per second.
     pub scan_rates_hz: Vec<f64>,
-    /// Share of a line that must overlap the one before.
+    /// Share of a line that must overlap the previous line.
     pub overlap_share: f64,
 }
 
@@ -94,7 +94,7 @@ pub struct VideoOptics {
     pub frame_rate_hz: f64,
 }
 
-/// A part of the spectrum with what it sees.
+/// A part of the spectrum, and what is visible in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Band {
     /// Name, for example `thermal infrared`.
@@ -116,7 +116,7 @@ pub struct Band {
 /// Mount of a sensor on the airframe. Tilt is 0 ahead and -90 straight down; pan is clockwise from the nose.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Mount {
-    /// It looks in one direction of the airframe.
+    /// The mount points in one fixed direction relative to the airframe.
     Fixed {
         /// Tilt.
         tilt_deg: f64,
@@ -129,11 +129,11 @@ pub enum Mount {
         tilt_deg_min: f64,
         /// Highest tilt.
         tilt_deg_max: f64,
-        /// Pan to either side; 0: it tilts only.
+        /// Pan to either side; 0: the mount only tilts.
         pan_deg_max: f64,
         /// Slew rate of tilt and pan.
         slew_rate_deg_s: f64,
-        /// Time from the end of a slew until the picture stands still.
+        /// Time from the end of a slew until the picture is steady.
         settle_s: f64,
     },
 }
@@ -204,15 +204,15 @@ impl CarriedSensor {
 const SIDELAP_SHARE: f64 = 0.2;
 
 impl CarriedSensor {
-    /// Returns the recorder of lines over the ground: the line scanner in the mode in use, or else a frame camera
+    /// Returns the sensor that records lines over the ground: the line scanner in its selected mode, or else a frame camera that looks
     /// straight down.
     pub fn recorder_of_lines(sensors: &[CarriedSensor]) -> Option<ScannerMode> {
         let scanner = sensors.iter().find_map(CarriedSensor::scanner_mode).cloned();
         scanner.or_else(|| sensors.iter().find_map(CarriedSensor::strip))
     }
 
-    /// Returns the strip that overlapping pictures of a frame camera straight down make, as a mode of a scanner; `None` for other sensors,
-    /// and for a camera that cannot look straight down. A fifth of each picture overlaps the neighbouring strip.
+    /// Returns the strip made by overlapping pictures of a frame camera that looks straight down, as a scanner mode; `None` for other
+    /// sensors, and for a camera that cannot look straight down. A fifth of each picture overlaps the neighbouring strip.
     pub fn strip(&self) -> Option<ScannerMode> {
         let Optics::Frame(frame) = &self.model.optics else { return None };
         self.model.sees_nadir().then(|| ScannerMode {
@@ -224,7 +224,7 @@ impl CarriedSensor {
         })
     }
 
-    /// Returns the sensor as a camera of commands; `None` for a line scanner. A fixed mount has equal limits and turns at once.
+    /// Returns the sensor as the camera used by commands; `None` for a line scanner. A fixed mount has equal limits and turns at once.
     pub fn camera(&self) -> Option<CameraModel> {
         let (field_of_view_deg, interval_s_min) = match &self.model.optics {
             Optics::LineScanner { .. } => return None,
@@ -261,7 +261,7 @@ impl SensorModel {
         }
     }
 
-    /// Returns true if it can look straight down.
+    /// Returns true if the sensor can look straight down.
     pub fn sees_nadir(&self) -> bool {
         match (&self.optics, &self.mount) {
             (Optics::LineScanner { .. }, _) => true,

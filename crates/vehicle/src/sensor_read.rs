@@ -1,4 +1,4 @@
-//! From the text of a sensor file to a sensor model.
+//! Reading a sensor model from the text of a sensor file.
 
 use crate::error::{FileName, VehicleFileError};
 use crate::json::Node;
@@ -42,11 +42,11 @@ const HELP_SECTION: &str = "add the section; docs/reference/sensors.md lists its
 type SensorResult<T> = Result<T, VehicleFileError>;
 
 impl SensorModel {
-    /// Reads the text of a sensor file; `file` names it in errors.
+    /// Reads the text of a sensor file; `file` is its name in errors.
     ///
     /// # Errors
-    /// Text that is not JSON, a member that is unknown, repeated, missing or of another type, a figure without a source, a
-    /// figure that no sensor can have.
+    /// Text that is not JSON; a member that is unknown, repeated, missing or of the wrong type; a figure without a source, or one that no
+    /// sensor can have.
     pub fn parse(file: &str, text: &str) -> Result<SensorModel, VehicleFileError> {
         let file = FileName::sensor(file);
         let root: Node = serde_json::from_str(text).map_err(|error| {
@@ -85,7 +85,7 @@ fn open<'a>(root: &Section<'a>, name: &str, known: &[&str]) -> SensorResult<Sect
     Section::open(root.file(), name, root.required(name, "an object", HELP_SECTION)?, known)
 }
 
-/// Reads the section of the sensor's kind and refuses those of other kinds.
+/// Reads the section of the sensor's kind, and rejects the sections of other kinds.
 fn optics(root: &Section<'_>) -> SensorResult<Optics> {
     let kind = root.word("kind", &["line-scanner", "frame", "video"])?;
     let own = match kind {

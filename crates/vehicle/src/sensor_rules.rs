@@ -1,10 +1,10 @@
-//! The rules that the figures of a sensor model obey.
+//! Rules for the figures of a sensor model.
 
 use crate::error::{FileName, VehicleFileError};
 use crate::rules::{Checker, Rule};
 use crate::sensor::{Band, Mount, Optics, ScannerMode, SensorModel};
 
-/// Fields of view end below this: a flat ground has no edge beyond it.
+/// Upper limit on fields of view: a wider view of flat ground would have no edge.
 const FIELD_OF_VIEW_DEG_MAX: f64 = 170.0;
 
 impl SensorModel {
@@ -75,7 +75,7 @@ fn check_optics(check: &Checker<'_>, optics: &Optics) -> Result<(), VehicleFileE
                 ("exposure_s", frame.exposure_s, Rule::Positive),
             ];
             check.each("frame", &figures)?;
-            // The field of view follows from pixels and focal length; a wrong unit of one of them shows here.
+            // The field of view follows from pixels and focal length, so a wrong unit in one of them shows up here.
             check.each("frame", &[("focal_mm: field of view in degrees", frame.field_of_view_deg(), field_of_view)])
         }
         Optics::Video(video) => {

@@ -5,7 +5,7 @@ use crate::model::VehicleModel;
 /// A vehicle file that ships with Apex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShippedVehicle {
-    /// The name by which a mission asks for it.
+    /// The name by which a mission refers to the vehicle.
     pub name: &'static str,
     /// The name of its file in the repository and in flight records.
     pub file: &'static str,
@@ -45,7 +45,7 @@ pub const SHIPPED: &[ShippedVehicle] = &[
 /// A sensor file that ships with Apex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShippedSensor {
-    /// The name by which a vehicle file asks for it.
+    /// The name by which a vehicle file refers to the sensor.
     pub name: &'static str,
     /// The name of its file in the repository and in flight records.
     pub file: &'static str,

@@ -1,4 +1,4 @@
-//! The rules that the figures of a vehicle model obey: each alone, and those that limit each other.
+//! Rules for the figures of a vehicle model: limits on each figure, and limits between figures.
 
 use crate::energy::{BatteryModel, EnergyModel, FlightPower, FuelModel, Reserve};
 use crate::error::{FileName, VehicleFileError};
@@ -8,14 +8,14 @@ use crate::sensor::Optics;
 
 /// Slowest indicated airspeed at which a fixed wing can stay in the air.
 const FIXED_WING_M_S_MIN: f64 = 5.0;
-/// Figures above these are taken for mistakes in units: no aircraft has them.
+/// Figures above these are taken for mistakes in units, because no aircraft reaches them.
 const MASS_KG_MAX: f64 = 1e6;
 const SPEED_M_S_MAX: f64 = 1_000.0;
 const CLIMB_M_S_MAX: f64 = 300.0;
 const CEILING_M_MAX: f64 = 50_000.0;
 /// A range shorter than this is taken for a mistake in units.
 const RANGE_M_MIN: f64 = 1_000.0;
-/// Greatest deviation of the endurance by the energy figures from the stated one.
+/// Greatest permitted relative difference between the endurance from the energy figures and the stated endurance.
 const ENDURANCE_DEVIATION_MAX: f64 = 0.15;
 
 impl VehicleModel {
@@ -73,7 +73,7 @@ impl VehicleModel {
                 "flight.indicated_airspeed_m_s_min",
             )?;
         }
-        // A true airspeed is never below the indicated one, so that a slower cruise is a stall at every altitude.
+        // A true airspeed is never below the indicated airspeed, so a cruise speed below the stall speed means a stall at every altitude.
         check.at_most(
             "flight.indicated_airspeed_m_s_min",
             self.indicated_airspeed_m_s_min,
@@ -253,7 +253,7 @@ fn check_battery(check: &Checker<'_>, battery: &BatteryModel) -> Result<(), Vehi
     }
 }
 
-/// Checks that the endurance by capacity and consumption is near the stated one.
+/// Checks that the endurance computed from capacity and consumption is near the stated one.
 fn check_stated(check: &Checker<'_>, name: &str, stated_min: f64, found_min: f64) -> Result<(), VehicleFileError> {
     if (found_min / stated_min - 1.0).abs() <= ENDURANCE_DEVIATION_MAX {
         return Ok(());

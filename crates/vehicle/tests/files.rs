@@ -1,4 +1,4 @@
-//! Vehicle and sensor files: the shipped ones are valid, and every mistake is reported with its field.
+//! Vehicle and sensor files: the shipped files are valid, and every mistake is reported with its field.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, reason = "a failed test should stop")]
 
@@ -201,7 +201,7 @@ fn sensors_are_named_by_reference_and_mode() {
     rejects("predator-b", roll, steeper, "flight.level_roll_deg_max", "`motion.roll_deg_valid` of `ams-wildfire`, 3");
 }
 
-/// A sensor that is a file comes from the caller, and its errors name that file.
+/// The caller supplies the text of a sensor that is a file, and errors in it name that file.
 #[test]
 fn a_sensor_file_is_asked_for_by_its_reference() {
     let text = changed(ShippedVehicle::find("rmax").unwrap().text, "\"rmax-camera\"", "\"eye.json\"");
@@ -327,7 +327,8 @@ fn reserves_follow_from_the_vehicle() {
     assert!((quadrotor.low() - 0.25 * quadrotor.stored_full()).abs() < 1.0);
 }
 
-/// The battery's drain: hover, 12 m/s and 5 m/s of an M300 class quadrotor within 15 % of 598, 560 and 580 W; cold locks energy.
+/// The battery's drain in hover, at 12 m/s and at 5 m/s is within 15 % of 598, 560 and 580 W, the figures of an M300 class quadrotor;
+/// cold makes part of the energy unusable.
 #[test]
 fn the_battery_of_the_quadrotor_is_as_stated() {
     let quadrotor = VehicleModel::named("quadrotor").unwrap();

@@ -13,7 +13,7 @@ pub(crate) fn run(bytes: &[u8]) {
         Ok(instance) => {
             assert!(is_one, "a file is read that is of no format");
             if planted::ARE_IN {
-                // The bug: a mean over the legs between targets, of which one target has none.
+                // The bug: a mean over the legs between targets, but one target has no legs.
                 let legs = instance.problem.targets.len() * (instance.problem.targets.len() - 1);
                 assert!(legs > 0, "division by zero legs");
             }

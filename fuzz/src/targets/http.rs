@@ -1,8 +1,7 @@
-//! Fuzz target of the server: sends the bytes over a connection as they are, as HTTP, or as WebSocket frames after an upgrade.
+//! Fuzz target of the server: sends the bytes over a connection unchanged, as HTTP, or as WebSocket frames after an upgrade.
 //!
-//! Properties: the server answers or closes the connection; no answer is a server error; it still answers a valid request
-//! afterwards.
-//! A panic of the server's threads ends the process, as libFuzzer sets a hook for panics.
+//! Properties: the server answers or closes the connection, no answer is a server error, and the server then still answers a valid
+//! request. A panic of the server's threads ends the process, because libFuzzer sets a hook for panics.
 
 use crate::planted;
 use crate::sample;
@@ -41,7 +40,7 @@ fn exchange(bytes: &[u8]) -> Vec<u8> {
     let mut answer = Vec::new();
     let Ok(mut stream) = TcpStream::connect(*SERVER) else { return answer };
     let _ = stream.set_read_timeout(Some(PATIENCE));
-    // The server may close before it has read everything.
+    // The server may close the connection before it has read everything.
     let _ = stream.write_all(bytes);
     let _ = stream.shutdown(Shutdown::Write);
     let _ = stream.read_to_end(&mut answer);

@@ -1,4 +1,4 @@
-//! Lines of inputs: files of `apex run --inputs`, answers of the operator, and lines that are typed while a run continues.
+//! Lines of inputs: files of `apex run --inputs`, answers of the operator, and lines typed during a run.
 //!
 //! Properties: an accepted file is ordered by time; a refusal names the file.
 

@@ -1,7 +1,7 @@
 //! Data files of a mission: targets as GeoJSON, KML or CSV, airfields, airspace, wind and a vehicle.
 //!
-//! The first byte of the input chooses the file that the rest replaces; all other files are those of `structure-watch`.
-//! Properties: a mission that loads has targets at finite positions; a refusal says what is wrong.
+//! The first byte of the input selects the file that is replaced by the rest; all other files are those of `structure-watch`. Properties:
+//! a mission that loads has targets at finite positions, and a rejection states the problem.
 
 use crate::planted;
 use apex_mission::Mission;
@@ -9,7 +9,7 @@ use apex_model::source::SourceFile;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// A mission as a flight record stores it.
+/// A mission as stored in a flight record.
 struct Stored {
     program: Vec<SourceFile>,
     data: Vec<(String, Vec<u8>)>,

@@ -10,7 +10,7 @@ pub(crate) mod problems;
 pub(crate) mod protocol;
 pub(crate) mod records;
 
-/// Largest input of a text target: larger ones cost time and show nothing new.
+/// Largest input of a text target; larger inputs take time without new findings.
 const TEXT_BYTES_MAX: usize = 8_192;
 
 /// Returns the input as text, or `None` if it is too long or not UTF-8.

@@ -1,6 +1,6 @@
 //! Planning problems and plans, as `apex plan PROBLEM --plan FILE` reads them: one line of JSON each.
 //!
-//! Properties: a problem that is accepted can be written and read again; checking any plan for it ends with a list of violations.
+//! Properties: a problem that is accepted can be written and read back, and a check of any plan for it ends with a list of violations.
 
 use crate::planted;
 use apex_mission::plan::input::PlanInput;
@@ -19,7 +19,7 @@ pub(crate) fn run(bytes: &[u8]) {
     let Ok(plan) = serde_json::from_str::<Plan>(plan) else { return };
     let violations = checker::violations(&input.problem, &plan);
     if planted::ARE_IN {
-        // The bug: every target of the plan is taken to be one of the problem.
+        // The bug: every target of the plan is assumed to be in the problem.
         let known = names(&input.problem);
         for target in plan.targets() {
             let number = known.iter().take_while(|name| **name != target).count();

@@ -1,6 +1,6 @@
-//! Lines of an outside simulator (`docs/reference/foreign-simulators.md`), as a dialogue with one agent.
+//! Lines of an external simulator (`docs/reference/foreign-simulators.md`), as a dialogue with one agent.
 //!
-//! Properties: every line is answered with one line of JSON, also after an error; the dialogue ends.
+//! Properties: every line is answered with one line of JSON, even after an error, and the dialogue ends.
 
 use super::read_value;
 use crate::planted;

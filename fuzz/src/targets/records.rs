@@ -1,6 +1,6 @@
-//! Damaged flight records: edits of the bytes of a finished record, three bytes per edit (position and value), or a cut.
+//! Damaged flight records: edits of the bytes of a finished record, with three bytes per edit (position and value), or a truncation.
 //!
-//! Property: a record whose check finds no damage has the steps of the original.
+//! Property: if the check of a record finds no damage, its steps are those of the original.
 
 use crate::planted;
 use crate::sample;

@@ -1,4 +1,4 @@
-//! Many random questions on all cores, in an order that does not depend on the cores.
+//! Many random questions on all cores; the results do not depend on the number of cores.
 
 use crate::compare::{Finding, compare};
 use crate::features::features;
@@ -14,15 +14,15 @@ pub struct Outcome {
     pub same: u64,
     /// Number of questions that have a result.
     pub satisfied: u64,
-    /// Questions that the executive cannot answer yet, by what it cannot.
+    /// Number of questions that the executive cannot answer yet, by the missing feature.
     pub not_yet: BTreeMap<String, u64>,
-    /// Questions that the checker says can never be answered with yes, which is so.
+    /// Number of questions that the checker calls impossible and that are never satisfied.
     pub never: u64,
-    /// Seeds of questions whose text the checker refuses.
+    /// Seeds of questions whose text the checker rejects.
     pub refused: Vec<u64>,
     /// Seeds of questions that they answer differently.
     pub different: Vec<u64>,
-    /// In how many compared questions each form stood, and in how many of those with a result.
+    /// For each form, the number of compared questions that contain it, and of those with a result.
     pub features: BTreeMap<String, (u64, u64)>,
 }
 
@@ -80,7 +80,7 @@ impl Outcome {
 pub struct Manner {
     /// In so many threads.
     pub threads: u64,
-    /// Only those with this form, as [`features`] names it.
+    /// If present, only questions with this form are used, as named by [`features`].
     pub only: Option<String>,
 }
 
@@ -89,7 +89,7 @@ pub fn cores() -> u64 {
     thread::available_parallelism().map_or(2, |threads| threads.get() as u64)
 }
 
-/// Asks the questions of all `seeds` on all cores.
+/// Runs the questions of all `seeds` on all cores.
 pub fn run(seeds: Range<u64>) -> Outcome {
     run_as(seeds, &Manner { threads: cores(), only: None })
 }

@@ -1,4 +1,4 @@
-//! One question answered by both, and the difference.
+//! One question answered by the executive and the definition, and the difference.
 
 use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
 use crate::generate::UNTIL;
@@ -7,11 +7,11 @@ use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 /// Result of the comparison of a question.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
-    /// Both say the same; the result, if there is one.
+    /// Both give the same answer; with the result, if there is one.
     Same(Option<Outcome>),
     /// The executive cannot do this yet.
     NotYet(String),
-    /// The checker says that it can never be true, and it is not.
+    /// The checker calls the condition impossible, and it is never satisfied.
     Never,
     /// The checker refuses it.
     Refused(String),
@@ -19,12 +19,12 @@ pub enum Finding {
     Different(String),
 }
 
-/// Asks both at every instant at which the answer may change, and the executive again with time advanced once.
+/// Compares both at every instant at which the answer may change, and runs the executive again with a single advance of time.
 pub fn compare(question: &Question) -> Finding {
     let accepted = match accepted(question) {
         Ok(accepted) => accepted,
         Err(Refusal::NotYet(what)) => return Finding::NotYet(what),
-        // What the checker says is impossible must be so by definition.
+        // A condition that the checker calls impossible must be so by definition.
         Err(Refusal::Never) => {
             return match first(question, UNTIL) {
                 None => Finding::Never,
@@ -51,7 +51,7 @@ pub fn compare(question: &Question) -> Finding {
     }
 }
 
-/// Asks both at every instant up to the first result.
+/// Compares both at every instant up to the first result.
 fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, String> {
     let mut watch = Watch::new(accepted, question)?;
     for now in instants(question, UNTIL) {
@@ -66,7 +66,7 @@ fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcom
     Ok(None)
 }
 
-/// Everything is handed over, then time is advanced once.
+/// Sends all arrivals first, then advances time once.
 fn asked_once(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, String> {
     let mut watch = Watch::new(accepted, question)?;
     match watch.say(UNTIL) {

@@ -1,9 +1,9 @@
-//! Chance, from a seed.
+//! Seeded random choices.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Dice that fall the same way for the same seed.
+/// Dice that give the same results for the same seed.
 #[derive(Debug)]
 pub(crate) struct Dice(ChaCha8Rng);
 
@@ -22,17 +22,17 @@ impl Dice {
         low + self.below(high.saturating_sub(low) + 1)
     }
 
-    /// True in so many of a hundred cases.
+    /// Returns true with a probability of `percent` per cent.
     pub(crate) fn chance(&mut self, percent: usize) -> bool {
         self.below(100) < percent
     }
 
-    /// One of them.
+    /// Returns one of the items.
     pub(crate) fn pick<T: Clone>(&mut self, items: &[T]) -> Option<T> {
         items.get(self.below(items.len())).cloned()
     }
 
-    /// The outcome of `make` in so many of a hundred cases.
+    /// Returns the outcome of `make` with a probability of `percent` per cent.
     pub(crate) fn maybe<T>(&mut self, percent: usize, make: impl FnOnce(&mut Dice) -> T) -> Option<T> {
         self.chance(percent).then(|| make(self))
     }

@@ -1,4 +1,4 @@
-//! The question as Apex answers it: text, checker, a session of monitors.
+//! The question as answered by Apex: text, checker, a session of monitors.
 
 use crate::print;
 use apex_definition::{Bindings, Outcome, Question, Time, Value as Theirs, What};
@@ -28,7 +28,7 @@ pub struct Accepted {
 pub enum Refusal {
     /// The executive cannot do this yet.
     NotYet(String),
-    /// The checker says that it can never be true.
+    /// The checker calls the condition impossible.
     Never,
     /// The text is wrong: these messages.
     Wrong(String),
@@ -37,9 +37,9 @@ pub enum Refusal {
 /// Report at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
-    /// It is true, and was so first in this way.
+    /// The condition is satisfied; its first result is this one.
     Satisfied(Outcome),
-    /// It is not true up to now.
+    /// The condition has not been satisfied so far.
     NotSatisfied,
     /// The data do not say.
     Unknown,
@@ -74,7 +74,7 @@ pub fn accepted(question: &Question) -> Result<Accepted, Refusal> {
     }
 }
 
-/// A session into which arrivals are handed, up to the instants that are asked about.
+/// A session that receives the arrivals up to the compared instants.
 pub struct Watch<'a> {
     session: MonitorSession,
     id: MonitorId,
@@ -94,13 +94,13 @@ impl<'a> Watch<'a> {
         Ok(Watch { session, id, question, handed: 0 })
     }
 
-    /// Hands over what arrives up to `now`, without advancing time.
+    /// Passes on the arrivals up to `now`, without advancing time.
     pub fn hand(&mut self, now: Time) {
         while let Some(arrival) = self.question.arrivals.get(self.handed).filter(|arrival| arrival.arrives <= now) {
             self.handed += 1;
             let at = time::Time(arrival.at);
             if arrival.at < arrival.arrives {
-                // A message without a receiver brings time to where the late one comes.
+                // A message without a receiver advances time to the instant at which the late arrival comes.
                 self.session.event(Value::list([Value::symbol("tick")]), time::Time(arrival.arrives));
             }
             match &arrival.what {

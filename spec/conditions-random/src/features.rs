@@ -4,8 +4,8 @@ use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind
 use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
-/// Features that the executive does not have yet, as the checker names them. A condition with one of these must be refused, and every
-/// refusal must name one of these.
+/// Features that the executive does not have yet, by the checker's names. A condition with one of these must be rejected, and every
+/// rejection must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
 /// Returns the forms and odd data of a question.

@@ -12,10 +12,10 @@ use std::collections::BTreeMap;
 pub const SECOND: Span = 1_000_000_000;
 /// End of every comparison.
 pub const UNTIL: Time = 16 * SECOND;
-/// The grid of instants and spans: what coincides is interesting.
+/// The grid of instants and spans, on which coincidences are frequent.
 const STEP: Span = SECOND / 2;
 
-/// Added to bounds of statistics and lines, so that none is met exactly: which way the last bit falls is not compared.
+/// Added to bounds of statistics and lines, so that no value equals a bound: the rounding of the last bit is not compared.
 const BESIDE: f64 = 0.123;
 
 /// Returns the question of a seed.
@@ -39,7 +39,7 @@ pub fn question(seed: u64) -> Question {
 struct Maker {
     dice: Dice,
     tags: usize,
-    /// The condition asks for cycles, which need many samples.
+    /// The condition has cycles, which need many samples.
     cycles: bool,
 }
 
@@ -48,7 +48,7 @@ impl Maker {
         self.dice.between(low, high) as Span * STEP
     }
 
-    /// Returns a span of the grid, seldom a nanosecond next to it.
+    /// Returns a span of the grid, or rarely one that differs by a nanosecond.
     fn span(&mut self, low: usize, high: usize) -> Span {
         let span = self.steps(low, high);
         if self.dice.chance(6) { span + 1 } else { span }
@@ -73,7 +73,7 @@ impl Maker {
         Arrival { arrives, at: arrives - back, what: What::Sample(attribute.into(), object.into(), value) }
     }
 
-    /// One of many samples of one variable.
+    /// Returns one of many samples of one variable.
     fn swing(&mut self, late: usize) -> Arrival {
         let arrives = self.steps(0, 28);
         let back = if self.dice.chance(late) { self.steps(1, 4).min(arrives) } else { 0 };
@@ -150,7 +150,7 @@ impl Maker {
                 parts.push(self.delay());
             }
             let part = if self.dice.chance(80) { self.leaf_with_evidence() } else { self.condition(depth - 1) };
-            // What has no interval has no place in an order.
+            // A part without an interval has no place in an order.
             let placed = !always_anew(&part);
             parts.push(if placed { part } else { self.leaf_with_evidence() });
         }
@@ -381,7 +381,7 @@ impl Maker {
             episode.trend.push((trend, self.order(), bound + BESIDE));
         }
         if !episode.stats.is_empty() || !episode.trend.is_empty() {
-            // A window has a least length and nothing else.
+            // A window has only a least length.
             for (relation, length) in &mut episode.duration {
                 (*relation, *length) = (Relation::GreaterOrEqual, (*length).max(STEP));
             }

@@ -1,4 +1,4 @@
-//! Random questions about conditions for two witnesses: the executive and `apex-definition`. See `README.md`.
+//! Random questions about conditions for two independent implementations: the executive and `apex-definition`. See `README.md`.
 
 pub mod campaign;
 pub mod compare;

@@ -1,4 +1,4 @@
-//! `apex-conditions-random --count N --seed S`: asks random questions, prints its progress, and writes down what differs.
+//! `apex-conditions-random --count N --seed S` runs random questions, prints its progress, and stores the questions that differ.
 
 use apex_conditions_random::campaign::{self, Manner, Outcome};
 use apex_conditions_random::{compare, generate, page, shrink};

@@ -1,4 +1,4 @@
-//! A question that is answered differently, as a page of the specification: ready to be read, corrected and kept.
+//! A question that is answered differently, as a page of the specification that can be read, corrected and kept.
 
 use crate::compare::{Finding, compare};
 use crate::generate::UNTIL;
@@ -6,7 +6,7 @@ use crate::print;
 use apex_definition::Question;
 use std::fmt::Write;
 
-/// Returns the page of a question. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
+/// Returns the page of a question. Its trace is empty: `UPDATE=1` fills it, and a reader must judge it.
 pub fn of(seed: u64, question: &Question) -> String {
     let condition = print::condition(&question.condition);
     let found = match &question.condition.tag {

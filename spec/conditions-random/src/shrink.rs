@@ -1,10 +1,10 @@
-//! Makes a question that is answered differently small.
+//! Reduces a question that is answered differently to a small one.
 
 use crate::compare::{Finding, compare};
 use apex_definition::Question;
 use apex_definition::condition::{Condition, Cyclic, Episode, Kind, Measurement};
 
-/// Returns a smallest question that is still answered differently, found by leaving out one thing after the other.
+/// Returns a minimal question that is still answered differently, found by removing one part after another.
 pub fn shrink(question: &Question) -> Question {
     let mut smallest = question.clone();
     while let Some(smaller) = simpler(&smallest).into_iter().find(differs) {
@@ -17,7 +17,7 @@ fn differs(question: &Question) -> bool {
     matches!(compare(question), Finding::Different(_))
 }
 
-/// Questions with one thing less.
+/// Questions with one part removed.
 fn simpler(question: &Question) -> Vec<Question> {
     let mut found = Vec::new();
     for index in 0..question.arrivals.len() {
@@ -163,7 +163,7 @@ fn shorter<T: Clone>(items: &[T], least: usize) -> Vec<Vec<T>> {
     if items.len() <= least { Vec::new() } else { (0..items.len()).map(without).collect() }
 }
 
-/// Returns the list with one part made simpler.
+/// Returns the lists in which one part is simpler.
 fn changed(parts: &[Condition]) -> Vec<Vec<Condition>> {
     let mut found = Vec::new();
     for (index, part) in parts.iter().enumerate() {

@@ -4,7 +4,7 @@ use apex_conditions_random::features::NOT_YET;
 use apex_conditions_random::{campaign, generate, page, shrink};
 use std::collections::BTreeSet;
 
-/// In CI; `make nightly` asks ten million.
+/// The number used in CI; `make nightly` runs ten million.
 const COUNT: u64 = 100_000;
 
 #[test]
@@ -19,7 +19,7 @@ fn the_executive_and_the_definition_answer_alike() {
     assert_eq!(outcome.refused, [], "the checker refuses what the generator writes\n{table}");
     let refused: BTreeSet<&str> = outcome.not_yet.keys().map(String::as_str).collect();
     assert_eq!(refused, NOT_YET.iter().copied().collect(), "what is refused is what is not done yet\n{table}");
-    // What is asked for is neither always there nor never.
+    // The conditions are neither nearly always nor nearly never satisfied.
     assert!(outcome.satisfied * 5 > outcome.same && outcome.satisfied * 2 < outcome.same, "{table}");
     for (feature, (asked, satisfied)) in &outcome.features {
         // Runs that end at the same instant are rare.

@@ -1,4 +1,4 @@
-//! Absence: a whole span without the part (rule 14).
+//! Absence: a whole span without evidence of the part (rule 14).
 
 use crate::condition::{Condition, Estimation, Kind, Span, Term, Time, Variable};
 use crate::history::{Arrival, Past, What, known};
@@ -6,8 +6,8 @@ use crate::value::{Bindings, Value};
 use crate::verdict::Question;
 use crate::ways::{Interval, Runs, View, Way, Ways};
 
-/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was judged
-/// stays so when it is unknown what comes after it.
+/// Rule 14: a whole span has passed without evidence of the part. A span that had passed without evidence when it was judged stays valid,
+/// even if it is unknown what follows it.
 pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     if at_instants(part) {
         return of_instants(part, span, view);
@@ -31,8 +31,8 @@ pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     found
 }
 
-/// Rule 17: are instants that are over judged again when a sample comes late? A variable of the part is declared with
-/// `:lateness`; or nothing of it comes late, which is the same.
+/// Rule 17: whether past instants are judged again when a sample comes late. They are if a variable of the part is declared with
+/// `:lateness`, or if nothing of the part comes late, which gives the same result.
 fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
     let watched = variables(part);
     let is_late = |arrival: &Arrival| arrival.at < arrival.arrives && watched.iter().any(|each| is_of(arrival, each));
@@ -40,11 +40,11 @@ fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
         || !view.question.arrivals.iter().any(is_late)
 }
 
-/// Returns the knowledge by which an instant is judged: all of it if the instant is judged `again`, else the part that came before
-/// the first sample from after the instant. Also returns the earliest sample that came since: a span that reached it is not known to
-/// have passed any longer.
+/// Returns the knowledge by which an instant is judged: all of it if the instant is judged `again`, otherwise the part that arrived
+/// before the first sample from after the instant. Also returns the earliest sample that arrived since: a span that had reached it
+/// is no longer known to have passed.
 fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past, Option<Time>) {
-    // What a function said at an instant cannot be queried again: the instant is judged by what was known then.
+    // The value of a function at an instant cannot be queried later, so the instant is judged by the knowledge at that time.
     if asks_functions(part) {
         return (known(&view.question.arrivals, &view.question.lateness, then.min(view.past.known_at)), None);
     }
@@ -123,7 +123,7 @@ fn at_instants(condition: &Condition) -> bool {
 }
 
 /// Returns the ways of a condition that holds at instants, judged at each of them. A span begins with the creation, after evidence that
-/// is over, or at the first instant from which on the part is known not to hold; an unknown instant breaks it.
+/// has ended, or at the first instant at which the part is known not to hold; an unknown instant ends the span.
 fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let mut begin = Some(view.created);
@@ -154,10 +154,10 @@ fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
     found
 }
 
-/// May evidence of the part be known only after it has begun? Then a span may have been quiet as far as was known.
+/// Whether evidence of the part may become known only after it has begun. A span may then have been without evidence as far as was known.
 fn comes_to_light_later(part: &Condition) -> bool {
     match &part.kind {
-        // A value that persists is asked for at an instant to come, and its evidence is the sample before.
+        // A persistent value is required at a later instant, and its evidence is the sample before.
         Kind::Measurement(measurement) => {
             matches!(measurement.estimation, Some(Estimation::Persist(_))) && !measurement.timestamp.is_empty()
         }
@@ -167,16 +167,16 @@ fn comes_to_light_later(part: &Condition) -> bool {
     }
 }
 
-/// Spans without the part, if it is known where there was none.
+/// Spans without the part, as far as that is known.
 struct Quiet {
     found: Ways,
     decided: bool,
 }
 
-/// Returns the spans without the part up to now. One begins with the creation, or after evidence of the part.
+/// Returns the spans without the part up to now. A span begins with the creation, or after evidence of the part.
 fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
-    // The whole run of an episode counts, and a value as long as it persists: while they continue nothing is absent, and
-    // while it is unknown whether they do, absence is unknown.
+    // The whole run of an episode counts, and a value for as long as it persists. While they continue the part is not absent, and while
+    // their continuation is unknown, absence is unknown.
     let against = crate::ways::ways(part, View { runs: Runs::Whole, ..view });
     if against.all.iter().any(|way| way.open || way.lasts == Some(view.now)) {
         return Quiet { found: Ways::default(), decided: false };
@@ -185,8 +185,8 @@ fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
         let unknown = against.unknown.or_else(|| Some("unknown whether it continues".into()));
         return Quiet { found: Ways { all: Vec::new(), unknown, doubt: true }, decided: false };
     }
-    // A span begins with the creation, its instant included; after the end of evidence, its instant excluded; or at the
-    // instant at which a value persists no more.
+    // A span begins with the creation, including its instant; after the end of evidence, excluding its instant; or at the instant at
+    // which a value no longer persists.
     let mut spans = vec![(view.created, view.created)];
     for way in against.all.iter().filter(|way| lasting(way).is_some_and(|(_, end)| end >= view.created)) {
         spans.extend(match (way.lasts, way.hull) {
@@ -207,7 +207,7 @@ fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
     Quiet { found: ways.into(), decided: true }
 }
 
-/// Returns the evidence, and on as long as what it rests on persists.
+/// Returns the evidence, extended for as long as the values that it is based on persist.
 fn lasting(way: &Way) -> Option<Interval> {
     way.hull.map(|(start, end)| (start, way.lasts.map_or(end, |lasts| lasts.max(end))))
 }

@@ -1,4 +1,4 @@
-//! Episodes with statistics or trends: not monotone, so every end of a run is evaluated (rule 13).
+//! Episodes with statistics or trends. These are not monotone, so every end of a run is evaluated (rule 13).
 
 use crate::condition::{Episode, Relation, Span, Time};
 use crate::episode::{Run, held};
@@ -12,8 +12,8 @@ pub(crate) fn asked(episode: &Episode) -> bool {
     !episode.stats.is_empty() || !episode.trend.is_empty()
 }
 
-/// Returns the ways of statistics and trends. If they are constrained at one end of the run after the other, that is one result: it
-/// begins where the run or the first window does, and grows as runs of values do (rules 7 and 13).
+/// Returns the ways of statistics and trends. Consecutive ends of a run at which the constraints are satisfied form one result: it begins
+/// where the run or the first window begins, and grows in the same way as runs of values (rules 7 and 13).
 pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
     let mut found: Vec<Way> = Vec::new();
     let mut goes_on = false;
@@ -36,12 +36,13 @@ pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: Vie
     found
 }
 
-/// Returns true if a window is meant, since no value makes the run.
+/// Returns true if the episode uses a window, because no value constraint defines the run.
 fn slides(episode: &Episode) -> bool {
     episode.value.is_empty() && !episode.duration.is_empty()
 }
 
-/// Is it certain that the newest end is not what is asked for? Too short, or of too few samples, it is not known.
+/// Whether it is certain that the newest end does not satisfy the condition. For a run that is too short or has too few samples this is
+/// unknown.
 pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> bool {
     if !asked(episode) {
         return false;
@@ -55,7 +56,7 @@ pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> 
     })
 }
 
-/// Returns the length that is wanted: of the run at least, and of the window where no value makes the run.
+/// Returns the required length: the least one of the run, or that of the window if no value constraint defines the run.
 fn wanted(episode: &Episode) -> Span {
     let least = episode.duration.iter().map(|(relation, bound)| match relation {
         Relation::Greater => bound + 1,
@@ -64,8 +65,8 @@ fn wanted(episode: &Episode) -> Span {
     least.max().unwrap_or(0)
 }
 
-/// Returns every sample's instant; and where a gap licenses the passing of time, where the length is reached or a sample leaves.
-/// What is weighted by time moves between them too, but is judged at these instants only.
+/// Returns the instants of all samples and, if a gap permits time to pass, the instants at which the length is reached or a sample leaves
+/// the window. Time-weighted statistics also change between these instants, but are judged only at them.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);
     let instants: Vec<Time> = run.samples.iter().map(|sample| sample.at).collect();
@@ -88,7 +89,7 @@ fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
 pub(crate) struct Inside {
     /// The samples.
     pub(crate) samples: Vec<Sample>,
-    /// Numbers, and for how many seconds of it each held: until the next sample, up to the end.
+    /// Numbers, each with the seconds for which it held: until the next sample, or up to the end.
     pub(crate) held: Vec<(f64, f64)>,
 }
 

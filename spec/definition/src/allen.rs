@@ -1,16 +1,16 @@
-//! Allen's thirteen relations between intervals whose ends may still move (rule 15).
+//! Allen's thirteen relations between intervals with end points that may still move (rule 15).
 
 use crate::condition::{Allen, Span, Time};
 use crate::ways::Way;
 
-/// An end point: exactly there, or there or later.
+/// An end point: exactly at an instant, or at that instant or later.
 #[derive(Clone, Copy)]
 struct Point {
     at: Time,
     moves: bool,
 }
 
-/// Returns true if the relation holds between the two, whatever arrives later.
+/// Returns true if the relation holds between the two, regardless of later arrivals.
 pub(crate) fn decided(relation: Allen, first: &Way, second: &Way, tolerance: Span) -> bool {
     let (Some(first_hull), Some(second_hull)) = (first.hull, second.hull) else { return false };
     let ends = |way: &Way, (start, end)| (Point { at: start, moves: false }, Point { at: end, moves: way.open });

@@ -1,4 +1,4 @@
-//! Conditions as plain data: what `docs/reference/conditions.md` describes, without places, units and expressions.
+//! Conditions as plain data, as described in `docs/reference/conditions.md`, without places, units and expressions.
 
 use crate::value::Value;
 
@@ -23,7 +23,7 @@ pub enum Kind {
     Measurement(Measurement),
     /// A run of samples.
     Episode(Episode),
-    /// A value that goes up and down.
+    /// A value that goes up and down repeatedly.
     Cyclic(Cyclic),
     /// All parts.
     And(Vec<Condition>, Vec<Test>),
@@ -78,7 +78,7 @@ pub struct Measurement {
 pub struct Variable {
     /// The attribute.
     pub attribute: String,
-    /// The object, or a variable that takes it.
+    /// The object, or a variable to which it is bound.
     pub object: Term,
     /// Tests of the object.
     pub tests: Vec<Constraint>,
@@ -95,7 +95,7 @@ pub struct Cyclic {
     pub amplitude: Vec<(Relation, f64)>,
     /// Tests of their number; none is at least two.
     pub cycles: Vec<(Relation, i64)>,
-    /// By how much a value comes back from a turning point.
+    /// The least distance by which a value must return from a turning point.
     pub hysteresis: Option<f64>,
 }
 
@@ -135,7 +135,7 @@ pub enum Estimation {
     Regression(Regression),
 }
 
-/// Fit of the line, and the criteria by which it is rejected.
+/// Fit of the line, and the criteria for its rejection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regression {
     /// At least so many samples.
@@ -182,7 +182,7 @@ pub enum Relation {
 pub enum Term {
     /// This.
     Is(Value),
-    /// Anything; the same for the same name.
+    /// Any value; the same name must have the same value.
     Variable(String),
     /// Anything.
     Any,

@@ -1,4 +1,4 @@
-//! Values that go up and down (`docs/reference/conditions.md`, Cycles): turning points by both their sides.
+//! Values that go up and down (`docs/reference/conditions.md`, Cycles): turning points, identified from both sides.
 
 use crate::condition::{Cyclic, Time};
 use crate::history::{Sample, Series};
@@ -6,7 +6,7 @@ use crate::measurement::{heard_of, series_of};
 use crate::value::{Bindings, Value, numbers};
 use crate::ways::{View, Way, Ways};
 
-/// A turning point, and the sample that shows that it is one.
+/// A turning point, and the sample that proves it.
 struct Turn {
     at: Time,
     value: f64,
@@ -56,7 +56,7 @@ fn turns(samples: &[Sample], hysteresis: f64) -> Vec<Turn> {
     all
 }
 
-/// Returns a maximum: the value came up to it by the hysteresis, and came back from it by the hysteresis; of equal values the first.
+/// Returns the maxima: the value rose to each by the hysteresis, and fell from it by the hysteresis; of equal values the first.
 fn maxima(points: &[(Time, f64)], hysteresis: f64) -> Vec<Turn> {
     let mut found = Vec::new();
     for (index, (at, value)) in points.iter().enumerate() {
@@ -79,7 +79,7 @@ fn fits(cyclic: &Cyclic, turns: &[Turn]) -> bool {
         && cyclic.amplitude.iter().all(|(relation, bound)| numbers(*relation, amplitude, *bound))
 }
 
-/// Of each run of cycles that fit, beginning at maxima and at minima in turn, the first that is long enough.
+/// For each run of fitting cycles, beginning at maxima and at minima in turn, the first part that is long enough.
 fn runs(cyclic: &Cyclic, turns: &[Turn], bound: &Bindings) -> Vec<Way> {
     let halves: Vec<&[Turn]> = turns.windows(3).collect();
     let mut found = Vec::new();

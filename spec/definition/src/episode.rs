@@ -7,7 +7,7 @@ use crate::measurement::{heard_of, in_window, series_of};
 use crate::value::{Bindings, fits, numbers};
 use crate::ways::{Runs, View, Way, Ways, instant_fits};
 
-/// A run: consecutive samples without a gap whose values all satisfy the constraints, as far as it is known.
+/// A run: consecutive samples without a gap that all satisfy the constraints, as far as known.
 pub(crate) struct Run<'a> {
     pub(crate) samples: &'a [Sample],
     /// True if the sample before the run does not satisfy the constraints.
@@ -33,7 +33,7 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
             let why = if run.closed { "no sample for too long" } else { "unknown for how long" };
             found.unknown = Some(why.into());
         }
-        // A continuing run that satisfies the condition leaves nothing unknown; two samples of a run do not exclude other pairs.
+        // A continuing run that satisfies the condition leaves nothing unknown; two samples from a run do not exclude other pairs.
         let mut found_before = found.all.len();
         for run in &runs {
             found_before = found.all.len();
@@ -65,14 +65,15 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     found
 }
 
-/// Returns the samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
+/// Returns the samples that count: from the creation on, unless the condition constrains the start or end of the episode (rule 2).
 fn windowed<'a>(episode: &Episode, series: &'a Series, view: View<'_>) -> &'a [Sample] {
     let timed = !episode.start.is_empty() || !episode.end.is_empty();
     let first = series.samples.iter().position(|sample| timed || in_window(sample.at, &[], view));
     first.and_then(|first| series.samples.get(first..)).unwrap_or_default()
 }
 
-/// Returns the maximal runs (rules 7 and 8): a run ends at a sample that violates the constraints, or at a gap, also at one up to now.
+/// Returns the maximal runs (rules 7 and 8): a run ends at a sample that violates the constraints, or at a gap, even if the gap extends
+/// up to now.
 fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run<'a>> {
     let fitting = |sample: &Sample| fits(&sample.value, &episode.value, &mut Bindings::new());
     let apart = |from: Time, to: Time| episode.gap.is_some_and(|gap| to - from > gap);
@@ -96,14 +97,14 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
     found
 }
 
-/// Returns the first instant at which it is decided that the run satisfies the condition.
+/// Returns the result from the first instant at which it is decided that the run satisfies the condition.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound))
 }
 
-/// Returns the run if its first samples decide that it satisfies the condition however it continues; only lower bounds can decide that.
-/// The interval is that of the whole run, as far as it is known.
+/// Returns the run if its first samples decide that it satisfies the condition regardless of its continuation, which only lower bounds
+/// can decide. The interval is that of the whole run, as far as known.
 fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let samples = run.samples.get(..length)?;
     let (first, last) = (samples.first()?, samples.last()?);
@@ -118,7 +119,7 @@ fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, v
     fitting.then(|| way(run.samples, bound, first.at + needed))
 }
 
-/// Returns the least instant or span that the relation allows, if it allows everything above.
+/// Returns the least permitted instant or span, if the relation permits all greater ones.
 fn lower(relation: Relation, bound: i64) -> Option<i64> {
     match relation {
         Relation::GreaterOrEqual => Some(bound),
@@ -190,7 +191,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     found
 }
 
-/// Returns the run as far as it is known. Its last value is known when it is over.
+/// Returns the run as far as known. Its last value is known once it is over.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     if !episode.last_value.is_empty() {
         return when_over(episode, run, bound);

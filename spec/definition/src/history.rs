@@ -1,4 +1,4 @@
-//! Knowledge at an instant, from everything that ever arrived (rules 4, 17, 18, 23).
+//! The knowledge at an instant, from all arrivals so far (rules 4, 17, 18, 23).
 
 use crate::condition::{Span, Time};
 use crate::value::Value;
@@ -26,26 +26,26 @@ pub enum What {
     Moved(String, String),
 }
 
-/// The clean past of one variable, object or agent, as known at an instant.
+/// The cleaned past of one variable, object or agent, as known at an instant.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Past {
-    /// The instant up to which everything that had arrived is in it, if it is from an instant before.
+    /// The instant of the knowledge: all arrivals up to it are included.
     pub(crate) known_at: Time,
     /// Samples by attribute and object.
     pub(crate) variables: Vec<Series>,
-    /// Messages in order of time, those of one instant in order of arrival.
+    /// Messages in order of time; at equal instants, in order of arrival.
     pub(crate) messages: Vec<Message>,
     /// Changes of tasks.
     pub(crate) moves: Vec<Move>,
 }
 
-/// A variable's samples in order of time, one for an instant.
+/// A variable's samples in order of time, one for each instant.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     pub(crate) attribute: String,
     pub(crate) object: String,
     pub(crate) samples: Vec<Sample>,
-    /// Instant and arrival number of everything that counted when it came.
+    /// Instant and arrival number of all arrivals that counted when they came.
     pub(crate) appearances: Vec<(Time, usize)>,
 }
 
@@ -68,13 +68,13 @@ pub(crate) struct Move {
     pub(crate) state: String,
 }
 
-/// Returns all that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
+/// Returns all that had arrived by `now`. `lateness` is by attribute; 0 for attributes not in it.
 pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now: Time) -> Past {
     let mut past = Past { known_at: now, ..Past::default() };
     for (number, arrival) in arrivals.iter().enumerate().filter(|(_, arrival)| arrival.arrives <= now) {
         let at = arrival.at;
         match &arrival.what {
-            // Rule 18: a missing measurement proves nothing; it is as if nothing had arrived.
+            // Rule 18: a missing measurement proves nothing and is treated as if nothing had arrived.
             What::Sample(_, _, None) => {}
             What::Sample(attribute, object, Some(value)) => {
                 let late = lateness.get(attribute).copied().unwrap_or(0);
@@ -117,8 +117,8 @@ impl Past {
 }
 
 impl Series {
-    /// Rule 17: a late sample is put in order if the newest is not more than the lateness ahead of it, else it does not
-    /// count. Of two at one instant the later arrival counts; the same value again is nothing new.
+    /// Rule 17: a late sample is inserted in order if the newest one is ahead of it by at most the lateness; otherwise it does not count.
+    /// Of two samples at one instant the later arrival counts; the same value again is ignored.
     fn add(&mut self, sample: Sample, number: usize, lateness: Span) {
         let newest = self.samples.iter().map(|known| known.at).max();
         if newest.is_some_and(|newest| newest - sample.at > lateness) {

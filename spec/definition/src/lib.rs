@@ -1,7 +1,6 @@
-//! Meaning of conditions by brute force: the second witness for the executive's monitors.
+//! Meaning of conditions by brute force: an independent second implementation for checking the executive's monitors.
 //!
-//! Every answer is computed from everything that ever arrived, again at every instant. It shares no code with Apex;
-//! see `README.md`.
+//! Every answer is computed from all arrivals, again at every instant. It shares no code with Apex; see `README.md`.
 #![allow(clippy::indexing_slicing, reason = "loops over samples run below their number")]
 
 mod absence;

@@ -5,8 +5,8 @@ use crate::history::Series;
 use crate::value::{Bindings, Value, fits, matches};
 use crate::ways::{View, Way, Ways, instant_fits};
 
-/// Returns the series that the variable may mean, each with what that binds, in the order of arrival of the first sample that
-/// counts (rule 19). `from` says from which instant on samples of a series count.
+/// Returns the series that match the variable, each with the resulting bindings, in the order of arrival of the first sample that counts
+/// (rule 19). `from` gives the instant from which samples of a series count.
 pub(crate) fn series_of<'a>(
     variable: &Variable,
     from: impl Fn(&Series) -> Time,
@@ -27,7 +27,7 @@ pub(crate) fn series_of<'a>(
     found
 }
 
-/// From which instant on samples count: the creation, the last sample before it where that may still be valid, or always.
+/// The instant from which samples count: the creation, the last sample before it if that may still be valid, or the beginning of time.
 fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time {
     if !measurement.timestamp.is_empty() {
         return Time::MIN;
@@ -39,14 +39,14 @@ fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time 
     }
 }
 
-/// Returns true if a sample exists that the variable may mean and that `counts`, regardless of constraints on its object.
+/// Returns true if there is a sample that matches the variable and that `counts`, regardless of constraints on its object.
 pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Series) -> bool) -> bool {
     let mut series = view.past.variables.iter().filter(|series| series.attribute == variable.attribute);
     series
         .any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
 }
 
-/// Rule 2: the window begins with the creation unless the condition says which instants count.
+/// Rule 2: the window begins with the creation unless the condition constrains the instants.
 pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) -> bool {
     if tests.is_empty() { at >= view.created } else { instant_fits(at, tests) }
 }
@@ -88,8 +88,8 @@ fn sampled(measurement: &Measurement, series: &Series, bound: &Bindings, view: V
     found
 }
 
-/// Rule 9: a sample is valid from its instant on, at most for the timeout, and until the next sample. The condition is
-/// satisfied at the first instant of the window at which a value that fits is valid.
+/// Rule 9: a sample is valid from its instant on, for at most the timeout, and until the next sample. The condition is satisfied at the
+/// first instant of the window at which a matching value is valid.
 fn persisted(
     measurement: &Measurement,
     timeout: Option<i64>,
@@ -102,7 +102,7 @@ fn persisted(
         let next = series.samples.get(index + 1).map_or(Time::MAX, |next| next.at - 1);
         let expires = timeout.map_or(Time::MAX, |timeout| sample.at + timeout);
         let last = next.min(expires).min(view.now);
-        // First and last instant of the window within [sample, last]: two of these, since windows are made of bounds.
+        // The first and last instant of the window within [sample, last] are among these, because windows are defined by bounds.
         let bounds = measurement.timestamp.iter().map(|(_, bound)| *bound);
         let mut instants: Vec<Time> = bounds.flat_map(|bound| [bound - 1, bound, bound + 1]).collect();
         instants.extend([sample.at, view.created, last]);

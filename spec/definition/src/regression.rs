@@ -17,7 +17,7 @@ const FARTHEST: Time = Time::MAX / 2;
 
 /// Statement of a line.
 enum Saying {
-    /// It meets the constraints, as is known then.
+    /// The line meets the constraints, according to the knowledge at that time.
     Meets(Way),
     /// It does not.
     Fails,
@@ -77,7 +77,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     {
         return Saying::Unknown;
     }
-    // The window: from the creation, or as its bounds say; what lies after now is predicted where they include it.
+    // The window: from the creation on, or according to its bounds; later instants within the bounds are predicted.
     let (least, most) = window(&measurement.timestamp);
     let from = least.unwrap_or(if measurement.timestamp.is_empty() { view.created } else { first.at });
     let reaches = |value: f64| (mean_t + (value - mean_v) / slope) * 1e9 + first.at as f64;
@@ -98,7 +98,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     if options.gap_max.is_some_and(|most| known - last.at > most) {
         return unmet();
     }
-    // It is there as long as the line predicts it.
+    // The result exists for as long as the line predicts it.
     let way = Way::over((first.at, last.at), known.max(view.created), bound.clone());
     Saying::Meets(Way { instant: true, ..way })
 }
@@ -118,7 +118,7 @@ fn window(tests: &[(Relation, Time)]) -> (Option<Time>, Option<Time>) {
     (least.max(), most.min())
 }
 
-/// Returns the first instant from `from` on at which the line satisfies all constraints: `from` itself, or where it crosses a
+/// Returns the first instant from `from` on at which the line satisfies all constraints: `from`, or the instant at which it crosses a
 /// bound.
 fn earliest(
     constraints: &[Constraint],
@@ -150,7 +150,7 @@ fn bounds(constraint: &Constraint) -> Vec<f64> {
     }
 }
 
-/// Does the value satisfy the constraint? One as `near` as rounding to a bound is equal to it.
+/// Whether the value satisfies the constraint. A value within `near` of a bound, the size of rounding errors, counts as equal to it.
 fn satisfied(constraint: &Constraint, value: f64, near: f64) -> bool {
     let below = |bound: f64| value < bound - near;
     let above = |bound: f64| value > bound + near;

@@ -1,5 +1,5 @@
-//! Statistics of a run (rule 11): two skips all samples, unweighted or by how long each value held; the variance is
-//! the population's.
+//! Statistics of a run (rule 11). Samples are unweighted, or weighted by the time for which each value held; the variance is that of the
+//! population.
 
 use crate::aggregate::Inside;
 use crate::condition::{Episode, Statistic, Trend};
@@ -23,7 +23,7 @@ pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
 fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<f64> {
     let counted = counted(episode, &inside.samples);
     match statistic {
-        // Of no number inside nothing is known, though one from before may hold.
+        // Without a number inside the window nothing is known, even if an earlier number still holds.
         _ if counted.is_empty() => None,
         Statistic::TimeWeightedMean => weighted(&inside.held).map(|(mean, _)| mean),
         Statistic::TimeWeightedVariance => weighted(&inside.held).map(|(_, variance)| variance),
@@ -32,7 +32,7 @@ fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<
     }
 }
 
-/// Returns the mean and variance of values by how long they held, in seconds; `None` if nothing held for any time.
+/// Returns the mean and variance of values weighted by the seconds for which they held; `None` if the total is zero.
 fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     let seconds: f64 = held.iter().map(|(_, seconds)| seconds).sum();
     let mean = held.iter().map(|(value, seconds)| value * seconds).sum::<f64>() / seconds;
@@ -40,7 +40,7 @@ fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     (seconds > 0.0).then(|| (mean, squares.sum::<f64>() / seconds))
 }
 
-/// Returns the numbers of the statistics. Where samples are only counted, one that is not a number counts too.
+/// Returns the numbers for the statistics. If samples are only counted, a sample that is not a number counts, too.
 fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
     if !only_counts(episode) {
         return finite(samples);
@@ -67,7 +67,7 @@ pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
     numbers.collect()
 }
 
-/// Returns the statistic; `None` of nothing is known.
+/// Returns the statistic; `None` if there are no values.
 pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

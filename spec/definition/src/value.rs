@@ -1,4 +1,4 @@
-//! Values, and the tests that a condition makes of them.
+//! Values, and the constraints of conditions on them.
 
 use crate::condition::{Constraint, Relation, Term};
 use std::cmp::Ordering;
@@ -50,7 +50,7 @@ pub(crate) fn numbers<N: PartialOrd>(relation: Relation, left: N, right: N) -> b
     }
 }
 
-/// Do all constraints hold of the value? Variables of `= ?x` are bound, or must be bound to the same.
+/// Whether all constraints hold for the value. Variables of `= ?x` are bound, or must already have the same value.
 pub(crate) fn fits(value: &Value, constraints: &[Constraint], bound: &mut Bindings) -> bool {
     constraints.iter().all(|constraint| match (constraint, value) {
         (Constraint::Compare(Relation::Equal, Value::Number(wanted), Some(tolerance)), Value::Number(number)) => {

@@ -1,4 +1,4 @@
-//! The answer at an instant, and since when it is satisfied (rules 2, 3, 21, 22).
+//! The answer at an instant, and the instant since which the condition is satisfied (rules 2, 3, 21, 22).
 
 use crate::condition::{Condition, Estimation, Kind, Measurement, Span, Time};
 use crate::history::{Arrival, Past, What, known};
@@ -6,14 +6,14 @@ use crate::value::Bindings;
 use crate::ways::{Interval, Runs, View, Way, ways};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A condition, when it was asked, and everything that ever arrived, in order of arrival.
+/// A condition, the instant of its creation, and all arrivals in order of arrival.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// The condition to judge.
     pub condition: Condition,
     /// The creation of the monitor.
     pub created: Time,
-    /// Everything that arrives, also later than any `now` that is asked about.
+    /// All arrivals, including those later than any compared `now`.
     pub arrivals: Vec<Arrival>,
     /// Permitted lateness of samples by attribute.
     pub lateness: BTreeMap<String, Span>,
@@ -22,11 +22,11 @@ pub struct Question {
 /// The truth at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// It is true, in this way.
+    /// The condition is satisfied, by this result.
     Satisfied(Outcome),
-    /// It is not true up to now.
+    /// The condition has not been satisfied so far.
     NotSatisfied,
-    /// The data do not say, for this reason.
+    /// The data do not decide the condition, for this reason.
     Unknown(String),
 }
 
@@ -35,7 +35,7 @@ pub enum Verdict {
 pub struct Outcome {
     /// First and last evidence.
     pub interval: Interval,
-    /// The first instant at which it was true.
+    /// The first instant at which the condition was satisfied.
     pub recognised_at: Time,
     /// Values of variables.
     pub variables: Bindings,
@@ -64,8 +64,8 @@ pub fn judge(question: &Question, now: Time) -> Verdict {
     }
 }
 
-/// Returns the way that is reported of several that are known now: of the alternatives of an outermost `:or` the first that is true;
-/// else the first to be known had nothing come late.
+/// Returns the way to report if several are known now. For the alternatives of an outermost `:or` this is the first that is satisfied;
+/// otherwise it is the way that would have been known first without late arrivals.
 fn told_first(condition: &Condition, view: View<'_>) -> Option<Way> {
     let Kind::Or(parts) = &condition.kind else { return ways(condition, view).all.into_iter().next() };
     let mut way = parts.iter().find_map(|part| told_first(part, view))?;
@@ -82,7 +82,7 @@ fn outcome(way: &Way, now: Time) -> Outcome {
     }
 }
 
-/// Returns the first result up to `until`: what is true at the first instant at which it is true at all.
+/// Returns the first result up to `until`: the result at the first instant at which the condition is satisfied.
 pub fn first(question: &Question, until: Time) -> Option<Outcome> {
     instants(question, until).into_iter().find_map(|now| match judge(question, now) {
         Verdict::Satisfied(outcome) => Some(outcome),
@@ -90,8 +90,8 @@ pub fn first(question: &Question, until: Time) -> Option<Outcome> {
     })
 }
 
-/// Returns every instant from the creation up to `until` at which the truth may change: something arrives, or one or two of the
-/// condition's spans have passed since something, or a nanosecond more.
+/// Returns every instant from the creation up to `until` at which the truth may change: the instants of arrivals, the instants one or two
+/// of the condition's spans later, and one nanosecond after each of these.
 pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
     let mut spans = Vec::new();
     spans_of(&question.condition, &mut spans);
@@ -104,7 +104,7 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
         begins.extend([arrival.at, arrival.arrives]);
     }
     begins.extend(instants_of(&question.condition));
-    // When lines meet constraints is known as samples come.
+    // The instants at which lines meet constraints become known as samples arrive.
     let mut lines = Vec::new();
     lines_of(&question.condition, &mut lines);
     for arrival in question.arrivals.iter().filter(|_| !lines.is_empty()) {
@@ -115,7 +115,7 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
             begins.extend(meets.filter(|at| *at <= until));
         };
         meets(&past, at);
-        // One that comes late says where the lines were since it was taken.
+        // A late arrival also determines the lines at instants since it was taken.
         for then in question.arrivals.iter().map(|each| each.at).filter(|at| (arrival.at..arrival.arrives).contains(at))
         {
             meets(&past.up_to(then), then.max(question.created));
@@ -160,7 +160,7 @@ fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
         Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => parts.as_slice(),
         Kind::Not(part) => std::slice::from_ref(&**part),
         Kind::Absent(part, span) => {
-            // A span may begin where something of the part ends.
+            // A span may begin where evidence of the part ends.
             let mut inner = vec![0];
             spans_of(part, &mut inner);
             spans.extend(inner.into_iter().map(|inner| inner + span));

@@ -1,4 +1,4 @@
-//! All the ways in which a condition is true at an instant.
+//! All ways in which a condition is satisfied at an instant.
 
 use crate::condition::{Allen, Condition, Constraint, Edge, Kind, Relation, Span, Term, Test, Time};
 use crate::history::{Past, known};
@@ -9,16 +9,16 @@ use std::collections::BTreeMap;
 /// First and last evidence, both included.
 pub type Interval = (Time, Time);
 
-/// One way in which a condition is true.
+/// One way in which a condition is satisfied.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Way {
     /// First and last evidence; none if nothing was needed.
     pub(crate) hull: Option<Interval>,
     /// The evidence may still continue.
     pub(crate) open: bool,
-    /// Up to when what it rests on persists beyond its evidence; none if nothing persists.
+    /// The instant up to which the values behind it persist beyond its evidence; `None` if nothing persists.
     pub(crate) lasts: Option<Time>,
-    /// It rests on what holds at this instant, and may not at the next.
+    /// True if the way holds at this instant and may not hold at the next.
     pub(crate) instant: bool,
     /// Instant at which the way would have been known without late arrivals; ways are ordered by it.
     pub(crate) known: Time,
@@ -31,7 +31,7 @@ impl Way {
         Way::over((at, at), known, Bindings::new())
     }
 
-    /// It holds at this instant, and may not at the next.
+    /// A way that holds at this instant and may not hold at the next.
     fn now(view: View<'_>) -> Way {
         Way { instant: true, ..Way::at(view.now, view.now) }
     }
@@ -88,13 +88,13 @@ pub(crate) struct View<'a> {
     pub(crate) runs: Runs,
 }
 
-/// Whether the data say it, where there is no way.
+/// The ways, and the state of knowledge if there is none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     /// Reason if the way is unknown.
     pub(crate) unknown: Option<String>,
-    /// It is unknown whether a part of it continues or holds, also where there are ways.
+    /// True if it is unknown whether a part continues or holds, even if there are ways.
     pub(crate) doubt: bool,
 }
 
@@ -104,7 +104,7 @@ impl From<Vec<Way>> for Ways {
     }
 }
 
-/// Returns all ways, those that are known earlier first.
+/// Returns all ways, those that became known earlier first.
 pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
     let mut ways = of_kind(condition, view);
     ways.all.retain(|way| way.known <= view.now);
@@ -113,7 +113,7 @@ pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
             way.tags.extend(way.hull.map(|hull| (tag.clone(), hull)));
         }
     }
-    // Rule 16: tests see all tags, also the one of the composite itself.
+    // Rule 16: tests see all tags, including the composite's tag.
     if let Kind::And(_, tests) | Kind::InOrder(_, tests) | Kind::Allen { tests, .. } = &condition.kind {
         ways.all.retain(|way| tests.iter().all(|test| passes(test, way)));
     }
@@ -156,8 +156,8 @@ fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
     }
 }
 
-/// `:and`: every way of the first with every one of the second, and so on, that agree about their variables; none of
-/// those which a `:not` next to them forbids.
+/// `:and`: combinations of a way of each part that agree about their variables, without those that are forbidden by a `:not` next to the
+/// parts.
 fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     let (forbidding, asking): (Vec<_>, Vec<_>) = parts.iter().partition(|part| matches!(part.kind, Kind::Not(_)));
     let mut found = Ways::from(vec![Way::nothing(view.created)]);
@@ -170,7 +170,7 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     for part in &forbidding {
         let Kind::Not(inner) = &part.kind else { continue };
         let against = ways(inner, view);
-        // A result stands against everything, unless it binds a variable that the other parts bind too.
+        // A result of the part excludes all combinations, unless it binds a variable that the other parts also bind.
         let shared = |name: &String| parts.iter().any(|other| !std::ptr::eq(other, *part) && binds(other, name));
         if against.all.is_empty() || against.all.iter().any(|way| !way.bound.keys().any(shared)) {
             truth.and(&no_result(inner, view));
@@ -211,7 +211,7 @@ fn binds(condition: &Condition, name: &str) -> bool {
     }
 }
 
-/// Kleene's "and": what does not hold decides; else what is unknown (rule 3).
+/// Kleene's "and": a false part decides; otherwise an unknown part makes the result unknown (rule 3).
 #[derive(Default)]
 struct Kleene {
     fails: bool,
@@ -233,7 +233,7 @@ impl Kleene {
     }
 }
 
-/// `:or`: a way of any part, those of earlier parts first.
+/// `:or`: the ways of all parts, those of earlier parts first.
 fn one_of(parts: &[Condition], view: View<'_>) -> Ways {
     let mut found = Ways::default();
     for part in parts {
@@ -255,7 +255,7 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
     }
 }
 
-/// `:in-order`: the end of one lies before the start of the next; a delay between says how far.
+/// `:in-order`: the end of each part is before the start of the next; a delay between them sets the distance.
 fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     let mut found = Ways::from(vec![Way::nothing(view.created)]);
     let mut delay: Option<(Span, Span)> = None;
@@ -292,7 +292,7 @@ fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     found
 }
 
-/// Allen's relations between neighbours, as soon as no continuation of a run can change them (rule 15).
+/// Allen's relations between neighbours, as soon as no continuation of a run can change the result (rule 15).
 fn related(relation: Allen, parts: &[Condition], tolerance: Span, view: View<'_>) -> Ways {
     let mut chains: Vec<(Way, Way)> = Vec::new();
     let mut truth = Kleene::default();
@@ -329,7 +329,7 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
 
 /// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
-    // What it said at an instant it said of what was known then; it cannot be queried again.
+    // The function's value at an instant depended on the knowledge at that time, and cannot be queried later.
     let past = known(&view.question.arrivals, &view.question.lateness, view.now);
     let series = past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
     let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);
@@ -337,7 +337,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
         (Some(Value::Number(newest)), _) => Some(numbers(relation, *newest, number)),
         (_, Relation::Equal) => Some(false),
         (_, Relation::Different) => Some(true),
-        // What has no order cannot be compared.
+        // Values without an order cannot be compared.
         _ => None,
     };
     match holds {
@@ -347,7 +347,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
     }
 }
 
-/// Every way of the first with every one of the second that agrees with it and follows it.
+/// Combinations of each way of the first with each way of the second that agrees with it and follows it.
 fn combined(first: &[Way], second: &[Way], follows: impl Fn(&Way, &Way) -> bool) -> Vec<Way> {
     let mut all = Vec::new();
     for before in first {

@@ -1,4 +1,4 @@
-//! Many random programs on all cores, in an order that does not depend on the cores.
+//! Many random programs on all cores; the results do not depend on the number of cores.
 
 use crate::compare::{Verdict, judge};
 use crate::coverage::Coverage;
@@ -15,7 +15,7 @@ pub struct Outcome {
     pub same: u64,
     /// Programs that the checker refused.
     pub refused: u64,
-    /// Programs of which an instant did not come to rest in the reference: compared up to there.
+    /// Number of programs with an instant that does not come to rest in the reference; they are compared up to that instant.
     pub restless: u64,
     /// Programs with more tasks than the reference follows: compared up to there.
     pub long: u64,

@@ -1,4 +1,4 @@
-//! One case run by both, and the difference.
+//! One case run by the executive and the reference, and the difference.
 
 use crate::generate::{Case, UNTIL};
 use crate::{executive, print};
@@ -6,8 +6,8 @@ use apex_executive::Agent;
 use apex_reference::trace::State;
 use apex_reference::{Cut, Line, Run, What};
 
-/// Tasks made at an instant that does not come to rest, and still there when the reference abandons, from which on that
-/// instant is left out.
+/// Number of tasks created at an instant that does not come to rest and still present when the reference stops, from which on that
+/// instant is left out of the comparison.
 const MADE_MAX: usize = 10;
 
 /// Result of a case.
@@ -17,8 +17,8 @@ pub enum Verdict {
     Same(Box<Run>),
     /// The checker refused the program.
     Refused(String),
-    /// Both did the same as far as the reference follows it: up to an instant that does not come to rest, or until there
-    /// are more tasks than it follows.
+    /// Both behaved the same as far as the reference runs: up to an instant that does not come to rest, or until there are more tasks
+    /// than it handles.
     Cut(Cut),
     /// They differ.
     Different(String),
@@ -39,7 +39,7 @@ pub fn judge(case: &Case) -> Verdict {
     if let Some(difference) = difference(&theirs, &ours) {
         return Verdict::Different(difference);
     }
-    // How events are divided into batches must not matter, unless some come late: then it says how late they are.
+    // The division of inputs into batches must not matter, unless some come late, because it then determines how late they are.
     if case.inputs.iter().any(|input| input.at < input.arrives) {
         return Verdict::Same(Box::new(theirs));
     }
@@ -51,8 +51,9 @@ pub fn judge(case: &Case) -> Verdict {
     Verdict::Same(Box::new(theirs))
 }
 
-/// Returns the reference stopped: at a restless instant the executive has to stop too, later, and until then both do the same. An
-/// instant that makes tasks without end is left out: the executive looks for its end among thousands of them.
+/// Returns the finding for a case in which the reference stopped. At a restless instant the executive must stop, too, but later, and both
+/// must behave the same until then. An instant that creates tasks without end is left out, because the executive then searches thousands
+/// of tasks for its end.
 fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict {
     let last = match cut {
         Cut::Restless(at) => at,
@@ -85,7 +86,7 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
     let mut told = 0;
     let length = match (theirs.cut, ours.cut) {
         (None, None) => theirs.lines.len().max(ours.lines.len()),
-        // A run that stops has reported what came before; of a restless instant the executive reports more.
+        // A run that stops has reported everything before that; for a restless instant the executive reports more.
         (Some(_), _) => theirs.lines.len(),
         (None, Some(_)) => theirs.lines.len().min(ours.lines.len()),
     };

@@ -1,11 +1,11 @@
-//! Constructs in random programs and events in their runs: a generator that has degenerated finds nothing.
+//! Constructs in random programs and events in their runs, because a generator that has degenerated finds nothing.
 
 use crate::generate::Case;
 use crate::print;
 use apex_reference::{Run, What};
 use std::collections::BTreeMap;
 
-/// Words of PDL whose programs are counted.
+/// Words of PDL; the programs that contain each are counted.
 const CONSTRUCTS: &[&str] = &[
     "(procedure :sequential",
     "(procedure :ranked",

@@ -1,4 +1,4 @@
-//! The program as Apex runs it: text, checker, executive; reported in the words of the reference.
+//! The program as run by Apex: text, checker, executive; reported in the reference's words.
 
 use apex_executive::{Agent, load, step};
 use apex_model::because::Cause;
@@ -40,8 +40,8 @@ pub fn loaded(pdl: &str) -> Result<Agent, String> {
     load(Arc::new(checked.library), &declaration, HostFunctions::default())
 }
 
-/// Runs the agent to `until`; inputs are in order of arrival. Every instant is a separate step, or `together` of
-/// them are one.
+/// Runs the agent to `until`; inputs are in order of arrival. Each instant is a separate step, except that with `together` one step may
+/// cover several instants.
 pub fn run(agent: &mut Agent, inputs: &[Input], until: i64, together: bool) -> Run {
     let mut run = Run::default();
     let mut events: Vec<(i64, Event)> = Vec::new();

@@ -1,5 +1,5 @@
-//! Random programs and inputs. What a program may contain is drawn first, so that programs differ in kind and rare
-//! constructs meet one another often.
+//! Random programs and inputs. The permitted contents of a program are drawn first, so that programs differ in kind and rare constructs
+//! often occur together.
 
 use crate::dice::Dice;
 use crate::steps;
@@ -28,7 +28,7 @@ const MESSAGES: &[&str] = &["e1", "e2", "e3"];
 /// Subjects of messages.
 const ABOUT: &[&str] = &["a", "b"];
 
-/// Share of opportunities, in percent, that each kind of construct takes; 0 where the program does without.
+/// Probability of each kind of construct, in percent of opportunities; 0 if the program does not use it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Taste {
     pub(crate) waitfor: usize,
@@ -84,7 +84,7 @@ fn taste(dice: &mut Dice) -> Taste {
         updates: liking(35),
         hold: liking(30),
         nesting: liking(60),
-        // What comes late is judged by when the agent was stepped before: not compared yet.
+        // The effect of late inputs depends on when the agent was last stepped, so they are not compared yet.
         late: 0,
         crowds: liking(10),
         execution: liking(12),
@@ -117,7 +117,7 @@ pub(crate) struct Maker<'d> {
     pub(crate) resources: Vec<Resource>,
     /// Goals of primitives.
     pub(crate) primitives: Vec<Goal>,
-    /// Goals of procedures that come later.
+    /// Goals of later procedures.
     pub(crate) procedures: Vec<Goal>,
 }
 
@@ -166,7 +166,7 @@ impl Maker<'_> {
         Program { resources: self.resources.clone(), procedures, primitives }
     }
 
-    /// Returns a span of a few half seconds; often the same ones, so that things coincide.
+    /// Returns a span of a few half seconds. The same spans are frequent, so that instants coincide.
     pub(crate) fn span(&mut self) -> Span {
         self.dice.pick(&[1, 2, 2, 2, 3, 4, 4, 6, 10]).unwrap_or(2) * (SECOND / 2)
     }
@@ -175,7 +175,7 @@ impl Maker<'_> {
         if self.dice.chance(12) { 0 } else { self.span() }
     }
 
-    /// Returns a primitive; sometimes two, of which one is for a single word.
+    /// Returns a primitive, or sometimes two, where one of them serves a single word.
     fn primitive(&mut self, number: usize) -> Vec<Primitive> {
         let head = format!("p{number}");
         let argument = self.dice.pick(&[Argument::None, Argument::Span, Argument::Word]).unwrap_or(Argument::None);
@@ -219,7 +219,7 @@ impl Maker<'_> {
         both
     }
 
-    /// Counts, and may complete itself, or publish what it counted.
+    /// Adds updates that count, and may complete the primitive or publish the count.
     fn updates(&mut self, made: &mut Primitive) {
         let local = || Expr::Variable("n".into());
         made.locals = vec![("n".into(), number(0))];
@@ -311,7 +311,7 @@ impl Maker<'_> {
         let mut inputs: Vec<Input> = Vec::new();
         for _ in 0..self.dice.between(0, 14) {
             let arrives = self.dice.below(24) as Span * (SECOND / 2);
-            // Several often come at once.
+            // Several inputs often arrive at once.
             for _ in 0..self.dice.pick(&[1, 1, 1, 2, 3]).unwrap_or(1) {
                 let late = if self.dice.chance(self.taste.late) { self.span().min(arrives) } else { 0 };
                 let said = self.said();

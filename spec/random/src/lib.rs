@@ -1,7 +1,7 @@
-//! Random programs: made from a seed, run by the executive and by the reference, compared.
+//! Random programs: made from a seed, run by the executive and by the reference, and compared.
 //!
-//! [`generate`] makes a case, [`compare`] judges it, [`shrink`] makes it small, [`page`] writes it down, [`campaign`]
-//! does that with many.
+//! [`generate`] makes a case, [`compare`] judges it, [`shrink`] reduces it, [`page`] stores it as a page, and [`campaign`] does all this
+//! for many cases.
 
 pub mod campaign;
 pub mod compare;

@@ -1,4 +1,4 @@
-//! `apex-random --count N --seed S`: runs random programs, prints its progress, and writes down what differs.
+//! `apex-random --count N --seed S` runs random programs, prints its progress, and stores the cases that differ.
 
 use apex_random::campaign::{self, Outcome};
 use apex_random::{generate, page, shrink};

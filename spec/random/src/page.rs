@@ -1,4 +1,4 @@
-//! A case that fails, as a page of the specification: ready to be read, corrected and kept.
+//! A failing case as a page of the specification that can be read, corrected and kept.
 
 use crate::compare::{Verdict, judge};
 use crate::generate::{Case, UNTIL};
@@ -6,7 +6,7 @@ use crate::print;
 use apex_reference::program::SECOND;
 use std::fmt::Write;
 
-/// Returns the page of a case. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
+/// Returns the page of a case. Its trace is empty: `UPDATE=1` fills it, and a reader must judge it.
 pub fn of(seed: u64, case: &Case) -> String {
     let mut page = without_difference(seed, case);
     if let Verdict::Different(difference) = judge(case) {
@@ -15,7 +15,7 @@ pub fn of(seed: u64, case: &Case) -> String {
     page
 }
 
-/// The same, but nothing is run.
+/// Like `of`, for a case without a difference; nothing is run.
 pub fn without_difference(seed: u64, case: &Case) -> String {
     let mut page = format!("# Random program {seed}\n\n```pdl\n{}```\n", print::program(&case.program));
     if !case.inputs.is_empty() {

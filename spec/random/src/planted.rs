@@ -1,4 +1,4 @@
-//! Measurement of the time in which planted bugs of the executive are found.
+//! Measures the time in which planted bugs of the executive are found.
 
 use crate::compare::{Verdict, judge};
 use crate::generate;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Programs after which a bug counts as not found.
 pub const PROGRAMS_MAX: u64 = 20_000;
 
-/// Returns each planted bug with the seed of the first program that shows it, and the time that took.
+/// Returns each planted bug with the seed of the first program that reveals it, and the time taken.
 pub fn measure(first: u64) -> Vec<(Bug, Option<u64>, Duration)> {
     let mut found = Vec::new();
     for bug in planted::IN_CONTROL {

@@ -1,11 +1,10 @@
-//! Makes a case that fails smaller, as long as it fails: whole parts first, then parts of parts, until nothing can be
-//! left out.
+//! Reduces a failing case for as long as it fails: first whole parts are removed, then parts of parts, until nothing more can be removed.
 
 use crate::compare::{Verdict, judge};
 use crate::generate::Case;
 use apex_reference::program::{Activity, Clauses, Condition, Hooks, Primitive, Procedure, Repetition, SECOND, Step};
 
-/// Attempts before it is left as it is.
+/// Maximum number of attempts.
 const ATTEMPTS_MAX: usize = 3_000;
 
 /// Returns the smallest case found that still differs.

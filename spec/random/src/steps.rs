@@ -47,7 +47,7 @@ impl Maker<'_> {
         steps
     }
 
-    /// Many steps that want the same at once and say how long they take.
+    /// Many steps that need the same resource at once and state their durations.
     fn crowd(&mut self) -> Vec<Step> {
         let lasting: Vec<Goal> = self.primitives.iter().filter(|goal| goal.lasts).cloned().collect();
         let Some(goal) = self.dice.pick(&lasting) else { return Vec::new() };
@@ -129,7 +129,7 @@ impl Maker<'_> {
         Activity::Goal(words)
     }
 
-    /// Gives the step its activity; gives the goal that it pursues, if it is one.
+    /// Sets the step's activity; returns its goal if the activity is one.
     fn activity(&mut self, around: &Around<'_>, step: &mut Step, bound: &[String]) -> Option<Goal> {
         if self.dice.chance(self.taste.built_ins) {
             step.activity = self.built_in(around);
@@ -348,7 +348,7 @@ impl Maker<'_> {
     }
 
     fn simple(&mut self, around: &Around<'_>, bound: &mut Vec<String>) -> Condition {
-        // Mostly steps before it: those who wait for each other in a circle are refused.
+        // Mostly earlier steps, because steps that wait for each other in a circle are rejected.
         let before = if self.dice.chance(85) { around.own } else { around.tags.len() };
         let tags = around.tags.iter().take(before);
         let others: Vec<String> = tags.filter(|tag| around.tags.get(around.own) != Some(*tag)).cloned().collect();

@@ -1,9 +1,9 @@
-//! Twenty-five thousand random programs: the executive and the reference do the same.
+//! Twenty-five thousand random programs: the executive and the reference behave the same.
 
 use apex_random::{campaign, generate, page, shrink};
 
-/// In CI; `make nightly` runs a million.
-/// Conditions of execution end many tasks before they are interrupted: so many programs reach every least count below.
+/// The number used in CI; `make nightly` runs a million. Conditions of execution end many tasks before they are interrupted, so this many
+/// programs are needed to reach every least count below.
 const COUNT: u64 = 25_000;
 
 #[test]

@@ -35,7 +35,7 @@ impl Agent<'_> {
 
     fn go_on(&mut self, id: usize) {
         let handling = matches!(self.tasks[id].work, Some(Work::Handling(_)));
-        // A handler that could not begin before: this does not resume it.
+        // The handler could not begin before, so this start is not a resumption of it.
         if handling && self.tasks[id].started_at == Some(self.now) {
             return;
         }
@@ -57,7 +57,7 @@ impl Agent<'_> {
         }
         self.run_step_hook(id, |hooks| &hooks.on_start);
         if let Some(condition) = self.own_step(id).and_then(|step| step.clauses.restart_when.as_ref()) {
-            // There is nothing to start over before the work begins.
+            // Before the work begins there is nothing to restart.
             let window = crate::task::Window { start: self.now, ..self.window(id) };
             self.watch(id, Clause::RestartWhen, Level::Step, condition, window);
         }
@@ -84,7 +84,7 @@ impl Agent<'_> {
         self.tasks[id].work = Some(Work::Procedure { procedure: number, context, current, children: BTreeSet::new() });
         let _ = self.run_forms(id, Level::Procedure, &procedure.hooks.on_start);
         let clauses = &procedure.clauses;
-        // They count from the start of the procedure.
+        // These clauses count from the start of the procedure.
         let window = crate::task::Window { start: self.now, ..self.window(id) };
         let all = crate::task::Window { after: None, ..window };
         let suspension = clauses.suspend_when.as_ref().map(|(when, _)| when);
@@ -171,7 +171,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Sets the clocks of a primitive for its remaining work; one that waits for nothing is complete.
+    /// Sets the clocks of a primitive for its remaining work; a primitive that waits for nothing is complete.
     fn run_clock(&mut self, id: usize) {
         let now = self.now;
         let (first, second) = (self.next_serial(), self.next_serial());

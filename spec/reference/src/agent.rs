@@ -1,7 +1,7 @@
-//! The agent, its instants and rounds.
+//! The agent, with its instants and rounds.
 //!
-//! An instant is one cycle: record, notice, enable, choose, contend, commit, act, again and again until nothing
-//! changes. Everything that happens at one instant comes before its first round.
+//! An instant is one cycle of the phases record, notice, enable, choose, contend, commit, act, repeated until nothing changes. All inputs
+//! of an instant arrive before its first round.
 
 use crate::program::{Program, Time};
 use crate::task::{Alarm, Outcome, State, Task, Work};
@@ -9,11 +9,11 @@ use crate::trace::{Cut, Line, Run, What};
 use crate::value::Value;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Rounds of one instant before it is called restless.
+/// Rounds of one instant before it counts as restless.
 const ROUNDS_MAX: u32 = 120;
-/// Tasks of one run before it is not followed any longer.
+/// Tasks in one run before the reference stops.
 const TASKS_MAX: usize = 300;
-/// Tasks made at one instant before it is not followed any longer: all compete with all in every round.
+/// Tasks created at one instant before the reference stops, because all compete with all in every round.
 const TASKS_PER_INSTANT_MAX: usize = 100;
 
 /// An input: a message or a measurement.
@@ -25,7 +25,7 @@ pub enum Said {
     Sample(String, String, Value),
 }
 
-/// Something that comes from outside.
+/// An input from outside the agent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
     /// Arrival.
@@ -66,9 +66,9 @@ pub(crate) struct Change {
     pub(crate) task: usize,
     pub(crate) name: String,
     pub(crate) before: Value,
-    /// In the order of what is watched.
+    /// Position in the order of watches.
     pub(crate) number: u64,
-    /// Messages and samples before this one had been noticed.
+    /// The messages and samples before this one have been noticed.
     pub(crate) noticed: u64,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct Agent<'p> {
     pub(crate) starting: Vec<usize>,
     /// Tasks that continue in the next round unless they start over.
     pub(crate) resuming: BTreeSet<usize>,
-    /// Tasks that ended and whose parents have not taken note.
+    /// Tasks that ended and whose parents have not reacted yet.
     pub(crate) ended: VecDeque<usize>,
     /// Reasons for which suspended tasks resume in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
@@ -103,7 +103,7 @@ pub(crate) struct Agent<'p> {
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
     pub(crate) lines: Vec<Line>,
-    /// Something was done in this round.
+    /// True if anything was done in this round.
     pub(crate) changed: bool,
     pub(crate) finished: bool,
     pub(crate) cut: Option<Cut>,
@@ -163,8 +163,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Lets every instant pass up to `end`: those of the inputs, and those of scheduled events. What
-    /// comes late counts at the present instant.
+    /// Executes all instants up to `end`: those of the inputs, and those of scheduled events. Late inputs count at the present instant.
     fn pass(&mut self, batch: &[Input], end: Time, begun: bool) {
         let mut batch = batch;
         let mut begun = begun;
@@ -229,7 +228,7 @@ impl Agent<'_> {
                 let repeated = |each: &&Sample| {
                     each.attribute == attribute && each.object == object && each.at == at && each.value == value
                 };
-                // The same again at the same time says nothing new.
+                // The same value again at the same time is ignored.
                 if self
                     .samples
                     .iter()
@@ -241,7 +240,7 @@ impl Agent<'_> {
                     return;
                 }
                 let mut same = self.samples.iter().filter(|each| each.attribute == attribute && each.object == object);
-                // One that is older than another one of its variable came too late.
+                // A sample older than another one of its variable came too late.
                 if same.all(|each| each.at <= at) {
                     self.samples.push(Sample { at, arrival, attribute, object, value });
                 }
@@ -249,7 +248,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Returns the newest value of a state variable; what was published at this instant is not recorded yet, and counts.
+    /// Returns the newest value of a state variable, including values published at this instant, which are not recorded yet.
     pub(crate) fn newest(&self, attribute: &str, object: &str) -> Option<Value> {
         let said = self.said.iter().rev().find_map(|said| match said {
             Said::Sample(of, what, value) if of == attribute && what == object => Some(value.clone()),
@@ -273,7 +272,7 @@ impl Agent<'_> {
         alarms
     }
 
-    /// Lets every alarm ring that is due, in the order in which they were set.
+    /// Triggers every alarm that is due, in the order in which the alarms were set.
     fn ring(&mut self) {
         while let Some((alarm, id)) = self.alarms().first().copied().filter(|(alarm, _)| alarm.0 <= self.now) {
             self.changed = true;

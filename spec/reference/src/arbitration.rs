@@ -17,11 +17,11 @@ struct Share {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Right {
-    /// An ongoing task has it, and can lose it.
+    /// An ongoing task holds the share, and can lose it.
     Held,
     /// Given away in this round.
     Granted,
-    /// Claimed by one who came before and was refused, and who cannot begin before this instant, if that is known.
+    /// Claimed by an earlier claimant that was rejected and cannot begin before this instant, if that is known.
     Awaited(Option<Time>),
 }
 
@@ -40,12 +40,12 @@ struct Field {
     granted: Vec<usize>,
     impossible: Vec<usize>,
     refused: Vec<usize>,
-    /// All who compete, in the order in which they come before the arbiter if they claim.
+    /// All competitors, in the order in which the arbiter considers their claims.
     order: Vec<usize>,
 }
 
 impl Agent<'_> {
-    /// May the task work at all? Not under a suspended ancestor; and nothing begins below a task that does not work.
+    /// Whether the task may work at all. It may not under a suspended ancestor, and nothing begins below a task that does not work.
     pub(crate) fn is_eligible(&self, id: usize) -> bool {
         let task = &self.tasks[id];
         let starts = match task.state {
@@ -60,8 +60,8 @@ impl Agent<'_> {
         starts && !task.forgotten && !self.line(id).iter().any(|each| self.tasks[*each].suspended)
     }
 
-    /// Arbitrates if the competition is another one than last time. The passing of time alone gives no task a resource: it only lets
-    /// estimates of the earliest beginning differ.
+    /// Arbitrates if the competition differs from the last one. The passing of time alone gives no task a resource: it only changes
+    /// estimates of the earliest beginning.
     pub(crate) fn contend_and_commit(&mut self) {
         let competition = self.competition();
         if self.competed.as_ref() != Some(&competition) {
@@ -100,18 +100,18 @@ impl Agent<'_> {
             let field = self.contend(&orphans);
             // Steps of a task that stops working do not begin, so they do not compete.
             let stops = |id: usize| field.displaced.iter().any(|loss| loss.loser == id) && !field.granted.contains(&id);
-            // Who needs nothing does not compete: whether it begins is seen when it is known who stops.
+            // A task without needs does not compete: whether it begins is decided once it is known which tasks stop.
             let competes = |id: usize| self.tasks[id].state == State::Enabled && !self.tasks[id].needs().is_empty();
             let orphan = |id: &&usize| competes(**id) && self.tasks[**id].parent.is_some_and(stops);
             let more: Vec<usize> = field.granted.iter().filter(orphan).copied().collect();
             let Some(last) = more.last().copied() else { return self.commit(field) };
-            // Whose parent stops only for another orphan will see whether it still does without that one.
+            // A task whose parent stops only because of another orphan is decided once that orphan is gone.
             let only_for_orphan = |id: &usize| {
                 let loss = field.displaced.iter().find(|loss| Some(loss.loser) == self.tasks[*id].parent);
                 loss.is_some_and(|loss| more.contains(&loss.winner))
             };
             let certain: Vec<usize> = more.iter().filter(|id| !only_for_orphan(id)).copied().collect();
-            // Where each stops only for another, the weakest of them gives way.
+            // If each stops only because of another, the weakest of them stops.
             orphans.extend(if certain.is_empty() { vec![last] } else { certain });
         }
     }
@@ -179,7 +179,7 @@ impl Agent<'_> {
                 crate::task::Origin::Step(_, step) => step,
                 _ => 0,
             };
-            // Who has had a turn already and is repeated comes behind who has not.
+            // A repeated task that has had a turn comes after tasks that have not.
             let turn = self.line(id).into_iter().filter_map(|each| self.tasks[each].ended_before).max();
             (!begun, turn, self.tasks[id].parent.unwrap_or(id), step, id)
         };
@@ -187,21 +187,21 @@ impl Agent<'_> {
         second.total_cmp(&first).then(order(a).cmp(&order(b)))
     }
 
-    /// Work that has begun goes first among equals, unless one goes before it that has not begun.
+    /// Among equals, work that has begun has precedence, unless a task that has not begun outranks it.
     fn goes_first(&self, id: usize, competitors: &[usize]) -> bool {
         let mut ahead = competitors.iter().filter(|other| self.goes_before(**other, id));
         matches!(self.tasks[id].state, State::Ongoing | State::Interrupted)
             && ahead.all(|other| self.goes_first(*other, competitors))
     }
 
-    /// Does one go before the other by its rank? Only where both need the same.
+    /// Whether one task precedes the other by rank. Ranks apply only if both need the same resource.
     fn goes_before(&self, a: usize, b: usize) -> bool {
         let other = self.tasks[b].needs();
         let share = self.tasks[a].needs().iter().any(|(name, _)| other.iter().any(|(each, _)| each == name));
         share && !self.are_related(a, b) && self.ranks(a, b).is_some_and(|(first, second)| first < second)
     }
 
-    /// The best by priority first, but before each one comes who goes before it by rank.
+    /// Orders by priority, except that tasks with precedence by rank come first.
     fn order(&self, mut competitors: Vec<usize>) -> Vec<usize> {
         let all = competitors.clone();
         competitors.sort_by(|a, b| self.by_priority(*a, *b, &all));
@@ -223,7 +223,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Returns the weight of a claimant: the greatest among its own and those of the tasks that it precedes.
+    /// Returns the weight of a claimant: its weight or, if greater, the weight of a task that it precedes.
     fn weight(&self, field: &Field, id: usize) -> f64 {
         let mut counted = vec![id];
         let mut next = 0;
@@ -241,8 +241,8 @@ impl Agent<'_> {
         self.weight(field, id) + self.interrupt_cost(id)
     }
 
-    /// Gives the claimant all it needs, or nothing. Gives the holders that lost: as few as possible, and stronger ones
-    /// only where the weaker ones do not suffice.
+    /// Gives the claimant all its needs or nothing. Returns the holders that lost: as few as possible, and stronger ones only if the
+    /// weaker ones do not suffice.
     fn place(&self, field: &mut Field, id: usize) -> Vec<usize> {
         let needs = self.tasks[id].needs();
         let total = |resource: &String| self.totals.get(resource).copied().unwrap_or(1.0);
@@ -268,7 +268,7 @@ impl Agent<'_> {
             for index in (0..losses.len()).rev() {
                 let spared = losses.remove(index);
                 if let Some((resource, _)) = lacking(&losses) {
-                    // It is about what would be missing without it.
+                    // The loss concerns the amount that would be missing without it.
                     losses.insert(index, Loss { resource: resource.clone(), ..spared });
                 }
             }
@@ -286,7 +286,7 @@ impl Agent<'_> {
         losers
     }
 
-    /// Returns the shares of a resource that count against the claimant when the losers are gone.
+    /// Returns the shares of a resource that count against the claimant once the losers are gone.
     fn present<'f>(&self, field: &'f Field, id: usize, resource: &str, losses: &[Loss]) -> Vec<&'f Share> {
         let counts = |share: &&Share| match share.right {
             Right::Held => losses.iter().all(|loss| loss.loser != share.task),
@@ -325,8 +325,8 @@ impl Agent<'_> {
         after <= total + TOLERANCE || !present.is_empty() && after <= before + TOLERANCE
     }
 
-    /// Returns all holders that the claimant beats, the weakest first: the higher rank, then who defends with less, then who has
-    /// been at work for the shorter time.
+    /// Returns all holders that the claimant beats, the weakest first: by rank, then by the strength of defence, then by the time for
+    /// which they have worked.
     fn beaten(&self, field: &Field, id: usize) -> Vec<Loss> {
         let mut found: Vec<Loss> = Vec::new();
         for (resource, _) in self.tasks[id].needs() {
@@ -359,8 +359,8 @@ impl Agent<'_> {
         }
     }
 
-    /// Returns the earliest instant at which a refused claimant can begin: the first end of a conflicting task, if the ends of all
-    /// all of them.
+    /// Returns the earliest instant at which a rejected claimant can begin: the first end of a conflicting task, if all their ends are
+    /// known.
     fn earliest(&self, field: &Field, id: usize, resource: &str, losses: &[Loss]) -> Option<Time> {
         let present = self.present(field, id, resource, losses);
         let amounts = |shares: &[&Share]| shares.iter().map(|share| (share.task, share.amount)).collect::<Vec<_>>();
@@ -396,7 +396,7 @@ impl Agent<'_> {
         worked + since.map_or(0, |since| self.now - since)
     }
 
-    /// One who was refused and cannot begin before this one is done leaves a gap for it.
+    /// Whether this task would end before the rejected claimant can begin, so that it may use the resource meanwhile.
     fn leaves_a_gap(&self, id: usize, share: &Share) -> bool {
         let expected = self.tasks[id].choice.as_ref().and_then(|choice| choice.expected);
         match (share.right, expected) {

@@ -1,4 +1,4 @@
-//! Variables: who sees which, and who changes them.
+//! Variables: the tasks that see each variable, and the tasks that change it.
 
 use crate::agent::{Agent, Change};
 use crate::task::{Level, State, Work};
@@ -58,7 +58,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Remembers what a variable was before it changes.
+    /// Stores the value of a variable before a change.
     fn note_change(&mut self, task: usize, name: &str, before: Option<Value>) {
         if let Some(before) = before {
             let (number, noticed) = (self.next_serial(), self.noticed);
@@ -75,7 +75,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps continue that wait for it.
+    /// Sets a variable of the procedure or primitive that `task` runs, and lets steps that wait for it continue.
     pub(crate) fn bind_result(&mut self, task: usize, name: &str, value: Value) {
         let before = match &mut self.tasks[task].work {
             Some(Work::Procedure { context, .. } | Work::Primitive { context, .. }) => {
@@ -94,7 +94,7 @@ impl Agent<'_> {
         }
     }
 
-    /// `(setq ?x value)`: the variable changes where it lives; a new one becomes the task's own.
+    /// `(setq ?x value)`: the variable changes where it is defined; a new one is defined in the task.
     pub(crate) fn assign(&mut self, task: usize, level: Level, name: &str, value: Value) {
         let runs = matches!(self.tasks[task].work, Some(Work::Procedure { .. } | Work::Primitive { .. }));
         if level == Level::Procedure && runs {

@@ -1,4 +1,4 @@
-//! Clauses that came true, and tasks that nothing holds back: the notice and enable phases.
+//! Clauses that became true, and tasks that nothing holds back: the notice and enable phases.
 
 use crate::agent::Agent;
 use crate::task::{Clause, Level, Origin, Outcome, State, Watch, Window};
@@ -6,7 +6,7 @@ use crate::value::Value;
 
 impl Agent<'_> {
     pub(crate) fn notice_and_enable(&mut self) {
-        // What came true is noticed before anything acts on it.
+        // All clauses that became true are noticed before anything acts on one.
         let noticed = self.noticed(|_| true);
         self.judge_invariants();
         self.fire_all(noticed);
@@ -17,7 +17,7 @@ impl Agent<'_> {
                 self.settle();
             }
         }
-        // A task whose suspension came true while it was pending does not begin.
+        // A task whose suspension became true while it was pending does not begin.
         let at_once = self.noticed(|watch| watch.at_once);
         self.fire_all(at_once);
         for task in &mut self.tasks {
@@ -38,7 +38,7 @@ impl Agent<'_> {
         let Some(proof) = self.proof(id, watch) else { return };
         self.changed = true;
         let answered = self.answered(&proof);
-        // What one task has answered those above it need not answer.
+        // Evidence that one task has answered need not be answered by its ancestors.
         for above in self.line(id) {
             if let Some(missed) = &mut self.tasks[above].missed {
                 missed.retain(|arrival| !proof.messages().any(|message| message == *arrival));
@@ -50,7 +50,7 @@ impl Agent<'_> {
         self.tasks[id].answered = self.tasks[id].answered.max(answered);
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
-        // What begins to be watched now counts from the evidence on; from a fact that stood before, as it was looked for.
+        // A watch that begins now counts from the evidence on, or from the search if the fact was true before.
         let end = proof.end(self.now).max(watch.window.start);
         let newest = self.arrivals.checked_sub(1).filter(|_| end >= self.now);
         let after = Window { start: end.min(self.now), after: answered.or(newest) };
@@ -77,7 +77,7 @@ impl Agent<'_> {
             }
             Clause::RestartWhen => self.restart(id, cause),
             Clause::SuspendWhen => {
-                // What the suspension itself brings about can end it.
+                // The consequences of the suspension itself can end it.
                 self.watch_resumption(id, watch.level, after);
                 self.suspend(id, cause);
             }
@@ -91,7 +91,7 @@ impl Agent<'_> {
     fn enable(&mut self, id: usize) {
         self.transition(id, State::Enabled, None, "nothing holds it back".into());
         self.respond(id);
-        // A handler sees what was selected for the step that it handles.
+        // A handler sees the variables selected for the step that it handles.
         let handles = matches!(self.tasks[id].origin, Origin::Handler(..));
         let step = self.step_of(id).filter(|_| !handles);
         for (name, expr) in step.map(|step| step.select.as_slice()).unwrap_or_default() {

@@ -1,4 +1,4 @@
-//! The making of tasks, and what they watch from the beginning.
+//! The creation of tasks, and the watches with which they begin.
 
 use crate::agent::Agent;
 use crate::program::{Activity, Condition, Expr, Kind, Program, Step, Term};
@@ -7,7 +7,7 @@ use crate::trace::What;
 use crate::value::Bindings;
 use std::collections::BTreeSet;
 
-/// A sequential procedure without a stated end ends with a step that terminates it.
+/// A sequential procedure without a stated end gets a final step that terminates it.
 pub(crate) fn with_ends(program: &Program) -> Program {
     let mut program = program.clone();
     let ends = |step: &Step| matches!(step.activity, Activity::Terminate { tag: None, .. });
@@ -51,7 +51,7 @@ impl<'p> Agent<'p> {
         id
     }
 
-    /// Makes a procedure's tasks, all of them before the first one watches anything: tags may refer to later steps.
+    /// Creates all tasks of a procedure before the first one watches anything, because tags may refer to later steps.
     pub(crate) fn create_steps(&mut self, parent: usize, procedure: usize) {
         let kind = self.program.procedures[procedure].kind;
         let count = self.steps(procedure).len();
@@ -78,7 +78,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// Lets a pending task watch what it must.
+    /// Starts the watches of a pending task.
     pub(crate) fn arm(&mut self, id: usize) {
         self.changed = true;
         let Some(step) = self.own_step(id) else { return };
@@ -117,7 +117,7 @@ impl<'p> Agent<'p> {
     pub(crate) fn watch(&mut self, id: usize, clause: Clause, level: Level, condition: &Condition, window: Window) {
         let number = self.next_serial();
         let made = self.moves.len();
-        // Work that begins in a state that would start it over has not begun before that.
+        // For work that begins in a state that would restart it, that state does not count as having begun before.
         let standing = clause != Clause::RestartWhen;
         let condition = condition.clone();
         let watch =
@@ -158,7 +158,7 @@ impl<'p> Agent<'p> {
         used(step).into_iter().filter(|name| !own.contains(name) && produced(name)).collect()
     }
 
-    /// No further task is made of it.
+    /// No further task is made from the step.
     pub(crate) fn forget(&mut self, id: usize) {
         self.tasks[id].forgotten = true;
         self.tasks[id].watches.clear();

@@ -1,4 +1,4 @@
-//! The end of tasks, and what their parents make of it.
+//! The end of tasks, and the reaction of their parents.
 
 use crate::agent::Agent;
 use crate::program::{Kind, Step};
@@ -6,7 +6,7 @@ use crate::task::{Origin, Outcome, State, Work};
 use crate::trace::What;
 use crate::value::Value;
 
-/// Repeats without bound, or responds again and again: it never ends without a clause.
+/// True for a step that repeats without bound or responds repeatedly, and so never ends without a clause.
 fn ends_by_itself(step: &Step) -> bool {
     step.repetition
         .as_ref()
@@ -66,7 +66,7 @@ impl Agent<'_> {
         if let Some(total) = self.totals.get_mut(name) {
             *total = (*total - amount).max(0.0);
         }
-        // Those above it who reserved the same have used that much of it already.
+        // Ancestors that reserved the same resource have used that much of it already.
         for above in self.line(id).into_iter().filter(|above| *above != id) {
             let task = &mut self.tasks[above];
             if task.state == State::Ongoing {
@@ -147,7 +147,7 @@ impl Agent<'_> {
         let counts = |child: usize| endless_only || self.step_of(child).is_none_or(ends_by_itself);
         let open = children.iter().any(|child| counts(*child) && !self.tasks[*child].over);
         let procedure = &self.program.procedures[*procedure];
-        // A concurrent procedure with an end-when says itself when its goal is reached.
+        // A concurrent procedure with an end-when ends itself when its goal is reached.
         let says_itself = procedure.kind == Kind::Concurrent && procedure.clauses.end_when.is_some();
         if !open && !says_itself {
             self.end(id, Outcome::Success(Value::Nil), "all steps ended".into());
@@ -171,7 +171,7 @@ impl Agent<'_> {
         }
     }
 
-    /// `(end-application)`: the root task is cut with everything below it.
+    /// `(end-application)`: the root task is cut, together with all tasks below it.
     pub(crate) fn end_application(&mut self) {
         if self.finished {
             return;

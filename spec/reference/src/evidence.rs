@@ -1,4 +1,4 @@
-//! Meaning of conditions: all ways in which one is true, from everything that was ever received, measured and done.
+//! Meaning of conditions: all ways in which a condition is true, from everything received, measured and done so far.
 
 use crate::agent::{Agent, Change};
 use crate::expression::compare;
@@ -57,7 +57,7 @@ impl Agent<'_> {
         self.proofs(&watch.condition, Place { task, watch, missed: watch.clause == Clause::Waitfor }).into_iter().next()
     }
 
-    /// Returns the newest arrival among the evidence: what the next instance must not take for an answer.
+    /// Returns the newest arrival in the evidence, which the next instance must not count again.
     pub(crate) fn answered(&self, proof: &Proof) -> Option<u64> {
         let arrival = |evidence: &Evidence| match evidence {
             Evidence::Message(arrival) => Some(*arrival),
@@ -70,8 +70,8 @@ impl Agent<'_> {
         self.variable(place.task, place.watch.level, name)
     }
 
-    /// A message or a sample is judged when it is noticed, or when the watching begins if that is later: what the variable
-    /// was then counts.
+    /// A message or a sample is judged when it is noticed, or when the watch begins if that is later: the variable's value at that time
+    /// counts.
     fn saw(&self, place: Place<'_>, name: &str, arrival: u64) -> Option<Value> {
         let owner = self.owner(place.task, place.watch.level, name);
         let later = |change: &&Change| {
@@ -84,7 +84,7 @@ impl Agent<'_> {
         changed.map_or_else(|| self.sees(place, name), |change| Some(change.before.clone()))
     }
 
-    /// Returns all the ways, earliest known first.
+    /// Returns all ways, the earliest known first.
     fn proofs(&self, condition: &Condition, place: Place<'_>) -> Vec<Proof> {
         let mut proofs = match condition {
             Condition::Event(pattern) => self.messages_like(pattern, place),
@@ -140,7 +140,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Samples within the window whose object and value fit. Of several at one time the last one counts.
+    /// Samples within the window with a matching object and value. Among several at one time the last one counts.
     fn samples_of(
         &self,
         attribute: &str,
@@ -166,8 +166,8 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Returns the instant at which the task of the step ended: it is over, or it ended since the clause is watched. The end of an
-    /// instance that was repeated does not count.
+    /// Returns the instant at which the step's task ended, if it is over or has ended since the watch of the clause began. The end of a
+    /// repeated instance does not count.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
         let again = self.moves.iter().rposition(|each| each.task == other && each.from == State::Terminated);
@@ -181,8 +181,8 @@ impl Agent<'_> {
         since.or_else(|| ends().next_back().filter(|_| stands)).map(|(_, each)| each.at)
     }
 
-    /// States that the task of the step was in: as the clause began to be watched or the tag to name it, and after
-    /// every change since.
+    /// States of the step's task: the state when the watch of the clause began or when the tag first named the task, and the state after
+    /// every later change.
     fn states_of(&self, tag: Option<&str>, word: &str, place: Place<'_>) -> Vec<Proof> {
         let other = match tag {
             None => place.task,
@@ -213,7 +213,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Proofs that a task ended so for good: since the clause is watched, or before where that stands.
+    /// Proofs that a task ended finally in this way: since the watch of the clause began, or before if earlier facts count.
     fn outcomes_of(&self, other: usize, word: &str, place: Place<'_>) -> Vec<Proof> {
         let task = &self.tasks[other];
         let ended = task.state == State::Terminated && task.outcome.as_ref().is_some_and(|outcome| outcome.is(word));
@@ -226,7 +226,7 @@ impl Agent<'_> {
         stands.then(|| Proof::at(place.watch.made_at, None)).into_iter().collect()
     }
 
-    /// Returns all of the parts, in any order; a variable that several of them mention has one value.
+    /// Returns the ways of all parts together, in any order; a variable in several parts has the same value in each.
     fn together(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
         let empty = Proof { hull: None, known: place.watch.window.start, bound: Bindings::new(), evidence: Vec::new() };
         let mut proofs = vec![empty];
@@ -266,7 +266,7 @@ impl Agent<'_> {
         })
     }
 
-    /// Returns the parts in sequence, with the delays between them. A delay at the end may be over only later.
+    /// Returns the ways of the parts in sequence, with the delays between them. A final delay may still be in progress.
     fn in_order(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
         let start = place.watch.window.start;
         let empty = Proof { hull: None, known: start, bound: Bindings::new(), evidence: Vec::new() };
@@ -335,12 +335,12 @@ impl Agent<'_> {
             let true_now = task.watches.iter().filter(|watch| wanted(watch) && self.proof(id, watch).is_some());
             noticed.extend(true_now.map(|watch| (id, watch.clone())));
         }
-        // Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.
+        // Ends come first, so that nothing is started only to be cut; then restarts, suspensions and enablements.
         noticed.sort_by_key(|(id, watch)| (watch.clause, *id, watch.number));
         noticed
     }
 
-    /// The level at which a watched clause stands, and the variables that it sees there.
+    /// Whether all variables in the conditions are known to the task.
     pub(crate) fn all_known(&self, id: usize, conditions: &[&Condition]) -> bool {
         let mut names = Vec::new();
         conditions.iter().for_each(|condition| crate::creation::in_condition(condition, &mut names));
@@ -348,7 +348,7 @@ impl Agent<'_> {
     }
 }
 
-/// Every proof of the first with every one of the second that agrees with it and follows it.
+/// Combinations of each proof of the first with each proof of the second that agrees with it and follows it.
 fn combined(first: &[Proof], second: &[Proof], follows: impl Fn(&Proof, &Proof) -> bool) -> Vec<Proof> {
     let mut all = Vec::new();
     for before in first {

@@ -1,4 +1,4 @@
-//! Conditions as a task begins and while it works, and consequences of the outcomes of steps.
+//! Conditions at the beginning of a task and during its work, and consequences of the outcomes of steps.
 
 use crate::agent::Agent;
 use crate::expression::compare;
@@ -7,7 +7,7 @@ use crate::task::{Level, OUTCOMES, Origin, Outcome, State, Way, Work};
 use crate::value::Value;
 
 impl<'p> Agent<'p> {
-    /// Returns the clauses of the step, then those of the procedure that was chosen.
+    /// Returns the clauses of the step, then those of the selected procedure.
     fn own_clauses(&self, id: usize) -> Vec<(&'p Clauses, Level)> {
         let step = self.own_step(id).map(|step| (&step.clauses, Level::Step));
         let chosen = match self.tasks[id].choice.as_ref().map(|choice| &choice.way) {
@@ -17,7 +17,7 @@ impl<'p> Agent<'p> {
         step.into_iter().chain(chosen).collect()
     }
 
-    /// Judges the preconditions: where one does not hold, or is not known to, the task fails.
+    /// Checks the preconditions: if one does not hold, or is not known to hold, the task fails.
     pub(crate) fn precondition_holds(&mut self, id: usize) -> bool {
         for (clauses, level) in self.own_clauses(id) {
             if let Some(condition) = &clauses.precondition
@@ -30,7 +30,7 @@ impl<'p> Agent<'p> {
         true
     }
 
-    /// Judges the invariants: where one is known not to hold, the task fails.
+    /// Checks the invariants: if one is known not to hold, the task fails.
     pub(crate) fn invariant_holds(&mut self, id: usize) -> bool {
         for (clauses, level) in self.own_clauses(id) {
             if let Some(condition) = &clauses.invariant
@@ -88,7 +88,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// One part of this truth decides; else one that is not known.
+    /// A part with the deciding truth value decides; otherwise an unknown part makes the result unknown.
     fn judged(&self, parts: &[Condition], deciding: bool, id: usize, level: Level) -> Option<bool> {
         let truths: Vec<Option<bool>> = parts.iter().map(|part| self.holds_now(part, id, level)).collect();
         if truths.contains(&Some(deciding)) {

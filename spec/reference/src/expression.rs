@@ -6,7 +6,7 @@ use crate::task::{Level, Work};
 use crate::trace::What;
 use crate::value::{Value, phrase};
 
-/// An expression has no value; the reason does not matter here.
+/// The expression has no value; the reason is not needed here.
 #[derive(Debug)]
 pub(crate) struct Fails;
 
@@ -77,7 +77,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Runs forms in sequence. Gives what `complete` was given, if it was asked for.
+    /// Runs forms in sequence. Returns the argument of `complete`, if it was called.
     pub(crate) fn run_forms(&mut self, task: usize, level: Level, forms: &[Form]) -> Result<Option<Value>, Fails> {
         let mut completed = None;
         for form in forms {

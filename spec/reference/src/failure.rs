@@ -1,4 +1,4 @@
-//! Failure: a step's `on-failure` goal handles it, or the task ends with it.
+//! Failure: a step's `on-failure` goal handles it, or the task fails, too.
 
 use crate::agent::Agent;
 use crate::task::{Origin, Outcome, State, Work};
@@ -26,7 +26,7 @@ impl Agent<'_> {
         if self.tasks[id].state == State::Terminated {
             return true;
         }
-        // What the failed work used up is gone; its handler claims again. Everything else is kept for it.
+        // Amounts used by the failed work are gone, and the handler claims again. All other state is kept for the handler.
         if self.tasks[id].state == State::Ongoing {
             self.consume(id);
             let spent: Vec<_> = self.tasks[id].needs().into_iter().filter(|need| self.is_depletable(&need.0)).collect();
@@ -50,7 +50,7 @@ impl Agent<'_> {
             self.transition(id, State::Enabled, None, cause.clone());
         }
         if self.tasks[id].state != State::Ongoing {
-            // The handler is its work now: it needs nothing else.
+            // From now on the handler is the step's work, and the step needs nothing else.
             self.tasks[id].held.clear();
             if let Some(choice) = &mut self.tasks[id].choice {
                 choice.needs.clear();
@@ -63,7 +63,7 @@ impl Agent<'_> {
         true
     }
 
-    /// The handler ended: the step ends in the same way.
+    /// The handler ended, and the step ends in the same way.
     pub(crate) fn handled(&mut self, id: usize, handler: usize) {
         match self.tasks[handler].outcome.clone() {
             Some(outcome) if outcome.is_failure() => {

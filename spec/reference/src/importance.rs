@@ -9,7 +9,7 @@ use crate::value::Value;
 const WORKLOAD: f64 = 5.0;
 
 impl Agent<'_> {
-    /// Returns the greatest of the task's own priority clauses and of those of its ancestors that are not interrupted; none is 0.
+    /// Returns the greatest value of the task's priority clauses and those of its uninterrupted ancestors; 0 if there are none.
     pub(crate) fn priority(&self, id: usize, at: Time) -> f64 {
         let mut greatest: Option<f64> = None;
         let mut next = Some(id);
@@ -77,16 +77,16 @@ impl Agent<'_> {
         a == b || self.is_below(a, b) || self.is_below(b, a)
     }
 
-    /// Returns the ranks of the two sibling ancestors, if both have one and they differ.
+    /// Returns the ranks of the two sibling ancestors, if both have a rank and the ranks differ.
     pub(crate) fn ranks(&self, a: usize, b: usize) -> Option<(f64, f64)> {
         let (first, second) = (self.line(a), self.line(b));
         let (first, second) = first.into_iter().zip(second).find(|(a, b)| a != b)?;
         Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
     }
 
-    /// Returns the instant at which one priority overtakes another with time alone, also against an interrupt cost. Equality for an
-    /// high for an instant on the way is not yet ahead. It is looked for at many places between here and a far
-    /// instant, and by halving: priorities rise, and stop rising.
+    /// Returns the instant at which one priority overtakes another by time alone, including an interrupt cost. Momentary equality on the
+    /// way does not count as overtaking. The instant is searched at many places between now and a distant instant, and then by halving,
+    /// because priorities rise and eventually stop rising.
     pub(crate) fn priorities_cross(&self) -> Option<Time> {
         const PLACES: i64 = 64;
         let competes = |task: &Task| !matches!(task.state, State::Pending | State::Terminated);

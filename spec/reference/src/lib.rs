@@ -1,7 +1,7 @@
-//! A naive interpreter of PDL: the second witness for the executive.
+//! A naive interpreter of PDL: an independent second implementation for checking the executive.
 //!
-//! It says what a program does by recomputing everything from the whole past, in every round of every instant. It
-//! shares no code with Apex; see `README.md`.
+//! It determines the behaviour of a program by recomputing everything from the whole past, in every round of every instant. It shares no
+//! code with Apex; see `README.md`.
 #![allow(clippy::indexing_slicing, reason = "tasks, steps and procedures are never removed: their numbers are places")]
 
 mod acting;

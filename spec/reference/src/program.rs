@@ -1,4 +1,4 @@
-//! The abstract syntax of programs: what the generator makes, the interpreter runs, and the printer writes as PDL.
+//! The abstract syntax of programs, which the generator makes, the interpreter runs, and the printer writes as PDL.
 
 use crate::value::Value;
 
@@ -25,11 +25,11 @@ pub struct Program {
 pub struct Resource {
     /// Its name.
     pub name: String,
-    /// Units to share, or what there is to use up.
+    /// Shareable units, or the depletable amount.
     pub amount: f64,
-    /// True if its users use it up.
+    /// True if users use the resource up.
     pub depletable: bool,
-    /// The resource that it is a part of.
+    /// The resource of which this one is a part.
     pub part_of: Option<String>,
 }
 
@@ -70,7 +70,7 @@ pub struct Procedure {
     pub interrupt_cost: Option<Expr>,
     /// Expected duration.
     pub expected: Option<Span>,
-    /// Conditions that end, restart, suspend and resume it.
+    /// Conditions that end, restart, suspend and resume the task.
     pub clauses: Clauses,
     /// Forms that run at certain moments.
     pub hooks: Hooks,
@@ -89,11 +89,11 @@ pub struct Primitive {
     pub locals: Vec<(String, Expr)>,
     /// Duration.
     pub duration: Option<Expr>,
-    /// Forms that run every so often.
+    /// Forms that run periodically.
     pub update: Option<(Span, Vec<Form>)>,
     /// Forms that run at certain moments.
     pub hooks: Hooks,
-    /// Forms that run when it is complete.
+    /// Forms that run when the primitive is complete.
     pub on_completion: Vec<Form>,
     /// Its value.
     pub returns: Option<Expr>,
@@ -104,9 +104,9 @@ pub struct Primitive {
 pub struct Need {
     /// The resource: a word or a variable.
     pub resource: Term,
-    /// Amount; all of it unless stated.
+    /// Required amount; `None` for all of the resource.
     pub amount: Option<f64>,
-    /// It fails rather than wait to begin.
+    /// The task fails if it would have to wait for its resources.
     pub refuse_if_busy: bool,
 }
 
@@ -117,17 +117,17 @@ pub struct Clauses {
     pub end_when: Option<Condition>,
     /// It starts over.
     pub restart_when: Option<Condition>,
-    /// It is suspended until the other holds.
+    /// The task is suspended by the first condition until the second one holds.
     pub suspend_when: Option<(Condition, Condition)>,
     /// It continues.
     pub resume_when: Option<Condition>,
-    /// It is not begun; of steps only.
+    /// The task is not begun; for steps only.
     pub skip_when: Option<Condition>,
-    /// It ends, without success or failure.
+    /// The task ends without success or failure.
     pub exit_when: Option<Condition>,
-    /// It must hold as it begins.
+    /// Must hold when the task begins.
     pub precondition: Option<Condition>,
-    /// It must hold while it works.
+    /// Must hold while the task works.
     pub invariant: Option<Condition>,
 }
 
@@ -153,7 +153,7 @@ pub struct Step {
     pub activity: Activity,
     /// `=> ?x`
     pub binds: Option<String>,
-    /// Conditions for which it waits: all of them.
+    /// Conditions that must all become true before the task is enabled.
     pub waitfor: Vec<Condition>,
     /// Computed when it is enabled.
     pub select: Vec<(String, Expr)>,
@@ -211,21 +211,21 @@ pub enum Priority {
 /// `repeating` and `responding`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repetition {
-    /// A fresh instance next to each one that is enabled, rather than the same task again.
+    /// A new instance waits next to each enabled one, instead of the same task again.
     pub responding: bool,
     /// Again as long as this holds.
     pub while_true: Option<Expr>,
     /// Not again when this holds.
     pub until: Option<Expr>,
-    /// `:enabled`: it does not wait again.
+    /// `:enabled`: further repetitions do not wait for the conditions.
     pub enabled: bool,
     /// Its priority recovers over this span.
     pub recovery: Option<Span>,
     /// From start to start at least.
     pub minimum_interval: Option<Span>,
-    /// Once for each combination of these.
+    /// One instance for each combination of these variables.
     pub for_new: Vec<String>,
-    /// `:missed-messages drop`: what comes while it is busy is not answered.
+    /// `:missed-messages drop`: messages that arrive while the step is busy are not answered.
     pub drop_missed: bool,
 }
 
@@ -285,7 +285,7 @@ pub enum Relation {
 pub enum Condition {
     /// A message that matches.
     Event(Vec<Term>),
-    /// A sample of `(attribute object)` that compares so with the number.
+    /// A sample of `(attribute object)` that has this relation to the number.
     Measurement(String, Term, Relation, f64),
     /// A sample of `(attribute object)`; its value is bound.
     Sample(String, Term, String),
@@ -295,7 +295,7 @@ pub enum Condition {
     State(Option<String>, String),
     /// All of them.
     And(Vec<Condition>),
-    /// One of them.
+    /// At least one of the parts.
     Or(Vec<Condition>),
     /// Nothing of that up to now.
     Not(Box<Condition>),
@@ -337,7 +337,7 @@ pub enum Form {
     Inform(Vec<Term>),
     /// `(print e)`
     Print(Expr),
-    /// `(setq ?x e)`: a task's variable, or a primitive's local where it has one of that name.
+    /// `(setq ?x e)`: sets a variable of the task, or a local of the primitive if it has one with that name.
     Set(String, Expr),
     /// `(publish (attribute object) e)`
     Publish(String, String, Expr),

@@ -68,7 +68,7 @@ impl Agent<'_> {
         self.tasks[id].missed = Some(missed);
     }
 
-    /// The task of a responding step was enabled: a fresh instance waits next to it.
+    /// The task of a responding step was enabled, so a new instance waits next to it.
     pub(crate) fn respond(&mut self, id: usize) {
         let Origin::Step(procedure, step) = self.tasks[id].origin else { return };
         let Some(parent) = self.tasks[id].parent else { return };
@@ -86,7 +86,7 @@ impl Agent<'_> {
         self.arm(fresh);
     }
 
-    /// Was this combination of `:for-new` variables answered before? If not, it is now.
+    /// Returns whether this combination of `:for-new` variables was answered before, and marks it as answered.
     pub(crate) fn is_known(&mut self, id: usize, bound: &Bindings) -> bool {
         let Some(clause) = self.own_step(id).and_then(|step| step.repetition.as_ref()) else { return false };
         if clause.for_new.is_empty() {

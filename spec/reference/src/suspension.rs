@@ -5,7 +5,7 @@ use crate::program::{Clauses, Form, Hooks};
 use crate::task::{Clause, Level, State, Window, Work};
 
 impl<'p> Agent<'p> {
-    /// Returns the clauses of the task at this level; a procedure's only once it has begun.
+    /// Returns the clauses of the task at this level; those of a procedure only once it has begun.
     fn clauses(&self, id: usize, level: Level) -> Option<&'p Clauses> {
         match level {
             Level::Step => Some(&self.own_step(id)?.clauses),
@@ -16,7 +16,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// A suspension is watched from the creation of the task, or from the moment at which all is known that it names.
+    /// A suspension is watched from the creation of the task, or from the time at which all variables in it are known.
     pub(crate) fn watch_step_suspension(&mut self, id: usize) {
         let Some(clauses) = self.clauses(id, Level::Step) else { return };
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
@@ -59,7 +59,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// After a resumption: what else could have ended the suspension is watched no more, what begins one is.
+    /// After a resumption: other conditions for resumption are no longer watched, and conditions for suspension are watched again.
     pub(crate) fn watch_suspension_anew(&mut self, id: usize, window: Window) {
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
         self.unwatch(id, |clause, _| about(clause));
@@ -75,12 +75,12 @@ impl<'p> Agent<'p> {
                 self.watch(id, Clause::ResumeWhen, level, condition, window);
             }
         }
-        // What still stands has had its suspension.
+        // A fact that is still true has already had its suspension.
         let anew = self.tasks[id].watches.iter_mut().filter(|watch| about(watch.clause));
         anew.for_each(|watch| watch.standing = false);
     }
 
-    /// The task stops working; its clock stands still.
+    /// The task stops working, and its clock stands still.
     pub(crate) fn stop(&mut self, id: usize, cause: String) {
         if self.tasks[id].state != State::Ongoing {
             return;
@@ -120,7 +120,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// Returns the task and all that is below it, ancestors first.
+    /// Returns the task and all tasks below it, ancestors first.
     fn subtree(&self, id: usize) -> Vec<usize> {
         let mut all = vec![id];
         for child in self.children(id) {
@@ -138,7 +138,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// Nothing of the subtree works or begins until it is resumed.
+    /// No task in the subtree works or begins until the task is resumed.
     pub(crate) fn suspend(&mut self, id: usize, cause: String) {
         if self.tasks[id].suspended || self.tasks[id].state == State::Terminated {
             return;
@@ -163,8 +163,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task's work is over before the task is: its procedure watches nothing any longer, and a suspension that the
-    /// procedure brought about is over. One by the step's clause or by an activity stays.
+    /// The task's work has ended before the task: clauses of its procedure are no longer watched, and a suspension by the procedure is
+    /// over. A suspension by the step's clause or by an activity stays.
     pub(crate) fn forget_clauses(&mut self, id: usize) {
         let task = &mut self.tasks[id];
         let mut watches = task.watches.iter();
@@ -179,7 +179,7 @@ impl<'p> Agent<'p> {
         });
     }
 
-    /// The task starts over: its work is gone, its preconditions stay satisfied, end hooks do not run.
+    /// The task starts again: its work is lost, its preconditions stay satisfied, and end hooks do not run.
     pub(crate) fn restart(&mut self, id: usize, cause: String) {
         if !matches!(self.tasks[id].state, State::Ongoing | State::Interrupted) {
             return;
@@ -191,7 +191,7 @@ impl<'p> Agent<'p> {
         let (now, newest) = (self.now, self.arrivals.checked_sub(1));
         let task = &mut self.tasks[id];
         task.started_at = None;
-        // What has arrived by now belongs to the work that is started over.
+        // All arrivals up to now belong to the work that is restarted.
         task.answered = task.answered.max(newest);
         task.created_at = now;
         task.choice = None;

@@ -1,4 +1,4 @@
-//! Tasks as the interpreter sees them.
+//! The interpreter's view of tasks.
 
 use crate::program::{Condition, Span, Time};
 use crate::value::{Bindings, Value};
@@ -99,7 +99,7 @@ pub(crate) enum Way {
     Procedure(usize),
     Primitive(usize),
     Items(Vec<Value>),
-    /// The step's activity, or its `on-failure`, is a built-in one.
+    /// The step's activity, or its `on-failure`, is built in.
     BuiltIn,
 }
 
@@ -113,11 +113,11 @@ pub(crate) struct Choice {
     pub(crate) needs: Vec<(String, f64)>,
     pub(crate) interrupt_cost: f64,
     pub(crate) expected: Option<Span>,
-    /// It fails rather than wait to begin.
+    /// The task fails if it would have to wait for its resources.
     pub(crate) refuses: bool,
 }
 
-/// A clock that rings: when, and the number that orders clocks which ring at one instant.
+/// A clock: its instant, and a number that orders clocks with the same instant.
 pub(crate) type Alarm = (Time, u64);
 
 /// Present work of a task that has begun.
@@ -154,7 +154,7 @@ pub(crate) enum Level {
     Procedure,
 }
 
-/// Clauses in the order in which they take effect at one instant.
+/// Clauses, in the order in which they take effect at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Clause {
     ExitWhen,
@@ -200,11 +200,11 @@ pub(crate) struct Watch {
     pub(crate) window: Window,
     /// Number of state changes before its creation.
     pub(crate) made: usize,
-    /// Instant of its creation, from which on earlier facts are known to it.
+    /// Instant of the task's creation, from which earlier facts are known to it.
     pub(crate) made_at: Time,
-    /// Ends and states of tasks count that were there already.
+    /// True if ends and states of tasks count even if they were reached before.
     pub(crate) standing: bool,
-    /// It must be judged at once, not only in the next round.
+    /// The clause must be checked at once, not only in the next round.
     pub(crate) at_once: bool,
 }
 
@@ -215,13 +215,13 @@ pub(crate) struct Task {
     pub(crate) origin: Origin,
     pub(crate) state: State,
     pub(crate) created_at: Time,
-    /// The same, however often it started over.
+    /// Instant of the task's first creation, unaffected by restarts.
     pub(crate) first_created: Time,
     pub(crate) started_at: Option<Time>,
     pub(crate) suspended: bool,
     /// Its own variables.
     pub(crate) bound: Bindings,
-    /// The newest arrival that it has answered.
+    /// The newest arrival that the task has answered.
     pub(crate) answered: Option<u64>,
     pub(crate) waits_for_step_before: bool,
     pub(crate) waits_for_result: bool,
@@ -236,13 +236,13 @@ pub(crate) struct Task {
     pub(crate) ended_before: Option<Time>,
     pub(crate) repeats_no_more: bool,
     pub(crate) known: BTreeSet<String>,
-    /// Messages that came while the repeated step was busy and that no task has answered; none while it keeps none.
+    /// Messages that arrived while the repeated step was busy and that no task has answered; `None` while none are kept.
     pub(crate) missed: Option<BTreeSet<u64>>,
     /// Its parent has taken note of its end.
     pub(crate) over: bool,
-    /// Number of state changes before the tag of its step began to name it.
+    /// Number of state changes before the tag of the step began to name the task.
     pub(crate) tagged: usize,
-    /// No clause can refer to it any longer.
+    /// No clause can refer to the task any longer.
     pub(crate) forgotten: bool,
 }
 
@@ -286,7 +286,7 @@ impl Task {
             && self.waits_for_interval.is_none()
     }
 
-    /// Returns all that it must have to be ongoing.
+    /// Returns all amounts that the task must hold to be ongoing.
     pub(crate) fn needs(&self) -> Vec<(String, f64)> {
         let mut needs = self.choice.as_ref().map(|choice| choice.needs.clone()).unwrap_or_default();
         self.held.iter().for_each(|(name, amount)| add(&mut needs, name, *amount));
@@ -294,7 +294,7 @@ impl Task {
     }
 }
 
-/// Two needs of one resource are one of their sum.
+/// Two needs of one resource are combined into their sum.
 pub(crate) fn add(needs: &mut Vec<(String, f64)>, name: &str, amount: f64) {
     match needs.iter_mut().find(|(other, _)| other == name) {
         Some((_, sum)) => *sum += amount,

@@ -5,7 +5,7 @@ pub use crate::task::State;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// One thing that happened.
+/// One event of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Instant.
@@ -19,11 +19,11 @@ pub struct Line {
 /// Kinds of events.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// The task came into being as a child of another one, from the step with this tag.
+    /// The task was created as a child of another one, from the step with this tag.
     Created(Option<usize>, String),
-    /// It changed its state from, to, with this outcome, because of this.
+    /// The task changed its state: from, to, the outcome, and the cause.
     Moved(State, State, Option<String>, String),
-    /// It said something to the world.
+    /// The task sent this text to the outside.
     Informed(String),
     /// It printed something.
     Printed(String),
@@ -49,7 +49,7 @@ pub struct Run {
 /// Reasons to cut a run short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// The events of this time never come to rest.
+    /// The inputs of this instant never come to rest.
     Restless(Time),
     /// There are too many tasks for this interpreter.
     Long,

@@ -4,7 +4,7 @@ use crate::program::{Span, Term};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A value of PDL, as far as random programs use them.
+/// A value of PDL, limited to those in random programs.
 #[derive(Clone, Debug, PartialEq, PartialOrd)]
 pub enum Value {
     /// False, and the empty list.
@@ -58,7 +58,7 @@ pub(crate) fn phrase(words: &[Value]) -> String {
     format!("({})", words.join(" "))
 }
 
-/// Does `pattern` match the phrase? What variables are worth already is in `known`; what they come to be, in `bound`.
+/// Whether `pattern` matches the phrase. Existing values of variables are in `known`; new ones are added to `bound`.
 pub(crate) fn matches(
     pattern: &[Term],
     words: &[Value],
@@ -79,7 +79,7 @@ pub(crate) fn matches(
         })
 }
 
-/// Returns the variables of both, if they agree where both have one.
+/// Returns the variables of both, if shared variables have the same values.
 pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
     let agree = right.iter().all(|(name, value)| left.get(name).is_none_or(|other| other == value));
     agree.then(|| left.iter().chain(right).map(|(name, value)| (name.clone(), value.clone())).collect())

@@ -1,4 +1,4 @@
-//! Second derivation of the causes for which tasks are created, enabled, chosen, granted, refused and interrupted.
+//! Second derivation of the causes of creation, enablement, selection, grants, rejections and interruptions of tasks.
 
 use super::evidence::{self, ends_in, moves};
 use super::require::require;
@@ -241,7 +241,7 @@ impl Scene<'_> {
         }
     }
 
-    /// No task other than relatives holds a share that leaves too little.
+    /// Whether the shares held by tasks other than relatives leave enough.
     fn has_room(&self, share: &Share) -> Checked {
         let (world, name) = (self.world, share.resource.to_string());
         let total = world.total(&name);
@@ -364,7 +364,7 @@ impl Scene<'_> {
                     matches!(effect, Effect::Decided(decision) if decision.because.cause == Cause::ItemOf { parent: self.id })
                 });
                 let count = made.count() as u64;
-                // If the limit did not permit all of them, it failed with that reason.
+                // If the limit did not permit all of them, the task failed for that reason.
                 let full = self.step.effects.iter().any(|effect| {
                     matches!(effect, Effect::Decided(decision) if decision.task == Some(self.id)
                         && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX" || limit == "MEMORY_MEBIBYTES_MAX"))

@@ -14,7 +14,7 @@ use apex_model::value::Value;
 
 type Checked = Result<(), String>;
 
-/// Limits with their values, as their own file states them.
+/// Limits with their values, as stated in their source file.
 const LIMITS: &str = include_str!("../../../crates/model/src/limits.rs");
 
 /// Checks a decision about the whole agent.
@@ -43,7 +43,7 @@ fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -
         Cause::LimitReached { limit, value } => {
             let line = LIMITS.lines().find(|line| line.contains(&format!("pub const {limit}:")));
             let stated = line.and_then(|line| line.split_once("= ")).map(|(_, number)| number.replace(['_', ';'], ""));
-            // An agent may have lowered it: then its own text states it.
+            // The agent's program may state a lower limit, which then applies.
             let word = limit.trim_end_matches("_MAX").to_lowercase().replace('_', "-");
             let mut declared = world.library.agents.iter().flat_map(|agent| lowered(world, agent));
             let lowered = declared.any(|(name, lowered)| name == word && lowered == value.to_string());
@@ -68,7 +68,7 @@ fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)>
         .collect()
 }
 
-/// Checks the fault of a task, whether the task fails by it or continues.
+/// Checks the fault of a task, whether the task fails because of it or continues.
 pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     let because = scene.because;
     match &because.cause {
@@ -86,7 +86,7 @@ pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     }
 }
 
-/// Checks that the tasks wait in a circle: each for a resource that an ancestor of the next one holds.
+/// Checks that the tasks wait in a circle: each waits for a resource held by an ancestor of the next one.
 fn circle(scene: &Scene<'_>, links: &[CircleLink]) -> Checked {
     let world = scene.world;
     require(links.iter().any(|link| link.task == scene.id), "the task is not in its circle")?;
@@ -222,7 +222,7 @@ fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     }
 }
 
-/// Checks the end of a step that waits for an outcome or a result of another one which has ended otherwise.
+/// Checks the end of a step that waits for an outcome or a result of another step that has ended differently.
 fn skipped(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     require(*outcome == Outcome::Skipped && own.state == TaskState::Pending, "it was not skipped")?;
     let (Cause::OutcomeMissed { task, .. } | Cause::ResultMissed { task, .. }) = &scene.because.cause else {
@@ -246,7 +246,7 @@ fn clause_of(because: &Because) -> std::borrow::Cow<'static, str> {
     }
 }
 
-/// Checks the cause of a failure, also of a handled one.
+/// Checks the cause of a failure, including a handled one.
 fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
     let (world, now) = (scene.world, scene.world.now);
     let events = || scene.step.batch.events.iter().map(|event| &event.kind);
@@ -318,7 +318,7 @@ fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
     }
 }
 
-/// Returns true if two answers are equal, where a text equals the word that it spells.
+/// Returns true if two answers are equal; a text equals the word with the same spelling.
 fn same_word(a: &Value, b: &Value) -> bool {
     let word = |value: &Value| value.to_string().trim_matches('"').to_lowercase();
     word(a) == word(b)

@@ -1,4 +1,4 @@
-//! Was it seen? Samples, messages, ends and states that a cause rests on are looked for in the record.
+//! Checks of evidence: samples, messages, ends and states on which a cause is based are searched in the record.
 
 use super::numbers;
 use super::require::require;
@@ -22,7 +22,7 @@ pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Beca
     for evidence in because.evidence.iter() {
         one(world, step, task, evidence, &leaves).map_err(|what| format!("{}: {what}", evidence.text()))?;
     }
-    // All conditions of a clause hold together: each that compares samples rests on one.
+    // All conditions of a clause hold together: each one that compares samples is based on a sample.
     let measured = |condition: &&&Condition| matches!(condition.kind, ConditionKind::Measurement(_));
     let together = conditions.len() > 1 && !because.evidence.is_empty();
     for condition in conditions.iter().filter(measured).take(if together { usize::MAX } else { 0 }) {
@@ -98,7 +98,7 @@ pub(super) fn one(
         Evidence::Absence { what, at } => {
             require(!what.is_empty(), "nothing is named")?;
             in_time(world, *at)?;
-            // A window without something stays; that something has not happened is said of the present.
+            // A past span without evidence remains past, but that something has not happened is stated about the present.
             require(*at == world.now || !is_outside(world, "(:absent "), "it is evidence of another instant")
         }
         Evidence::Estimate(estimate) => numbers::estimate(world, estimate),
@@ -106,7 +106,7 @@ pub(super) fn one(
     }
 }
 
-/// The program sends it to itself in a way that leaves no trace in the record.
+/// The program sends the message to itself in a way that leaves no trace in the record.
 fn is_outside(world: &World<'_>, word: &str) -> bool {
     !world.library.sources.iter().any(|source| source.text.contains(word))
 }
@@ -136,7 +136,7 @@ pub(super) fn was_measured(world: &World<'_>, variable: &str, value: &Value, at:
         return require(!is_outside(world, "(publish"), "no such variable was measured");
     };
     let close = |other: &Value| match (value.as_number(), other.as_number()) {
-        // Bare numbers of a declared variable are in its unit; their size is another one.
+        // Bare numbers of a declared variable are in its unit, so their SI value differs.
         (Some((_, a)), Some((_, b))) if a != b => true,
         (Some((a, _)), Some((b, _))) => (a - b).abs() <= 1e-9 * a.abs().max(1.0),
         _ => value == other,
@@ -198,7 +198,7 @@ pub(super) fn holds_of(
     if met.contains(&None) { None } else { Some(true) }
 }
 
-/// Evidence counts from the creation of the task on, unless the condition says otherwise.
+/// Evidence counts from the creation of the task on, unless the condition states otherwise.
 fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind]) -> Result<(), String> {
     let says_otherwise = leaves.iter().any(|leaf| match leaf {
         ConditionKind::Measurement(measurement) => {
@@ -208,7 +208,7 @@ fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind
         _ => true,
     });
     let known = world.task(task)?;
-    // A repeating step answers messages that came while it was busy: since its first instance began.
+    // A repeating step answers messages that arrived while it was busy, so evidence counts since its first instance began.
     let of_messages = leaves.iter().all(|leaf| matches!(leaf, ConditionKind::Event { .. }));
     let step = world.template(known).map(|(_, _, step)| step);
     let keeps = step.and_then(|step| step.repeating.as_ref()).is_some_and(|clause| !clause.drop_missed);
@@ -242,7 +242,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     }
 }
 
-/// Returns the condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
+/// Returns the condition at `place`, and those of its waitfor that hold together with it, because they are reported together.
 pub(super) fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;

@@ -1,4 +1,4 @@
-//! Re-derivation: checks every stated cause against the record that contains it.
+//! Re-derivation: checks every stated cause against its record.
 
 mod causes;
 mod ends;
@@ -26,7 +26,7 @@ use world::World;
 pub struct Complaint {
     /// The step, from 0.
     pub step: usize,
-    /// The effect in it, from 0.
+    /// The index of the effect in the step, from 0.
     pub effect: usize,
     /// The kind of cause.
     pub kind: &'static str,
@@ -34,7 +34,7 @@ pub struct Complaint {
     pub what: String,
 }
 
-/// Returns the cause of an effect, where it states one.
+/// Returns the cause of an effect, if it states one.
 pub fn because_of(effect: &Effect) -> Option<&Because> {
     match effect {
         Effect::Decided(decision) => Some(&decision.because),

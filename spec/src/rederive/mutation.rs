@@ -1,4 +1,4 @@
-//! Spoiled causes: what the checker must notice.
+//! Falsified causes, which the checker must notice.
 
 use super::because_of;
 use super::step::Step;
@@ -10,13 +10,13 @@ use apex_model::time::{Duration, Time};
 /// A way of spoiling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Spoiling {
-    /// Another kind of cause, which occurs elsewhere in the same record.
+    /// Another kind of cause that occurs elsewhere in the same record.
     Swap,
     /// The same kind with another task, number or instant.
     Shift,
 }
 
-/// Returns the steps with one cause spoiled; `None` if it cannot be done in this way.
+/// Returns the steps with one cause falsified; `None` if that is impossible in this way.
 pub fn spoiled(steps: &[Step], at: (usize, usize), how: Spoiling) -> Option<Vec<Step>> {
     let because = because_of(steps.get(at.0)?.effects.get(at.1)?)?;
     let wrong = match how {

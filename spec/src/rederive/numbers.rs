@@ -1,4 +1,4 @@
-//! Was it computed right? Estimates and aggregates are computed again, plainly, from the samples in the record.
+//! Checks of computed values: estimates and aggregates are computed again, in the simplest way, from the samples in the record.
 
 use super::require::require;
 use super::world::World;
@@ -8,7 +8,7 @@ use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Recorded samples of the variable, or none when a program publishes them itself.
+/// Recorded samples of the variable, or none if a program publishes them itself.
 fn known<'a>(world: &'a World<'_>, variable: &StateVariable) -> Result<Option<&'a Vec<(Time, Value)>>, String> {
     match world.samples.get(&variable.to_string()) {
         Some(known) => Ok(Some(known)),
@@ -48,7 +48,7 @@ fn same(value: &Value, expected: f64, size: f64) -> Result<(), String> {
     }
 }
 
-/// An estimate: its samples are in the record, and it follows from them.
+/// Checks an estimate: its samples are in the record, and it follows from them.
 pub(super) fn estimate(world: &World<'_>, estimate: &Estimate) -> Result<(), String> {
     let Estimate { extent: (start, end), at, .. } = estimate;
     require(start < end, "its extent ends before it begins")?;
@@ -77,7 +77,7 @@ pub(super) fn estimate(world: &World<'_>, estimate: &Estimate) -> Result<(), Str
     }
 }
 
-/// A statistic or trend: its samples are in the record, and the plain ones are computed again.
+/// Checks a statistic or trend: its samples are in the record, and simple ones are computed again.
 pub(super) fn aggregate(world: &World<'_>, aggregate: &Aggregate) -> Result<(), String> {
     let Aggregate { interval: (start, end), samples, .. } = aggregate;
     require(start <= end, "it ends before it begins")?;

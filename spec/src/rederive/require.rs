@@ -1,4 +1,4 @@
-//! A demand on a record, with what to say where it is not met.
+//! A requirement on a record, with the message for a record that violates it.
 
 /// # Errors
 /// `otherwise`, unless it holds.

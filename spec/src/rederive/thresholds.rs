@@ -1,4 +1,4 @@
-//! Values of computed thresholds: from numbers, constants, arithmetic, and the goal of the procedure.
+//! Values of computed thresholds, from numbers, constants, arithmetic, and the goal of the procedure.
 
 use super::world::World;
 use apex_forms::variables;
@@ -14,14 +14,14 @@ use apex_model::value::Value;
 /// Definitions that are followed into each other.
 const DEPTH_MAX: u32 = 20;
 
-/// Finds out what expressions in clauses of one task are worth.
+/// Evaluates expressions in clauses of one task.
 pub(super) struct Thresholds<'w, 'a> {
     pub(super) world: &'w World<'a>,
     pub(super) task: TaskId,
 }
 
 impl Thresholds<'_, '_> {
-    /// Returns the number in SI and its dimension; `None` if the record alone does not tell.
+    /// Returns the number in SI and its dimension; `None` if the record alone does not determine it.
     pub(super) fn number(&self, expr: &Expr) -> Option<(f64, Dimension)> {
         self.at_depth(expr, DEPTH_MAX)
     }
@@ -41,7 +41,7 @@ impl Thresholds<'_, '_> {
         }
     }
 
-    /// Returns the value that the goal of the clause's procedure gives to the variable. `None` if anything else may give it another
+    /// Returns the value that the goal of the clause's procedure gives to the variable; `None` if anything else may set it to another
     /// value.
     fn bound(&self, name: &Symbol) -> Option<Value> {
         let sets =

@@ -1,4 +1,5 @@
-//! Was it false? A `precondition` or `invariant` that does not hold rests on facts that make it false, or on what is not known.
+//! Checks of violated conditions: a `precondition` or `invariant` that does not hold is based on facts that make it false, or on missing
+//! knowledge.
 
 use super::evidence::{conditions_at, holds_of, in_time, is_of, one, was_measured};
 use super::require::require;
@@ -9,7 +10,7 @@ use apex_model::because::{Because, Evidence};
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::task::TaskId;
 
-/// Looks for all evidence that the conditions, of which one does not hold, do not.
+/// Looks for the evidence that one of the conditions does not hold.
 pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
     let conditions = because.place.map(|place| conditions_at(world, place)).unwrap_or_default();
     let mut leaves = Vec::new();
@@ -60,7 +61,7 @@ fn fact(
     }
 }
 
-/// The parts of the condition, each with the truth that makes the whole have this one.
+/// Collects the parts of the condition, each with the truth value that gives the whole this truth value.
 fn collect<'a>(condition: &'a Condition, truth: bool, leaves: &mut Vec<(&'a ConditionKind, bool)>) {
     match &condition.kind {
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) => {

@@ -1,4 +1,4 @@
-//! History of a run in the simplest form.
+//! The history of a run in the simplest form.
 
 use super::step::Step;
 use apex_model::because::Cause;
@@ -12,7 +12,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-/// A task as the record tells it.
+/// A task as read from the record.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
     pub(super) parent: Option<TaskId>,
@@ -22,7 +22,7 @@ pub(super) struct Known {
     pub(super) state: TaskState,
     pub(super) created: Time,
     pub(super) since: Time,
-    /// Time ongoing before the present stretch, since it last began.
+    /// Time ongoing before the present period, since the task last began.
     pub(super) worked: Duration,
     pub(super) began: Option<Time>,
     pub(super) moves: Vec<(Time, TaskState, TaskState)>,
@@ -65,7 +65,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Takes in a step's inputs, and what the agent itself says in it: a message of an instant is seen at that instant.
+    /// Processes a step's inputs, and the agent's messages in the step: a message is seen at its instant.
     pub(super) fn hear(&mut self, step: &Step) {
         self.now = step.batch.now;
         for event in &step.batch.events {
@@ -90,7 +90,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// A sample of the agent itself: NaN is none, and the later one of an instant counts.
+    /// A sample published by the agent: NaN counts as missing, and at equal instants the later one counts.
     fn published(&mut self, variable: String, value: &Value) {
         if value.as_number().is_some_and(|(number, _)| number.is_nan()) {
             return;
@@ -183,7 +183,7 @@ impl<'a> World<'a> {
         if from == TaskState::Ongoing {
             task.worked = task.worked + (now - task.since);
             let parent = task.parent;
-            // What `(hold-resource ..)` was granted belongs to its procedure from now on.
+            // Resources granted to `(hold-resource ..)` belong to its procedure from now on.
             let handed = task.goal.as_ref().is_some_and(|goal| goal.to_string().starts_with("(hold-resource"));
             for holders in self.holders.values_mut() {
                 match parent.filter(|_| handed && to == TaskState::Terminated) {
@@ -209,7 +209,7 @@ impl<'a> World<'a> {
         (task.state, task.since, task.outcome) = (to, now, outcome);
     }
 
-    /// `(release-resource R..)` takes from its procedure what that was handed.
+    /// `(release-resource R..)` takes from its procedure the resources handed to it.
     fn let_go(&mut self, id: TaskId) {
         let Some(task) = self.tasks.get(&id) else { return };
         let Some([Value::Symbol(word), names @ ..]) = task.goal.as_ref().and_then(Value::as_list) else { return };

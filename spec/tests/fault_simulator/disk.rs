@@ -1,4 +1,4 @@
-//! A recorder on a disk that is full from some instant on.
+//! A recorder on a disk that becomes full at some instant.
 
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
@@ -27,7 +27,7 @@ impl Observer for FullDisk<'_> {
 
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         if self.full_from.is_some_and(|from| from <= batch.now) {
-            // SQLite never makes a file smaller than it is: no page more.
+            // SQLite never shrinks a file below its present size, so this permits no further page.
             self.recorder.set_bytes_max(1).map_err(|error| error.to_string())?;
             self.full_from = None;
         }

@@ -1,4 +1,4 @@
-//! Random numbers of a seed: SplitMix64 (Steele, Lea, Flood 2014).
+//! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014).
 
 #[derive(Clone, Debug)]
 pub(crate) struct Draws(u64);

@@ -1,5 +1,5 @@
-//! A link between the simulated vehicle and the executive that is late, out of order, and doubles what it carries, and a clock of the
-//! vehicle that jumps.
+//! A link between the simulated vehicle and the executive that delays, reorders and duplicates its contents, and a vehicle clock that
+//! jumps.
 
 use crate::draws::Draws;
 use apex_model::effect::CommandId;
@@ -9,7 +9,7 @@ use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
 use apex_sim::SimulatedWorld;
 
-/// The vehicle behind a bad link. Samples keep the instants at which they were taken; acknowledgements and messages are late, too.
+/// The vehicle behind a bad link. Samples keep the instants at which they were taken; acknowledgements and messages are delayed, too.
 pub(crate) struct BadLink {
     vehicle: SimulatedWorld,
     draws: Draws,

@@ -66,7 +66,7 @@ fn targets(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)]) -> String {
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
-/// In most missions a zone to stay out of, away from the field and from the places of work, so that every place can be reached.
+/// In most missions there is a zone to avoid, away from the airfield and from the places of work, so that every place can be reached.
 fn zones(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)]) -> Option<String> {
     let half_km = 0.06 * craft.reach_km;
     let is_free = |at: &(f64, f64)| {
@@ -180,7 +180,7 @@ fn world(draws: &mut Draws, craft: &Craft) -> String {
     text
 }
 
-/// Messages of operators: answers, instructions, leases, targets that go.
+/// Messages of operators: answers, instructions, leases, cancelled targets.
 fn scenario(draws: &mut Draws, craft: &Craft) -> String {
     let mut lines: Vec<(f64, &str)> = Vec::new();
     for event in [
@@ -232,7 +232,7 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], (planned, zo
     };
     let tour = tour(draws, craft, places);
     let camera = if craft.camera {
-        // What a camera cannot do ends no flight.
+        // A failed action of a camera ends no flight.
         "(step heat (guard camera-1 against heat) (on-failure (inform (skipped heat))))
   (step sun (guard camera-1 against the sun) (on-failure (inform (skipped sun))))"
     } else {

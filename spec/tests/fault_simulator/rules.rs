@@ -1,19 +1,18 @@
 //! The rules that a flight must keep.
 //!
-//! A failure excuses nothing by having begun at some time: it must explain what happened, at the time at which it happened.
+//! A failure is not an excuse merely because it occurred at some time: it must explain the event at the time of the event.
 
 use crate::story::{FaultSpan, Story};
 use apex_mission::verification::{CheckResult, Finding, Violation};
 use apex_runtime::{EndReason, RunEnd};
 
-/// A violation must have been announced at most this long before it begins: the look-ahead of the watcher, and the time that a response
-/// takes.
+/// Greatest time between the announcement of a violation and its beginning: the look-ahead of the watcher, and the time for a response.
 const ANNOUNCED_S_MAX: f64 = 900.0;
-/// A way that leads through a zone is announced when it is chosen.
+/// The same for a way through a zone, which is announced when the way is selected.
 const CHOSEN_S_MAX: f64 = 7_200.0;
-/// Violations of one requirement at most this far apart are one.
+/// Violations of one requirement that are at most this far apart count as one.
 const EPISODE_GAP_S: f64 = 60.0;
-/// False positions have effects for this long: the jump back, and the way chosen by them.
+/// False positions have effects for this long: the jump back, and the way selected by them.
 const FALSE_POSITION_S: f64 = 120.0;
 /// A report that explains the end of a flight, or its loss, came at most this long before.
 const EXPLAINED_S_MAX: f64 = 3_600.0;
@@ -27,7 +26,7 @@ pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<St
     rules
 }
 
-/// Returns the broken ones of the rules that every flight keeps, with guards or without.
+/// Returns the violated rules among those for every flight, with or without guards.
 pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> Vec<String> {
     let mut rules = Vec::new();
     if let Some(first) = story.asker.missing().first() {
@@ -82,7 +81,7 @@ fn loss_explained(story: &Story) -> Option<String> {
         .then(|| format!("at {lost_s:.0} s it was lost without a failure that can cause it: {:?}", story.faults))
 }
 
-/// Violations of one requirement that follow each other: the first of them.
+/// Returns the first of each group of consecutive violations of one requirement.
 fn episodes(check: &CheckResult) -> Vec<&Finding> {
     let mut begins: Vec<&Finding> = Vec::new();
     let mut last: Vec<(&Violation, f64)> = Vec::new();
@@ -102,7 +101,7 @@ fn episodes(check: &CheckResult) -> Vec<&Finding> {
     begins
 }
 
-/// Returns a violation that no message named before it began, and that no failure explains.
+/// Returns a violation that no message announced before it began, and that no failure explains.
 fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<String> {
     let begin_s = episode.t_s;
     let before = |at_s: f64, most_s: f64| at_s <= begin_s && begin_s - at_s <= most_s;
@@ -120,7 +119,7 @@ fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<
     let announced = story.reported.iter().any(|(at_s, text)| before(*at_s, ANNOUNCED_S_MAX) && named(text));
     let name = episode.violation.requirement();
     let chosen = check.said_broken.iter().any(|(at_s, words)| before(*at_s, CHOSEN_S_MAX) && words.contains(name));
-    // False positions prove nothing; a glide goes where it must.
+    // Checks with false positions prove nothing, and a glide cannot choose its way.
     let is_false = story.faults.iter().any(|span| {
         let concerns = span.kind == "navigation"
             || (["freeze", "silence"].contains(&span.kind.as_str())

@@ -1,4 +1,4 @@
-//! A planner that fails: with an error, without words, by a panic, and once by never answering. Every fifth call it plans.
+//! A planner that fails: with an error, with an empty message, by a panic, and once by never answering. Every fifth call it plans.
 //!
 //! Plans that are wrong, and planners that take memory or crash their process, are cases of `crates/cli/tests/third_party.rs` and
 //! `solver_programs.rs`.
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Wall time after which a planner that hangs is left behind: far more than the others take, so that only this one is.
+/// Wall time after which a planner that hangs is abandoned: far longer than the other planners take, so that it applies only to that one.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
 struct Faulty {
@@ -29,7 +29,7 @@ impl Solver for Faulty {
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         match self.calls.fetch_add(1, Ordering::Relaxed) {
-            // It hangs once a flight, in a call that its watcher can end.
+            // Once in a flight it hangs, in a call that its watcher can end.
             3 => loop {
                 std::thread::sleep(Duration::from_millis(10));
                 environment.budget.charge(0);
@@ -42,7 +42,8 @@ impl Solver for Faulty {
     }
 }
 
-/// Returns the planners that ship, and one that fails; each flight has its own, so that a flight does not depend on those before it.
+/// Returns the planners that ship with Apex, and one that fails. Each flight has a separate one, so that flights do not influence each
+/// other.
 pub(crate) fn means() -> PlanningResources {
     let mut registry = apex_solvers::shipped();
     let good = registry.find("nearest-neighbour").cloned().unwrap();

@@ -1,4 +1,4 @@
-//! The story of a flight, as its steps tell it.
+//! The story of a flight, collected from its steps.
 
 use apex_executive::state::agent::Agent;
 use apex_model::effect::Effect;
@@ -10,7 +10,7 @@ use apex_spec::reasons::Asker;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
-/// Steps between two questions to all tasks: they are asked at each step in the first minutes, where most begins.
+/// Steps between two checks of all tasks. In the first minutes, where most tasks begin, they are checked at each step.
 const ASKED_EVERY: u64 = 20;
 const ASKED_ALWAYS: u64 = 500;
 /// Messages by which tasks report that something is wrong.
@@ -39,7 +39,7 @@ const REPORTS: [&str; 22] = [
     "camera-hot",
 ];
 
-/// A failure of the vehicle: its kind, what it concerns, and when it began and ended.
+/// A failure of the vehicle: its kind, its subject, and its beginning and end.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FaultSpan {
     pub(crate) kind: String,
@@ -48,10 +48,10 @@ pub(crate) struct FaultSpan {
     pub(crate) until_s: f64,
 }
 
-/// A flight as its steps tell it.
+/// A flight, collected from its steps.
 #[derive(Default)]
 pub(crate) struct Story {
-    /// The mission's folder, which places in messages name: another one for each flight.
+    /// The mission's folder, which is part of place names in messages and differs for each flight.
     folder: String,
     pub(crate) steps: u64,
     /// Failures in the order in which they began.

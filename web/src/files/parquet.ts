@@ -7,7 +7,7 @@ export type TableColumn =
   | { name: string; type: 'STRING'; data: string[] }
   | { name: string; type: 'DOUBLE' | 'INT32'; data: (number | null)[] };
 
-/** The bytes of a Parquet file with these columns, all of one length. */
+/** The bytes of a Parquet file with these columns, which have equal length. */
 export async function parquet(columns: readonly TableColumn[]): Promise<ArrayBuffer> {
   const { parquetWriteBuffer } = await import('hyparquet-writer');
   return parquetWriteBuffer({ columnData: columns.map(column => ({ ...column })) });

@@ -9,7 +9,7 @@ export function save(name: string, type: string, content: string | Blob): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** Saves what canvases show, one above the other, on the ground's colour. */
+/** Saves the contents of canvases, one above the other, on the ground's colour. */
 export function saveCanvases(name: string, canvases: readonly HTMLCanvasElement[], ground: string): void {
   const picture = document.createElement('canvas');
   picture.width = Math.max(...canvases.map(canvas => canvas.width));
@@ -42,7 +42,7 @@ export function saveStack(name: string, canvases: readonly HTMLCanvasElement[], 
   picture.toBlob(blob => blob && save(name, 'image/png', blob));
 }
 
-/** Saves a drawing with the styles that it has on the page, so that it looks the same elsewhere. */
+/** Saves a drawing with its styles on the page, so that it looks the same elsewhere. */
 export function saveSvg(name: string, drawing: SVGSVGElement): void {
   const copy = styledCopy(drawing);
   const ground = document.createElementNS(SVG, 'rect');
@@ -56,7 +56,7 @@ export function saveSvg(name: string, drawing: SVGSVGElement): void {
   save(name, 'image/svg+xml', new XMLSerializer().serializeToString(copy));
 }
 
-/** A copy of a drawing whose styles are attributes: the content rules of the server refuse styles in markup. */
+/** A copy of a drawing with its styles as attributes, because the content rules of the server forbid styles in markup. */
 export function styledCopy(drawing: SVGSVGElement): SVGSVGElement {
   const copy = drawing.cloneNode(true) as SVGSVGElement;
   const [from, to] = [drawing.querySelectorAll('*'), copy.querySelectorAll('*')];

@@ -1,8 +1,8 @@
-/** Drawings as SVG: what draws on a canvas can draw on a sheet, which writes elements. */
+/** Drawings as SVG: code that draws on a canvas can also draw on a sheet, which writes SVG elements. */
 
 import { save } from './save';
 
-/** What drawings use of the context of a canvas. */
+/** The part of a canvas context that drawings use. */
 export type Pen = Pick<
   CanvasRenderingContext2D,
   | 'fillStyle'
@@ -81,7 +81,7 @@ const FIRST: PenState = {
 };
 const ANCHORS: Partial<Record<CanvasTextAlign, string>> = { center: 'middle', right: 'end', end: 'end' };
 
-/** A pen that writes SVG elements. Widths of words come from `measure`. */
+/** A pen that writes SVG elements. `measure` gives the widths of words. */
 export class SvgPen implements Pen {
   private state: PenState = { ...FIRST };
   private readonly states: PenState[] = [];
@@ -185,7 +185,7 @@ export class SvgPen implements Pen {
       const east = x + along * Math.cos(turn) - across * Math.sin(turn);
       return `${px(east)} ${px(y + along * Math.sin(turn) + across * Math.cos(turn))}`;
     };
-    // One arc of SVG has no more than half a turn here: a whole one would begin where it ends.
+    // An SVG arc must not be a whole turn, since it would begin where it ends, so each arc is at most half a turn.
     const halves = Math.max(1, Math.ceil((to - from) / Math.PI - 1e-9));
     const step = (to - from) / halves;
     this.path += `${this.path === '' ? 'M' : 'L'}${at(from)}`;
@@ -276,12 +276,12 @@ export class SvgPen implements Pen {
   }
 }
 
-/** Saves what `draw` draws as an SVG file. */
+/** Saves the drawing made by `draw` as an SVG file. */
 export function saveDrawing(name: string, paper: Paper, draw: (pen: Pen) => void): void {
   save(name, 'image/svg+xml', drawingText(paper, draw));
 }
 
-/** What `draw` draws as an SVG text. */
+/** The drawing made by `draw` as an SVG text. */
 export function drawingText(paper: Paper, draw: (pen: Pen) => void): string {
   const ruler = document.createElement('canvas').getContext('2d');
   const pen = new SvgPen((text, font) => {

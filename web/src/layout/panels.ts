@@ -1,4 +1,4 @@
-/** The registry of panels: what each is called, and what draws it. */
+/** The registry of panels: the name and the component of each. */
 
 import type { Component } from 'svelte';
 import Agenda from '../panels/agenda/Agenda.svelte';
@@ -20,7 +20,7 @@ import type { Operator } from '../player/operator.svelte';
 import type { Player } from '../player/player.svelte';
 import type { Workshop } from '../record/whatif';
 
-/** What every panel is given. */
+/** The properties that every panel receives. */
 export interface PanelProps {
   player: Player;
   operator: Operator;

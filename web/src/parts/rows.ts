@@ -3,19 +3,19 @@
 export interface TreeNode<T> {
   id: string;
   words: string;
-  /** Shape of its state; none leaves it out. */
+  /** Symbol of the row's state; absent if it has none. */
   glyph?: string;
   /** A value with its unit, on the right. */
   value?: string;
-  /** What else is known, on the right. */
+  /** Additional text, on the right. */
   note?: string;
-  /** All of it, for the pointer. */
+  /** The full text, shown at the pointer. */
   title?: string;
   attention?: boolean;
   chosen?: boolean;
-  /** True if a press chooses it; otherwise it opens and closes. */
+  /** True if a press selects the row; otherwise a press opens or closes it. */
   choosable?: boolean;
-  /** True if it is open at first. */
+  /** True if the row is open at first. */
   open?: boolean;
   data?: T;
   children: TreeNode<T>[];

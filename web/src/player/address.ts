@@ -4,10 +4,10 @@ import { NANOSECONDS_PER_SECOND } from '../time/format';
 import type { Range } from './clock';
 import { layoutText, PANELS, type Panel, parseLayout } from './layout';
 
-/** What is selected; one thing at a time. */
+/** The selection: one thing at a time. */
 export type Selection = { task: number } | { target: string } | null;
 
-/** What an address says; null where it says nothing. */
+/** The contents of an address; null for absent ones. */
 export interface Address {
   /** `live` follows the end of a growing record. */
   atNs: number | 'live' | null;
@@ -22,11 +22,11 @@ export interface Address {
   tab: Panel | null;
   /** Panel on top of the left slot. */
   left: Panel | null;
-  /** Which panels stand where, as text; null is the usual layout. */
+  /** The panels of each slot, as text; null is the usual layout. */
   layout: string | null;
-  /** Number of the record, and agent, that is shown; null is the one that the server was started with. */
+  /** Number of the shown record and agent; null is the one with which the server was started. */
   record: number | null;
-  /** Number of the record that it is compared with. */
+  /** Number of the record in the comparison. */
   versus: number | null;
   /** Rows of the timeline. */
   rows: Rows | null;
@@ -36,7 +36,7 @@ export interface Address {
 export const ROWS = ['all', 'tasks', 'targets', 'resources'] as const;
 export type Rows = (typeof ROWS)[number];
 
-/** What is wrong in an address, one sentence for each parameter; the rest is used. */
+/** Reads an address; `faults` has one sentence for each invalid parameter, and the other parameters are used. */
 export function readAddress(search: string): { address: Address; faults: string[] } {
   const parameters = new URLSearchParams(search);
   const faults: string[] = [];
@@ -71,7 +71,7 @@ export function readAddress(search: string): { address: Address; faults: string[
   return { address, faults };
 }
 
-/** The address for a state; `before` is the present one, whose unknown parameters are kept. */
+/** The address for a state. `before` is the present address, whose unknown parameters are kept. */
 export function writeAddress(before: string, address: Address): string {
   const parameters = new URLSearchParams(before);
   const set = (name: string, value: string | null) =>

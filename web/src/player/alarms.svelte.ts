@@ -1,11 +1,11 @@
-/** The alarms of the cursor's instant. Read when the cursor rests. */
+/** The alarms at the cursor's instant, read while the cursor is still. */
 
 import { type Alarm, alarmsOf } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
 import type { RecordSource } from '../record/source';
 import type { RecordedCommand, SignalWindow, Trouble } from '../record/types';
 
-/** Signals whose excursions are asked for at a time. */
+/** Number of signals whose excursions are requested at a time. */
 const SIGNALS_MAX = 24;
 
 export class Alarms {

@@ -1,11 +1,11 @@
-/** How the cursor moves over a record; pure. */
+/** Movement of the cursor over a record; pure. */
 
 import { NANOSECONDS_PER_SECOND } from '../time/format';
 
 /** Playing speeds: seconds of mission for one second of watching. */
 export const SPEEDS = [1, 2, 5, 10, 30, 60, 120, 300, 600, 1200, 3600] as const;
 
-/** A record should play in about this time unless the user says otherwise. */
+/** Time in which a record is played back, unless the user chooses a speed. */
 const WATCH_S = 60;
 
 export interface Range {
@@ -29,7 +29,7 @@ export function clamp(atNs: number, range: Range): number {
   return Math.min(Math.max(atNs, range.fromNs), range.toNs);
 }
 
-/** Where the cursor is after `elapsedMs` of playing, and whether it is at the end. */
+/** The cursor after `elapsedMs` of playing, and whether it is at the end. */
 export function advance(
   atNs: number,
   elapsedMs: number,
@@ -40,7 +40,7 @@ export function advance(
   return next >= range.toNs ? { atNs: range.toNs, ended: true } : { atNs: next, ended: false };
 }
 
-/** The step of an arrow key: a hundredth of what is seen, at least a millisecond. */
+/** The step of an arrow key: a hundredth of the visible range, but at least a millisecond. */
 export function stepNs(visible: Range, coarse: boolean): number {
   return Math.max((visible.toNs - visible.fromNs) / 100, 1e6) * (coarse ? 10 : 1);
 }

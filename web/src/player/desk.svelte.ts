@@ -1,4 +1,4 @@
-/** The desk: which panels stand where on this screen. It is kept by the browser, and in the address if it is not the usual one. */
+/** The desk: the place of each panel on this screen. The browser keeps it, and the address contains it if it is not the usual one. */
 
 import {
   DEFAULT_LAYOUT,
@@ -15,10 +15,10 @@ const KEY = 'sherpa-layout';
 
 export class Desk {
   layout = $state.raw<Layout>(DEFAULT_LAYOUT);
-  /** The panel on top of each slot; none chosen leaves it to the slot. */
+  /** The panel on top of each slot; null means the slot's default. */
   top = $state.raw<Record<SlotName, Panel | null>>({ left: null, right: null });
 
-  /** Takes the layout of an address, else the one that the browser kept. */
+  /** Takes the layout from an address, or otherwise the one that the browser kept. */
   open(text: string | null): void {
     let kept: string | null = null;
     try {

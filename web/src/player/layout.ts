@@ -38,7 +38,7 @@ export const DEFAULT_LAYOUT: Layout = {
 export const WIDTH_MIN = 240;
 export const WIDTH_MAX = 900;
 
-/** The layout with a panel in a slot, as the last of it. */
+/** The layout with a panel moved to the end of a slot. */
 export function moved(layout: Layout, panel: Panel, to: SlotName): Layout {
   const without = (panels: Panel[]) => panels.filter(one => one !== panel);
   const [left, right] = [without(layout.left), without(layout.right)];
@@ -66,7 +66,7 @@ export function layoutText(layout: Layout): string {
   return words === `${DEFAULT_LAYOUT.left.join('.')}_${DEFAULT_LAYOUT.right.join('.')}` ? '' : words;
 }
 
-/** The layout of a text; null if it is not one. Panels that it does not name follow in their usual slot. */
+/** The layout described by a text; null if the text is not a layout. Panels that it does not name are appended to their usual slot. */
 export function parseLayout(text: string): Layout | null {
   const [left, right, widths] = text.split('_');
   const panels = (names: string | undefined) => {

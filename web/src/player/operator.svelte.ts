@@ -1,4 +1,4 @@
-/** The Operator: what an operator sees of a flight under way, and the commands to it. It decides nothing: the flight does. */
+/** The Operator: the operator's view of a flight under way, and the commands to it. The flight makes all decisions. */
 
 import type { ServedFlight } from '../record/operation';
 import { RecordError } from '../record/source';
@@ -9,7 +9,7 @@ const LOOK_MS = 400;
 const LOOK_QUICK_MS = 150;
 
 export class Operator {
-  /** Null where there is no flight to command: a recorded one, or one of another program. */
+  /** Null if there is no flight to command: the record is of a past flight, or of another program. */
   operation = $state.raw<Operation | null>(null);
   trouble = $state<string | null>(null);
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -17,14 +17,14 @@ export class Operator {
 
   constructor(private readonly flight: ServedFlight) {}
 
-  /** Reads the state until it is closed, or there is no flight. */
+  /** Reads the state repeatedly, until it is closed or there is no flight. */
   async watch(): Promise<void> {
     clearTimeout(this.timer);
     try {
       this.operation = await this.flight.operation();
       if (this.operation === null) return;
     } catch {
-      // The header says that there is no connection; the last state stays.
+      // The header reports that there is no connection, and the last state stays.
     }
     if (this.over) return;
     const quick = this.operation?.commands.some(command => command.state === 'sent');
@@ -38,7 +38,8 @@ export class Operator {
 
   async send(wish: Wish): Promise<void> {
     this.trouble = null;
-    // Who holds authority commands in the epoch that the page shows: after a hand-over unseen here the command is refused.
+    // The holder of authority sends the epoch that the page shows, so that the server rejects the command after a hand-over that the page
+    // has not seen.
     const authority = this.operation?.authority;
     const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null);
     setTimeout(() => void this.watch(), 0);

@@ -1,4 +1,4 @@
-/** Another record next to the one that is shown, at the same instant: a fork, another agent, another flight. */
+/** Another record for comparison with the shown one, at the same instant: a fork, another agent, another flight. */
 
 import { LatestOnly } from '../record/latest';
 import type { RecordSource } from '../record/source';

@@ -1,8 +1,8 @@
 /**
  * The Player: one cursor over one record, live or finished.
  *
- * It owns the cursor, what is played and what is selected. It owns no truth about the flight: the panels ask the
- * record for the cursor's instant. A growing record only moves the end.
+ * It holds the cursor, the playback and the selection, but no facts about the flight: the panels request those from the record for the
+ * cursor's instant. While a record grows, only the end moves.
  */
 
 import type { Alarm } from '../record/alarms';
@@ -31,12 +31,12 @@ import type { Panel } from './layout';
 import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
 
-/** A growing record is read again at most this often; drawing all of it is the expensive part. */
+/** A growing record is read again at most this often, because drawing all of it takes long. */
 const REREAD_MS = 1500;
-/** A full explanation restores an instant: it is asked for when the cursor has rested this long. */
+/** A full explanation requires a restored instant, so it is requested only after the cursor has been still for this long. */
 const REST_MS = 250;
 
-/** What is known of the flight as a whole at an instant. */
+/** The facts about the flight as a whole that are known at an instant. */
 interface Moment {
   mission: Mission;
   targets: Target[];
@@ -71,7 +71,7 @@ export class Player {
   trouble = $state<{ error: string; help: string } | null>(null);
 
   selection = $state.raw<Selection>(null);
-  /** Plotted signals by name without parentheses; none chosen means those that matter most. */
+  /** Plotted signals by name without parentheses; null means those that matter most. */
   strips = $state.raw<string[] | null>(null);
   /** The selected stretch of time. */
   span = $state.raw<Range | null>(null);
@@ -79,10 +79,10 @@ export class Player {
   rows = $state.raw<Rows>('all');
   /** Which panels stand where. */
   readonly desk = new Desk();
-  /** The place in the program that the user asked for. */
+  /** The place in the program requested by the user. */
   shownPlace = $state.raw<string | null>(null);
   readonly alarms: Alarms;
-  /** The record that this one is compared with. */
+  /** The record in the comparison with this one. */
   readonly other = new Other();
   /** Visits that the user draws, by target; null while none is drawn. */
   draft = $state.raw<string[] | null>(null);
@@ -92,7 +92,7 @@ export class Player {
   showEnded = $state(true);
   find = $state('');
 
-  /** Until the user chooses a speed, it fits the record's length. */
+  /** False until the user chooses a speed; the speed then depends on the record's length. */
   private speedChosen = false;
   private growth: Growth | null = null;
   private readAt = 0;
@@ -155,7 +155,7 @@ export class Player {
     return { fromNs: this.mission?.from_ns ?? 0, toNs: this.mission?.end_ns ?? 0 };
   }
 
-  /** The panel on top of the right slot; none chosen means the log, or why once a task is selected. */
+  /** The panel on top of the right slot. Without a choice it is the log, or the explanation once a task is selected. */
   get tab(): Panel | null {
     return this.desk.top.right;
   }
@@ -177,7 +177,7 @@ export class Player {
     return this.selection && 'target' in this.selection ? this.selection.target : null;
   }
 
-  /** Reads the record at the state of an address and begins to watch it grow. */
+  /** Opens the record in the state of an address, and begins to watch its growth. */
   async open(address: Address | null = null): Promise<void> {
     try {
       const { from_ns, end_ns, status } = await this.source.mission(null);
@@ -221,7 +221,7 @@ export class Player {
     );
   }
 
-  /** The state as an address; what is as at first is left out. */
+  /** The state as an address, without values that are as at first. */
   get address(): Omit<Address, 'theme'> {
     const { fromNs, toNs } = this.visible;
     const whole = fromNs <= this.range.fromNs && toNs >= this.range.toNs;
@@ -266,7 +266,7 @@ export class Player {
     this.stopWatching?.();
   }
 
-  /** Moves the cursor; by hand, it lets go of the end of a growing record. */
+  /** Moves the cursor. A move by hand ends the following of a growing record. */
   seek(atNs: number, following = false): void {
     this.atNs = clamp(atNs, this.range);
     this.following = following && this.live;
@@ -387,7 +387,7 @@ export class Player {
     if (id !== null) this.other.ask(this.atNs);
   }
 
-  /** Adds a target to the draft as its last visit, or takes it out. */
+  /** Adds a target to the draft as its last visit, or removes it. */
   toggleVisit(target: string): void {
     const draft = this.draft ?? [];
     this.setDraft(draft.includes(target) ? draft.filter(one => one !== target) : [...draft, target]);
@@ -406,7 +406,7 @@ export class Player {
     this.ask();
   }
 
-  /** Moves the cursor to the next (1) or previous (-1) failure or fault that is known at the cursor, and selects what it is about. */
+  /** Moves the cursor to the next (1) or previous (-1) failure or fault known at the cursor, and selects its subject. */
   goToTrouble(direction: 1 | -1): void {
     const before = this.troubles.filter(trouble => trouble.t_ns < this.atNs);
     const trouble = direction < 0 ? before.at(-1) : undefined;
@@ -414,7 +414,7 @@ export class Player {
     else if (direction > 0) void this.goToLaterTrouble();
   }
 
-  /** Moves the cursor to a failure or fault and selects what it is about. */
+  /** Moves the cursor to a failure or fault and selects its subject. */
   showTrouble(trouble: Trouble): void {
     this.pause();
     this.selection =
@@ -425,7 +425,8 @@ export class Player {
     this.reveal();
   }
 
-  /** Moves to the next failure or fault: the one question about later times that the page asks, at the user's wish. */
+  /** Moves to the next failure or fault. This is the page's only request about times after the cursor, and it is made only on the user's
+   * demand. */
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);

@@ -1,6 +1,6 @@
 /**
- * What surrounds the flight at the cursor: all plans so far, the ground seen, wind and link. Read when the cursor rests; while
- * it moves on, the panels draw the part of it that was known by then.
+ * The flight's surroundings at the cursor: all plans so far, the seen ground, wind and link. They are read while the cursor is still;
+ * while it moves, the panels draw the part already known by then.
  */
 
 import { LatestOnly } from '../record/latest';
@@ -19,9 +19,9 @@ export class Scenery {
   links = $state.raw<SignalWindow[]>([]);
   facts = $state.raw<MissionFacts | null>(null);
   holdings = $state.raw<Holdings | null>(null);
-  /** The score with the instant that it belongs to; null while none is known. */
+  /** The score with its instant; null while none is known. */
   score = $state.raw<{ atNs: number; score: ScoreSoFar } | null>(null);
-  /** What cannot be read, in one sentence, for the map. */
+  /** The problem of reading, in one sentence, for the map. */
   trouble = $state<string | null>(null);
   private readonly questions: LatestOnly<number, void>;
   private readonly planQuestions: LatestOnly<number, Plans>;
@@ -68,7 +68,7 @@ export class Scenery {
     this.scoreQuestions.put(atNs);
   }
 
-  /** Who held which resource, where that is shown. */
+  /** Requests the holders of resources, for panels that show them. */
   askHoldings(query: HoldingsQuery): void {
     this.holdingQuestions.put(query);
   }
@@ -78,7 +78,7 @@ export class Scenery {
     this.planQuestions.put(atNs);
   }
 
-  /** The rest is asked for when the cursor rests. */
+  /** Requests the other data once the cursor is still. */
   ask(atNs: number): void {
     this.questions.put(atNs);
   }

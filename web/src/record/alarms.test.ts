@@ -90,7 +90,7 @@ describe('a flood', () => {
   it('is ten alarms in ten minutes without acknowledgement, and the first one leads', () => {
     expect(floodOf(ten, 20 * 60e9)?.map(one => one.id)[0]).toBe('a9');
     expect(floodOf(ten.slice(1), 20 * 60e9)).toBeNull();
-    // Ten minutes later the oldest one no longer counts, and an acknowledged one never does.
+    // Ten minutes later the oldest alarm no longer counts, and an acknowledged one never does.
     expect(floodOf(ten, 25.5 * 60e9)).toBeNull();
     expect(
       floodOf([...ten.slice(1), { ...alarm(0, 20, ''), acknowledgedNs: 21 * 60e9 }], 21 * 60e9),

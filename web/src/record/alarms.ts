@@ -4,18 +4,18 @@ import { missionTime, span } from '../time/format';
 import type { RecordedCommand, SignalWindow, Trouble } from './types';
 
 export interface Alarm {
-  /** Names it in commands: words and the time at which it was first raised. */
+  /** Identifies the alarm in commands: its words and the time at which it was first raised. */
   id: string;
   words: string;
   cause: string;
-  /** First and last time at which it was raised. */
+  /** First and last time at which the alarm was raised. */
   firstNs: number;
   lastNs: number;
-  /** How often it was raised. */
+  /** Number of times that the alarm was raised. */
   count: number;
   /** True while it continues. */
   open: boolean;
-  /** Time at which an operator acknowledged it; null before. */
+  /** Time at which an operator acknowledged the alarm; null before. */
   acknowledgedNs: number | null;
   task: number | null;
   target: string | null;
@@ -36,7 +36,7 @@ export const ACKNOWLEDGE = 'acknowledge ';
 
 type Raised = Omit<Alarm, 'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs'> & { atNs: number };
 
-/** The alarms of an instant, newest first. Repeats of one cause count up in one alarm. */
+/** The alarms at an instant, newest first. Repetitions with the same cause increase the count of one alarm. */
 export function alarmsOf(
   troubles: readonly Trouble[],
   windows: readonly SignalWindow[],
@@ -106,13 +106,13 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
 /** Alarms within this time, and their number from which on they are a flood (ISA-18.2: ten in ten minutes). */
 const [FLOOD_NS, FLOOD_COUNT] = [600e9, 10];
 
-/** Alarms that share a cause, newest first; the group of the newest alarm comes first. */
+/** Alarms with the same cause, newest first; the group with the newest alarm comes first. */
 export interface AlarmGroup {
   cause: string;
   alarms: Alarm[];
 }
 
-/** The alarms of a flood at `atNs`, oldest first: those not acknowledged that were raised in the last ten minutes. */
+/** The alarms in a flood at `atNs`, oldest first: unacknowledged alarms raised in the last ten minutes. */
 export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null {
   const late = alarms.filter(
     alarm => alarm.acknowledgedNs === null && alarm.lastNs <= atNs && alarm.lastNs > atNs - FLOOD_NS,
@@ -120,7 +120,7 @@ export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null 
   return late.length >= FLOOD_COUNT ? late.sort((a, b) => a.firstNs - b.firstNs) : null;
 }
 
-/** Alarms by cause: figures and task numbers make no other cause. */
+/** Alarms grouped by cause; causes that differ only in figures and task numbers are the same. */
 export function groupsOf(alarms: readonly Alarm[]): AlarmGroup[] {
   const groups = new Map<string, AlarmGroup>();
   for (const alarm of alarms) {

@@ -14,7 +14,7 @@ export interface DenseBand {
 
 type Window = Pick<Timeline, 'from_ns' | 'to_ns' | 'at_ns' | 'pixel_ns'>;
 
-/** The bands of a lane of this timeline; the last one ends where the flight is known no longer. */
+/** The bands of a lane in this timeline; the last band ends at the last known time of the flight. */
 export function unpackBands(bands: readonly Band[], window: Window): DenseBand[] {
   const known = Math.min(window.to_ns, window.at_ns);
   return bands.map(([pixel, pixels, count, thousandths]) => {

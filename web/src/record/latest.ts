@@ -1,4 +1,4 @@
-/** Keeps one question under way: while it is, only the newest of the questions that follow is kept. */
+/** Keeps one request in progress; of the requests made meanwhile, only the newest is kept. */
 export class LatestOnly<Q, A> {
   private waiting: { question: Q } | undefined;
   private busy = false;
@@ -9,7 +9,7 @@ export class LatestOnly<Q, A> {
     private readonly onError: (error: unknown) => void,
   ) {}
 
-  /** Asks now, or when the question under way is answered. */
+  /** Sends the request now, or when the one in progress has been answered. */
   put(question: Q): void {
     this.waiting = { question };
     if (!this.busy) void this.run();

@@ -1,4 +1,4 @@
-/** The flight under way behind a record: its state for an operator, and commands to it. */
+/** The flight under way of a record: its state for an operator, and commands to it. */
 
 import { RecordError } from './source';
 import type { CommandState, Operation, Wish } from './types';
@@ -12,7 +12,7 @@ export class ServedFlight {
     return this.ask<Operation | null>('operation');
   }
 
-  /** Sends a command, in an epoch of authority if one is stated; the answer comes when it has its end. */
+  /** Sends a command, with an epoch of authority if one is given; resolves when the command has ended. */
   async command(wish: Wish, epoch: number | null): Promise<CommandState> {
     return this.ask<CommandState>('commands', {
       method: 'POST',

@@ -63,7 +63,7 @@ describe('what a plan changed', () => {
   });
 });
 
-// The reasons are those of the planners in crates/solvers and crates/planning.
+// The reasons are those given by the planners in crates/solvers and crates/planning.
 it('a reason fills the column that it is about, with the figures of the planner', () => {
   const column = (reason: string) => Object.entries(needsOf(reason)).filter(([, text]) => text !== '');
   expect(column('needs 33 s more than the end of the mission leaves')).toEqual([

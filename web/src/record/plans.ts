@@ -1,8 +1,8 @@
-/** What a plan changed against the one before; pure. */
+/** The changes of a plan from the previous one; pure. */
 
 import type { PlanInForce } from './types';
 
-/** Begins of a visit that differ by less are the same. */
+/** Visits whose begins differ by less count as the same. */
 const SAME_NS = 60e9;
 
 export interface Change {
@@ -13,11 +13,11 @@ export interface Change {
   /** Place among the visits, from 1. */
   placeBefore: number | null;
   placeAfter: number | null;
-  /** Why it is left out, if it is. */
+  /** The reason why it is left out, if it is. */
   reason: string;
 }
 
-/** The targets for which a plan differs from the one before, in the order of the new plan; without one before, all. */
+/** The targets for which a plan differs from the previous one, in the order of the new plan; without a previous plan, all targets. */
 export function changesOf(plan: PlanInForce, before: PlanInForce | null): Change[] {
   const ids = [...plan.visits, ...plan.left_out, ...(before?.visits ?? []), ...(before?.left_out ?? [])].map(
     one => one.target,
@@ -69,7 +69,7 @@ export function changeWords(change: Change): string {
   return `${minutes} min ${afterNs > beforeNs ? 'later' : 'earlier'}`;
 }
 
-/** What would let a plan visit a target that it leaves out; empty where the planner names nothing of the kind. */
+/** Needed changes that would let a plan visit an omitted target; empty if the planner names no such change. */
 export interface Needs {
   value: string;
   window: string;
@@ -81,13 +81,13 @@ export interface Needs {
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
-/** The planner's reason, in the column that it is about. The figures are the planner's own. */
+/** The planner's reason, in the column to which it belongs. The figures are the planner's. */
 export function needsOf(reason: string): Needs {
   const lack = /^needs (.+?) more than (.+?)( leaves| allows)?(, even alone)?(?:: (.*))?$/.exec(reason);
   if (lack) {
     const [, more = '', limit = '', , alone] = lack;
     const even = alone ? ', even alone' : '';
-    // Energy is stated as the time that it lasts.
+    // Energy is stated as the time for which it lasts.
     return /fuel|battery|endurance/.test(limit)
       ? { ...NONE, fuel: `for ${more} more${even}` }
       : { ...NONE, time: `${more} more than ${limit}${even}` };

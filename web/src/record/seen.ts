@@ -1,4 +1,4 @@
-/** What the map asks of a record: the signals along the flown track. */
+/** The map's requests to a record: the signals along the flown track. */
 
 import type { Signal } from './types';
 

@@ -1,4 +1,4 @@
-/** Who speaks to the server from this browser: a session, which a token begins where tokens are needed. */
+/** The session of this browser with the server. If the server requires tokens, a token begins the session. */
 
 import { RecordError } from './source';
 import type { SessionState } from './types';
@@ -8,7 +8,7 @@ export function tokenIn(fragment: string): string | null {
   return new URLSearchParams(fragment.replace(/^#/, '')).get('token');
 }
 
-/** The session of this browser; null if the server wants a token first. */
+/** The session of this browser; null if the server requires a token first. */
 export async function currentSession(base: string): Promise<SessionState | null> {
   const response = await fetch(`${base}/api/session`);
   return response.status === 401 ? null : answer(response);

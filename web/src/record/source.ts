@@ -1,4 +1,4 @@
-/** The one way to a flight record: questions to the server, and updates of its growth. */
+/** The only access to a flight record: requests to the server, and updates while the record grows. */
 
 import type {
   Events,
@@ -28,7 +28,7 @@ import type {
   Troubles,
 } from './types';
 
-/** A window of the timeline as drawn on so many pixels, of what was known at an instant. */
+/** A window of the timeline, drawn with this number of pixels, as known at an instant. */
 export interface TimelineQuery {
   fromNs: number;
   toNs: number;
@@ -37,7 +37,7 @@ export interface TimelineQuery {
   with: number | null;
 }
 
-/** A window of signals as drawn on so many pixels, of what was known at an instant. */
+/** A window of signals, drawn with this number of pixels, as known at an instant. */
 export interface SamplesQuery {
   names: string[];
   fromNs: number;
@@ -46,7 +46,7 @@ export interface SamplesQuery {
   pixels: number;
 }
 
-/** A window of holdings, of what was known at an instant. */
+/** A window of holdings, as known at an instant. */
 export interface HoldingsQuery {
   fromNs: number;
   toNs: number;
@@ -63,7 +63,7 @@ export interface EventsQuery {
   task: number | null;
 }
 
-/** What a panel may ask a record; a finished one and a growing one answer alike. */
+/** The requests of panels to a record, the same for finished and growing records. */
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
   track(): Promise<Track>;
@@ -84,25 +84,25 @@ export interface RecordSource {
   facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
   events(query: EventsQuery): Promise<Events>;
-  /** `explain` asks for what is awaited too, for which the server restores the instant. */
+  /** `explain` also requests the awaited conditions, for which the server restores the instant. */
   why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
   report(atNs: number): Promise<Report>;
   /** The state variables that were measured by then. */
   signals(atNs: number): Promise<Signals>;
   samples(query: SamplesQuery): Promise<SignalWindows>;
   source(place: string): Promise<Snippet>;
-  /** What living tasks watch; of one task alone, with its variables, if one is given. */
+  /** The watched conditions of living tasks, or of one task, together with its variables, if one is given. */
   monitors(query: { atNs: number; task: number | null }): Promise<Monitors>;
-  /** The files of the program, and what they declare. */
+  /** The files of the program, and their declarations. */
   program(): Promise<ProgramContents>;
   programText(name: string): Promise<ProgramText>;
   /** Commands of operators that were settled by then. */
   commandLog(atNs: number): Promise<RecordedCommands>;
-  /** Calls back on every growth until the record is complete; the answer stops it. */
+  /** Calls back on every growth until the record is complete; the returned function ends this. */
   watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
 }
 
-/** The server's own words about what went wrong. */
+/** An error with the server's message. */
 export class RecordError extends Error {
   constructor(
     message: string,
@@ -113,7 +113,7 @@ export class RecordError extends Error {
 }
 
 const RETRY_MS = 2000;
-/** Lanes that are drawn; the others are merged into one. */
+/** Maximum number of drawn lanes; the others are merged into one. */
 const LANES = 60;
 
 /** A record behind `apex serve`. */
@@ -121,7 +121,7 @@ export class ServedRecord implements RecordSource {
   /** The address of all questions. */
   private readonly api: string;
 
-  /** `id` is the record's number in `/api/records`; 0 is the one that the server was started with. */
+  /** `id` is the record's number in `/api/records`; 0 is the one with which the server was started. */
   constructor(
     readonly base: string,
     readonly id = 0,

@@ -8,11 +8,11 @@ export interface Visit {
   name: string;
   fromNs: number;
   toNs: number;
-  /** How it ended, `observing` while it continues. */
+  /** The outcome of the visit; `observing` while it continues. */
   state: string;
 }
 
-/** When targets were observed, and with what result; targets that were skipped are a mark. */
+/** Times and results of observations; skipped targets are a mark. */
 export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
   const visits = targets.flatMap(target =>
     target.history.flatMap((change, index) => {
@@ -44,9 +44,9 @@ export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
 export interface Thread {
   plan: number;
   beginNs: number | null;
-  /** Why the plan leaves it out. */
+  /** The reason why the plan leaves it out. */
   reason: string;
-  /** It is the plan in force. */
+  /** True for the plan in force. */
   last: boolean;
 }
 
@@ -58,7 +58,7 @@ export interface TargetRow {
   windows: { fromNs: number; toNs: number }[];
   threads: Thread[];
   visits: { fromNs: number; toNs: number; state: string }[];
-  /** When a task of its observation was interrupted: it is flown again. */
+  /** Times at which a task of its observation was interrupted, so that it is flown again. */
   reflies: number[];
   /** As flown; none before the report. */
   factors: { name: string; value: number; cause: string }[];

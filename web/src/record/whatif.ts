@@ -1,9 +1,9 @@
-/** Records next to the one that is shown, forks of it, and drafts of plans: what the server makes at the user's wish. */
+/** Records for comparison, forks of the shown record, and drafts of plans: data that the server makes on the user's demand. */
 
 import { RecordError } from './source';
 import type { DraftAnswer, ForkRequest, ForkState, ShelfRow } from './types';
 
-/** The server's part in what-if. */
+/** The requests of what-if to the server. */
 export class Workshop {
   constructor(private readonly base: string) {}
 

@@ -10,7 +10,7 @@ const DARK = {
   faint: '#9aa6b3',
   accent: '#4fa8ff',
   danger: '#e5686f',
-  /** Attention: faults and failures, and nothing else. */
+  /** Attention: only for faults and failures. */
   att: '#ff8a65',
   sea: '#0d141c',
   land: '#1a232c',
@@ -101,7 +101,7 @@ const STATE_NAMES = new Set<string>([
   'observed',
   'skipped',
 ]);
-/** Fonts for canvases: family lists that follow a size. They are those of theme.css. */
+/** Fonts for canvases: lists of families to append to a size, the same as in theme.css. */
 export const SANS = 'Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
 export const MONO = '"JetBrains Mono", ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
 

@@ -1,6 +1,7 @@
 /** Durations and numbers of PDL as words. Pure. */
 
-/** `P1M5S` in a text as `1 min 5 s`; `P` of ISO 8601 with days, hours, minutes and seconds as Apex prints it. */
+/** Durations within a text in words: `P1M5S` becomes `1 min 5 s`. The form is ISO 8601 with days, hours, minutes and seconds, as printed
+ * by Apex. */
 export function withDurations(text: string): string {
   return text.replace(/\bP(?=\d)((?:\d+(?:\.\d+)?[DHMS])+)\b/g, (_, parts: string) =>
     [...parts.matchAll(/(\d+(?:\.\d+)?)([DHMS])/g)]

@@ -1,9 +1,9 @@
-/** Words before syntax: goals and causes of PDL as phrases. Arguments are shown on demand. Pure. */
+/** Goals and causes of PDL as phrases, with arguments shown on demand. Pure. */
 
 /** Names of targets by identifier. */
 export type Names = ReadonlyMap<string, string>;
 
-/** Words that lead to an argument: without it they end no phrase. */
+/** Words that introduce an argument; without the argument they are removed from the end of a phrase. */
 const LEADS = new Set(
   'from to along once due before after at on with for over by until of as and again more'.split(' '),
 );
@@ -16,13 +16,13 @@ export function phrase(goal: string, names: Names): string {
     .split(/\s+/)
     .filter(word => word !== '' && word !== '..' && !word.startsWith('?') && !/^P\d/.test(word));
   while (words.length > 1 && LEADS.has(words.at(-1) ?? '')) words.pop();
-  // `observe Butler 2 along due` keeps no lead in front of another one.
+  // `observe Butler 2 along due` keeps no introducing word in front of another one.
   const kept = words.filter((word, index) => !(LEADS.has(word) && LEADS.has(words[index + 1] ?? '')));
   const text = kept.map(word => names.get(word) ?? word.replaceAll('-', ' ')).join(' ');
   return text === '' ? goal : text;
 }
 
-/** Text with the lists of numbers in it left out, and goals as phrases. */
+/** A text without its lists of numbers, and with goals as phrases. */
 export function brief(sentence: string, names: Names): string {
   let text = '';
   for (let at = 0; at < sentence.length; ) {
@@ -54,7 +54,7 @@ function withoutLists(text: string, by: string): string {
   return found;
 }
 
-/** Where the parenthesis at `from` closes; -1 if it does not. */
+/** The position at which the parenthesis at `from` closes; -1 if it does not. */
 function closing(text: string, from: number): number {
   let depth = 0;
   for (let at = from; at < text.length; at += 1) {

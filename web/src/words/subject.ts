@@ -1,8 +1,8 @@
-/** Subjects of entries of the rail as phrases. Pure. */
+/** Subjects of timeline entries as phrases. Pure. */
 
 import { type Names, phrase } from './phrase';
 
-/** A goal as a phrase, a target by its name, a message as it is. */
+/** A goal as a phrase, a target by its name, a message unchanged. */
 export function subjectWords(subject: string, names: Names): string {
   return subject.startsWith('(') ? phrase(subject, names) : (names.get(subject) ?? subject);
 }

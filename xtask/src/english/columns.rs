@@ -8,7 +8,7 @@ use crate::tree::Text;
 pub(super) const RULE: &str = "columns";
 /// Columns of a line.
 pub(crate) const COLUMNS_MAX: usize = 140;
-/// Pages whose tables must fit, too.
+/// Pages whose tables must also fit.
 const FIRST_PAGES: &[&str] =
     &["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/README.md", "docs/decisions/README.md"];
 

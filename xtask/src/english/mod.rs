@@ -1,4 +1,4 @@
-//! Rules for texts that need no list of phrases: doc comments, type names, errors, titles of decisions, columns.
+//! Rules for texts that need no phrase list: doc comments, type names, errors, titles of decisions, columns.
 //!
 //! Rules with findings count them by folder, or by type name, under the ceilings of `xtask/english-ceiling.tsv`.
 //! `english: allow` in a line exempts it. The rules are explained in `docs/contributing/english.md`.

@@ -1,4 +1,4 @@
-//! Titles of decisions are instructions or statements that can be read without the record, and the index lists each once.
+//! Titles of decisions are instructions or statements that are clear without the record, and the index lists each once.
 
 use crate::finding::Finding;
 use crate::tree::Text;

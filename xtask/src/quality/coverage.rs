@@ -1,4 +1,4 @@
-//! Coverage of lines and branches per crate, from the summary that `llvm-cov export` writes. Tests do not count.
+//! Coverage of lines and branches per crate, from the summary written by `llvm-cov export`. Tests do not count.
 
 use super::rows;
 use serde::Deserialize;
@@ -45,7 +45,7 @@ impl Covered {
         self.covered += other.covered;
     }
 
-    /// Returns the share in percent, or `None` if there is nothing to cover.
+    /// Returns the share in percent; `None` if there is nothing to cover.
     fn percent(self) -> Option<f64> {
         (self.count > 0).then(|| 100.0 * self.covered as f64 / self.count as f64)
     }

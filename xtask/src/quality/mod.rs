@@ -1,6 +1,6 @@
-//! `cargo xtask quality`: writes `docs/reference/quality.md` from the measurements that `make quality` leaves in `target/quality`.
+//! `cargo xtask quality`: writes `docs/reference/quality.md` from the measurements that `make quality` stores in `target/quality`.
 //!
-//! A measurement that is absent is named as such on the page: nothing is filled in. One part of the page per file.
+//! An absent measurement is named as absent on the page. There is one file for each part of the page.
 
 mod coverage;
 mod packages;

@@ -1,11 +1,11 @@
-//! Strongly connected parts of a directed graph: sets of nodes of which each reaches each other.
+//! Strongly connected components of a directed graph: sets of nodes that can all reach each other.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Targets of each node.
 pub(crate) type Graph<'a> = BTreeMap<&'a str, BTreeSet<&'a str>>;
 
-/// Rings of more than one node, each in order of name, the largest first.
+/// Rings of more than one node, each ordered by name, the largest ring first.
 pub(crate) fn rings<'a>(graph: &Graph<'a>) -> Vec<Vec<&'a str>> {
     let mut backward: Graph<'a> = BTreeMap::new();
     for (from, targets) in graph {

@@ -1,10 +1,9 @@
 //! Rings of imports between the files of a crate.
 //!
-//! The graph has an edge from file to file where code names an item that the other file defines (`modules.rs`). A file
-//! belongs to the folder that it lies in; `foo.rs` next to `foo/` lies outside of `foo/`. A ring is a set of files of
-//! which each imports each other, directly or indirectly. Rings across folders and rings inside a folder are counted
-//! by crate, in files, under the ceilings of `xtask/rings-ceiling.tsv`; in addition, folders directly below `src/`
-//! that import each other are counted, even if no two files of them do.
+//! The graph has an edge from file to file if code names an item defined in the other file (`modules.rs`). A file belongs to its folder;
+//! `foo.rs` next to `foo/` is outside `foo/`. A ring is a set of files that all import each other, directly or indirectly. Rings across
+//! folders and rings inside a folder are counted by crate, in files, under the ceilings of `xtask/rings-ceiling.tsv`. In addition,
+//! folders directly below `src/` that import each other are counted, even if no two of their files do.
 
 mod components;
 mod modules;
@@ -32,7 +31,7 @@ struct Rings {
     folders: Vec<Vec<String>>,
 }
 
-/// Checks all crates of the workspace, and says in one line which rings are left.
+/// Checks all crates of the workspace, and names the remaining rings in one line.
 pub(crate) fn check(workspace: &Workspace, texts: &[Text]) -> (Vec<Finding>, String) {
     match all(workspace, texts) {
         Err(finding) => (vec![finding], String::new()),
@@ -121,7 +120,7 @@ impl Rings {
         lines.join("\n")
     }
 
-    /// Returns the shortest ring within a set, if wanted the shortest one that leaves a folder.
+    /// Returns the shortest ring within a set; with `across`, the shortest one that leaves a folder.
     fn example(&self, ring: &[String], across: bool) -> Option<String> {
         let members: BTreeSet<&str> = ring.iter().map(String::as_str).collect();
         let inner: Vec<Edge> = self
@@ -161,7 +160,7 @@ fn folder(path: &str) -> &str {
     path.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
-/// Returns the folder directly below `source` that holds the file; the file itself if it is directly below `source`.
+/// Returns the folder directly below `source` that contains the file; the file itself if it is directly below `source`.
 fn top_folder<'a>(path: &'a str, source: &str) -> &'a str {
     let below = path.strip_prefix(source).and_then(|rest| rest.find('/'));
     below.and_then(|length| path.get(..source.len() + length)).unwrap_or(path)

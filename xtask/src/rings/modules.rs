@@ -1,7 +1,7 @@
-//! The modules of one crate: which file each is in, what it defines, and where a path leads.
+//! The modules of one crate: the file and the definitions of each, and the targets of paths.
 //!
-//! A path is followed through imports and re-exports to the file that defines the item, so that a facade of
-//! `pub use` lines in a `mod.rs` is not taken for the item's home.
+//! A path is followed through imports and re-exports to the file that defines the item, so that a `mod.rs` with `pub use` lines is not
+//! taken for the place of definition.
 
 use super::uses::{self, Content, Import};
 use crate::finding::Finding;
@@ -42,7 +42,7 @@ pub(crate) struct Edge {
     pub(crate) line: usize,
 }
 
-/// Lookups in progress, so that imports in a circle end.
+/// Lookups in progress, so that circular imports end.
 type Visited = BTreeSet<(ModuleId, String, bool)>;
 
 impl Modules {
@@ -69,7 +69,7 @@ impl Modules {
         self.add_module(texts, path, &folder, parent, content)
     }
 
-    /// Adds a module whose children that are files lie in `folder`.
+    /// Adds a module; its child modules in files are in `folder`.
     fn add_module(
         &mut self,
         texts: &[Text],
@@ -102,8 +102,7 @@ impl Modules {
 
     /// Imports between files, each pair once with its first line.
     ///
-    /// A private `use` of an item is an import; a `use` of a module and a re-export become one where their names
-    /// occur in code.
+    /// A private `use` of an item is an import; a `use` of a module, or a re-export, counts as an import where its name occurs in code.
     pub(crate) fn edges(&self) -> Vec<Edge> {
         let mut edges: BTreeMap<(&str, String), usize> = BTreeMap::new();
         for (id, module) in self.all.iter().enumerate() {
@@ -127,7 +126,7 @@ impl Modules {
         self.all.iter().map(|module| module.file.as_str()).collect()
     }
 
-    /// Returns the target of `path`, seen from module `from`; `None` if it leaves the crate or names something local.
+    /// Returns the target of `path`, seen from module `from`; `None` if it is outside the crate or a local name.
     fn follow(&self, from: ModuleId, path: &[String], visited: &mut Visited) -> Option<PathTarget> {
         let (first, rest) = path.split_first()?;
         let mut place = match first.as_str() {
@@ -148,8 +147,8 @@ impl Modules {
         Some(place)
     }
 
-    /// Returns the meaning of `name` within module `id`. The last name of a path is an item rather than a module of
-    /// equal name.
+    /// Returns the meaning of `name` within module `id`. For the last name of a path, an item has precedence over a module of the same
+    /// name.
     fn lookup(&self, id: ModuleId, name: &str, is_last: bool, visited: &mut Visited) -> Option<PathTarget> {
         if !visited.insert((id, name.to_string(), is_last)) {
             return None;

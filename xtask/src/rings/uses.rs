@@ -1,6 +1,6 @@
 //! Names in the code of one module: its items, its imports, and every path in its code.
 //!
-//! Tests are left out: items under `#[cfg(test)]` or `#[test]` contribute nothing.
+//! Tests are ignored: items under `#[cfg(test)]` or `#[test]` contribute nothing.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,24 +12,24 @@ use syn::{Attribute, Item, Macro, Meta, UseTree, Visibility};
 pub(crate) struct Content {
     /// Names of items that the module defines, without modules.
     pub(crate) items: BTreeSet<String>,
-    /// Names of the macros that it defines.
+    /// Names of the macros defined in the module.
     pub(crate) macros: BTreeSet<String>,
     /// Imports of single names.
     pub(crate) imports: Vec<Import>,
     /// Paths in code, with the line of their first occurrence.
     pub(crate) paths: BTreeMap<Vec<String>, usize>,
-    /// Modules that are declared here: inline ones with their content, others are files.
+    /// Modules declared here: inline ones with their content; the others are files.
     pub(crate) modules: Vec<(String, Option<Content>)>,
 }
 
-/// One name that a `use` brings in, or all names of a module.
+/// One name imported by a `use`, or all names of a module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Import {
     /// Name in this module; `None` for `*`.
     pub(crate) name: Option<String>,
     /// Path as written.
     pub(crate) path: Vec<String>,
-    /// True if others may import the name from here.
+    /// True if other modules may import the name from here.
     pub(crate) is_public: bool,
     /// Line, from 1.
     pub(crate) line: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Import {
 /// Reads the text of a file.
 ///
 /// # Errors
-/// What the parser of Rust refuses, with its line.
+/// A syntax error of Rust, with its line.
 pub(crate) fn read(body: &str) -> Result<Content, (usize, String)> {
     let file = syn::parse_file(body).map_err(|error| (error.span().start().line, error.to_string()))?;
     Ok(content(&file.items))

@@ -1,4 +1,4 @@
-//! Small logs of every format, made from the formats' specifications.
+//! Small logs of every format, made from the specifications of the formats.
 
 #![allow(dead_code, reason = "each test program uses some of them")]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a log that cannot be made is a failed test")]
@@ -77,8 +77,8 @@ pub(crate) fn dataflash_binary(samples: u64) -> Vec<u8> {
     log
 }
 
-/// DataFlash in bytes with units: barometers 0 and 1 in turn, and a battery monitor whose voltage is a float in volts, or
-/// with `integers` whole hundredths. The definitions of units come before the rows.
+/// Returns a binary DataFlash log with units: barometers 0 and 1 in turn, and a battery monitor. Its voltage is a float in volts, or with
+/// `integers` a whole number of hundredths. The definitions of units come before the rows.
 pub(crate) fn dataflash_with_units(samples: u64, integers: bool) -> Vec<u8> {
     let mut log = definition(128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
     log.extend(definition(20, 3 + 8 + 1 + 64, "UNIT", "QbZ", "TimeUS,Id,Label"));
@@ -128,7 +128,7 @@ pub(crate) fn dataflash_text_with_units() -> Vec<u8> {
     lines.join("\n").into_bytes()
 }
 
-/// DataFlash as text of the old kind: only GPS rows have a time; two ATT rows between each two of them.
+/// Returns a DataFlash text log of the old kind: only GPS rows have a time, and there are two ATT rows between each two of them.
 pub(crate) fn dataflash_text(samples: u64) -> Vec<u8> {
     let mut log =
         "ArduCopter V3\r\nFMT, 130, 35, GPS, BI, Status,Time\r\nFMT, 1, 17, ATT, cc, RollIn,Roll\r\n".to_string();
@@ -152,7 +152,8 @@ fn crc(bytes: &[u8], extra: u8) -> [u8; 2] {
     crc.to_le_bytes()
 }
 
-/// Returns a telemetry log: ATTITUDE in packets of version 1 and, every second one, 2; a ground station's HEARTBEAT between them.
+/// Returns a telemetry log: ATTITUDE in packets alternating between version 1 and version 2, and a ground station's HEARTBEAT between
+/// them.
 pub(crate) fn tlog(samples: u64) -> Vec<u8> {
     let mut log = Vec::new();
     for index in 0..samples {
@@ -196,7 +197,7 @@ fn string(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// MCAP with messages in JSON within chunks: plain, by LZ4, by Zstandard in turns; and a channel that is not JSON.
+/// Returns an MCAP file with JSON messages in chunks, alternately plain, LZ4 and Zstandard, and a channel that is not JSON.
 pub(crate) fn mcap(samples: u64) -> Vec<u8> {
     let magic = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
     let mut log = magic.to_vec();
@@ -244,7 +245,7 @@ pub(crate) fn mcap(samples: u64) -> Vec<u8> {
     log
 }
 
-/// Returns an MCAP with attitudes as ROS 2 writes them: CDR, and the definition of the message as its schema.
+/// Returns an MCAP file with attitudes as written by ROS 2: in CDR, with the definition of the message as schema.
 pub(crate) fn mcap_ros(samples: u64) -> Vec<u8> {
     let magic = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
     let mut log = magic.to_vec();
@@ -286,7 +287,7 @@ pub(crate) fn csv(samples: u64) -> Vec<u8> {
     log.into_bytes()
 }
 
-/// All of them with the ending of their names.
+/// Returns a log of every format, each with the extension of its name.
 pub(crate) fn all(samples: u64) -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("ulg", ulog(samples)),

@@ -1,4 +1,4 @@
-//! Cameras point straight down, at every side, and while they are flown past; a slew that cannot end fails in time.
+//! Cameras point straight down, to every side, and during flight past a target; a slew that cannot end fails in time.
 
 use super::*;
 use crate::motion::moved;
@@ -28,7 +28,7 @@ fn aim() -> Aim {
     Aim::At(spot, 0.0)
 }
 
-/// Returns a vehicle north and east of the target, `height_m` above it.
+/// Returns the state of a vehicle north and east of the target, `height_m` above it.
 fn state(north_m: f64, east_m: f64, height_m: f64, heading_deg: f64) -> State {
     State {
         position: moved(TARGET, north_m, east_m),
@@ -52,7 +52,7 @@ fn state(north_m: f64, east_m: f64, height_m: f64, heading_deg: f64) -> State {
     }
 }
 
-/// Slews from a level sight line ahead; the seconds until it points, if it does within the deadline, and the deadline.
+/// Slews from a level sight line ahead. Returns the seconds until the camera points, if it does before the deadline, and the deadline.
 fn slew(camera: &mut Camera, state: &State) -> (Option<f64>, f64) {
     camera.state = CameraState::Ready;
     let deadline_s = camera.begin_slew(aim(), state, None);
@@ -75,7 +75,7 @@ fn a_target_straight_below_is_pointed_at_with_and_without_pan() {
                 let mut camera = Camera::new(model(pan_deg_max));
                 let (after_s, deadline_s) = slew(&mut camera, &state(north_m, east_m, 60.0, heading_deg));
                 let case = format!("pan {pan_deg_max}, {north_m} {east_m}, {heading_deg}");
-                // 90 degrees at 40 deg/s, settling, one step.
+                // 90 degrees at 40 deg/s, then settling and one step.
                 assert!(after_s.is_some_and(|after_s| after_s < 3.1), "{case}: {after_s:?} of {deadline_s}");
                 assert!(camera.error_rad < 3.1 * DEG, "{case}: {}", camera.error_rad / DEG);
             }
@@ -83,7 +83,7 @@ fn a_target_straight_below_is_pointed_at_with_and_without_pan() {
     }
 }
 
-/// Returns the angle from the sight line to the target, from coordinates rather than from tilt and pan of the target.
+/// Returns the angle from the sight line to the target, computed from coordinates instead of tilt and pan.
 fn miss_deg(camera: &Camera, north_m: f64, east_m: f64, height_m: f64, heading_deg: f64) -> f64 {
     let azimuth = heading_deg * DEG + camera.pan_rad;
     let line = [cos(camera.tilt_rad) * cos(azimuth), cos(camera.tilt_rad) * sin(azimuth), -sin(camera.tilt_rad)];
@@ -115,7 +115,7 @@ fn it_tracks_while_an_aircraft_flies_straight_over() {
         let mut lost = Vec::new();
         for step in 0..400 {
             let along_m = -400.0 + 5.0 * f64::from(step) / 2.0;
-            // A mount that cannot tilt beyond straight down loses the target behind it, unless it pans.
+            // A mount that cannot tilt beyond straight down loses a target behind it, unless it pans.
             if camera.follow(&at(along_m), 0.1) == Pointing::OutOfView {
                 lost.push(along_m);
             }

@@ -1,4 +1,4 @@
-//! The vehicle while its navigation fails: its true position, the error that grows, and what the record says of it.
+//! The vehicle while its navigation fails: its true position, the growing error, and their entries in the record.
 
 use super::FaultKind;
 use super::navigation::NavigationError;
@@ -16,7 +16,7 @@ impl SimulatedWorld {
         self.navigation.truth(self.state.position)
     }
 
-    /// Lets the error grow for `dt` seconds that end now, or ends it.
+    /// Increases the error for the last `dt` seconds, or removes it.
     pub(crate) fn navigate(&mut self, dt: f64) {
         let Some(living) = &self.living else { return };
         let before = self.navigation.clone();

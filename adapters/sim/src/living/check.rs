@@ -1,4 +1,4 @@
-//! Checks a world file against the vehicle and the radios that it is about.
+//! Checks of a world file against the vehicle and the radios to which it refers.
 
 use super::{CloudField, DownlinkSpec, FaultKind, FaultSpec, LivingWorld, PerimeterSpec, StormCell, WORLD_FORMAT};
 use crate::config::WorldConfig;
@@ -7,7 +7,7 @@ use crate::packet::VARIABLES;
 
 /// Failures that may be stated.
 const FAULTS_MAX: usize = 1_000;
-/// More often than once a second means nothing.
+/// Rates above one per second are taken for mistakes.
 const RATE_PER_H_MAX: f64 = 3_600.0;
 /// Time between two outlines of a fire.
 const EVERY_H_MIN: f64 = 0.1;
@@ -16,7 +16,7 @@ impl LivingWorld {
     /// Checks every member of the file.
     ///
     /// # Errors
-    /// An error message with the field and what would be right.
+    /// An error message with the field and a valid value.
     pub(crate) fn check(&self, config: &WorldConfig) -> Result<(), String> {
         if self.format != WORLD_FORMAT {
             return Err(format!("`format` is \"{}\"; this version reads \"{WORLD_FORMAT}\"", self.format));

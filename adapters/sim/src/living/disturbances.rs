@@ -1,4 +1,4 @@
-//! Sensor failures, applied to the samples that a vehicle reports: frozen, missing, biased or drifting values.
+//! Sensor failures, applied to the reported samples of a vehicle: frozen, missing, biased or drifting values.
 
 use super::FaultKind;
 use super::faults::FaultSpan;
@@ -18,7 +18,7 @@ pub(crate) struct Disturbances {
 }
 
 impl Disturbances {
-    /// Applies the failures that hold `now` to what `vehicle` reports in `inputs` from `first` on.
+    /// Applies the failures active at `now` to the samples of `vehicle` in `inputs`, from index `first` on.
     pub(crate) fn apply(&mut self, spans: &[FaultSpan], vehicle: &str, inputs: &mut Vec<Input>, first: usize) {
         let reported = inputs.split_off(first.min(inputs.len()));
         inputs.extend(reported.into_iter().filter_map(|mut input| {

@@ -12,7 +12,7 @@ use libm::log;
 const STREAM: u64 = 1_000;
 /// No flight is longer.
 const HORIZON_S: f64 = 30.0 * 86_400.0;
-/// Occurrences of one failure by rate.
+/// Maximum number of occurrences of one failure with a rate.
 const SPANS_MAX: usize = 10_000;
 
 /// One occurrence of a failure: from its beginning up to, and without, its end.
@@ -36,7 +36,7 @@ impl FaultSpan {
 #[derive(Clone, Debug)]
 pub(crate) struct Faults {
     spans: Vec<FaultSpan>,
-    /// Whether each span was active when this was asked last.
+    /// For each span, whether it was active at the last query.
     known: Vec<bool>,
 }
 
@@ -68,7 +68,7 @@ impl Faults {
         self.active(now).find(|span| span.kind == kind && (span.of.is_empty() || span.of.eq_ignore_ascii_case(of)))
     }
 
-    /// Returns the next beginning or end that [`Faults::changes`] has not reported; `now` if there is one already.
+    /// Returns the next beginning or end that [`Faults::changes`] has not reported; `now` if one is already due.
     pub(crate) fn next_change(&self, now: Time) -> Option<Time> {
         if self.spans.iter().zip(&self.known).any(|(span, known)| span.holds(now) != *known) {
             return Some(now);
@@ -105,7 +105,7 @@ fn spans_of(spec: &FaultSpec, mut random: Random) -> Vec<FaultSpan> {
     let mut spans = Vec::new();
     let mut at_s = 0.0;
     while per_s > 0.0 && spans.len() < SPANS_MAX {
-        // A failure begins only where the one before is over.
+        // A failure begins only after the previous one has ended.
         at_s -= log(random.uniform()) / per_s;
         if at_s > HORIZON_S {
             break;

@@ -1,8 +1,8 @@
-//! Fires that break out at structures: Poisson processes with the mission's rates, drawn by seed before the flight, and looks that see
-//! them.
+//! Fires that break out at structures, by Poisson processes with the mission's rates, drawn by seed before the flight; and looks that
+//! detect them.
 //!
 //! A look begins with a picture of the structure and lasts while the camera points there. In clear air each fire that burns during a look
-//! is seen with the stated probability, decided once for each look and fire. Bound: O(fires) for each step of a look.
+//! is detected with the stated probability; this is decided once for each look and fire. Bound: O(fires) for each step of a look.
 
 use super::{BurnableSite, IgnitionSpec};
 use crate::random::Random;
@@ -21,14 +21,14 @@ const FIRES_MAX: usize = 10_000;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fire {
     pub(crate) site: usize,
-    /// Instant at which it broke out, mission time; negative: before the mission.
+    /// Instant at which the fire broke out, in mission time; negative if before the mission.
     pub(crate) broke_out_s: f64,
     spread: FireSpread,
     seen: bool,
 }
 
 impl Fire {
-    /// Returns its size at an instant after it broke out.
+    /// Returns the fire's size at an instant after it broke out.
     pub(crate) fn area_m2(&self, now_s: f64) -> f64 {
         self.spread.area_m2(now_s - self.broke_out_s)
     }
@@ -39,7 +39,7 @@ impl Fire {
 struct Look {
     camera: usize,
     site: usize,
-    /// Fires about which it is decided whether this look sees them.
+    /// Fires for which detection in this look is already decided.
     judged: Vec<usize>,
 }
 
@@ -99,7 +99,7 @@ impl Ignitions {
         self.sites.iter().position(|site| crate::path::bearing(site.position, place).1 <= NEAR_M)
     }
 
-    /// Begins the look of a camera with a picture that shows the structure; returns true if the look reports a fire where none burns.
+    /// Begins a camera's look with a picture that shows the structure; returns true if the look reports a fire where there is none.
     pub(crate) fn begin_look(&mut self, camera: usize, site: usize, now_s: f64) -> bool {
         self.end_looks(|known| known == camera);
         self.looks.push(Look { camera, site, judged: Vec::new() });
@@ -136,7 +136,7 @@ impl Ignitions {
     }
 }
 
-/// Instants of a Poisson process whose rate changes: exponential steps of the integrated rate, piece by piece.
+/// Instants of a Poisson process with a changing rate: exponential steps of the integrated rate, piece by piece.
 fn instants(site: &BurnableSite, mut random: Random) -> Vec<f64> {
     let steps = &site.rate.steps;
     let mut found = Vec::new();
@@ -178,7 +178,8 @@ mod tests {
         Ignitions::new(spec, vec![site(&[(0.0, 0.001)])], seed, |_, _| 5.0)
     }
 
-    /// Numbers of fires have mean and variance of the integrated rate: 600 s before the mission and each piece of it.
+    /// The number of fires has the mean and variance of the integrated rate, for the 600 s before the mission and for each piece of the
+    /// rate.
     #[test]
     fn fires_break_out_with_the_rates_of_the_mission() {
         let changing = site(&[(0.0, 0.002), (1_000.0, 0.0), (2_000.0, 0.01)]);

@@ -43,7 +43,7 @@ pub(crate) struct Living {
     pub(crate) detectors_k: Vec<f64>,
     /// Seconds of icing that the airframe carries.
     pub(crate) ice_s: f64,
-    /// Civil time of mission time zero, where the mission states it.
+    /// Civil time of mission time zero, if the mission states it.
     pub(crate) epoch_unix_s: Option<f64>,
 }
 

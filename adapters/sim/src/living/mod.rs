@@ -1,8 +1,8 @@
-//! The living part of a world, in addition to vehicle, wind and ground: failures, weather that moves, fires that break out, images on their
-//! way down.
+//! The living part of a world, in addition to vehicle, wind and ground: failures, moving weather, fires that break out, and the downlink
+//! of images.
 //!
-//! Plain data as a world file states it, checked as a whole. `docs/reference/world.md` describes every field. Without a world file nothing
-//! here is active, and a flight is as it was without it.
+//! Plain data as given in a world file, checked as a whole. `docs/reference/world.md` describes every field. Without a world file nothing
+//! here is active, and flights are not affected.
 
 mod adrift;
 mod check;
@@ -60,7 +60,7 @@ pub struct LivingWorld {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
-    /// The engine stops; it runs again when the fault is over.
+    /// The engine stops; it runs again after the fault.
     Engine,
     /// The vehicle loses fuel (`by` kg/h) or charge (`by` W) in addition to its consumption.
     Leak,
@@ -70,7 +70,7 @@ pub enum FaultKind {
     Gimbal,
     /// Camera or scanner `of` delivers no images.
     Sensor,
-    /// The cooling of camera `of` fails: its detector gets hot while it is powered.
+    /// The cooling of camera `of` fails: its detector heats up while it is powered.
     Cooling,
     /// Modem `of` is silent.
     Modem,
@@ -170,7 +170,7 @@ pub struct PerimeterSpec {
     /// Hour of the mission from which they grow.
     #[serde(default)]
     pub from_h: f64,
-    /// Hour of the last report; without it to the end of the flight.
+    /// Hour of the last report; `None` is the end of the flight.
     #[serde(default)]
     pub until_h: Option<f64>,
     /// Rate of spread as a share of the model's: 0.3 to 0.5 by night.
@@ -207,10 +207,10 @@ pub struct CloudField {
     /// Motion to the north.
     #[serde(default)]
     pub north_mps: f64,
-    /// Mission time from which it exists, hours.
+    /// Mission time at which the weather begins, hours.
     #[serde(default)]
     pub from_h: f64,
-    /// Mission time at which it ends, hours; `None` is the end of the flight.
+    /// Mission time at which the weather ends, hours; `None` is the end of the flight.
     #[serde(default)]
     pub until_h: Option<f64>,
 }
@@ -237,10 +237,10 @@ pub struct StormCell {
     /// Motion to the north.
     #[serde(default)]
     pub north_mps: f64,
-    /// Mission time from which it exists, hours.
+    /// Mission time at which the weather begins, hours.
     #[serde(default)]
     pub from_h: f64,
-    /// Mission time at which it ends, hours; `None` is the end of the flight.
+    /// Mission time at which the weather ends, hours; `None` is the end of the flight.
     #[serde(default)]
     pub until_h: Option<f64>,
 }
@@ -296,7 +296,7 @@ fn error_km() -> f64 {
 pub struct DownlinkSpec {
     /// The modem that carries them.
     pub over: String,
-    /// Rate at the full signal level; it falls with the level.
+    /// Rate at full signal level; it decreases with the level.
     pub rate_mbit_s: f64,
     /// Size of one picture.
     pub picture_mbit: f64,

@@ -1,9 +1,9 @@
-//! Navigation that fails: the autopilot flies by its estimate of the position, and the aircraft is somewhere else.
+//! Failing navigation: the autopilot flies by its estimated position, and the aircraft is somewhere else.
 //!
-//! The position of the vehicle's state is the estimated one: guidance, cameras and reports use it. The true one is the estimated one less
-//! the error; weather, ground, radios and what sensors see use that. With a drift (`by`) the error grows to the east at this rate.
-//! Without any position the autopilot reckons: it adds its airspeed and the wind that it knew last, so that the error grows by what
-//! the wind has changed since. When the failure is over the estimated position is the true one again.
+//! The position in the vehicle's state is the estimated one: guidance, cameras and reports use it. The true position is the estimated one
+//! minus the error; weather, ground, radios and the views of sensors use that. With a drift (`by`) the error grows eastwards at this
+//! rate. Without any position the autopilot uses dead reckoning: it adds its airspeed and the last known wind, so that the error grows by
+//! the change of the wind since then. After the failure the estimated position is the true one again.
 
 use crate::motion::moved;
 use apex_geo::wind::Wind;
@@ -29,7 +29,7 @@ impl NavigationError {
         self.north_m == 0.0 && self.east_m == 0.0
     }
 
-    /// The true place of what is estimated to be at `position`.
+    /// The true place of the estimated `position`.
     pub(crate) fn truth(&self, position: Position) -> Position {
         if self.is_none() { position } else { moved(position, -self.north_m, -self.east_m) }
     }

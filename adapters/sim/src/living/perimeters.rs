@@ -1,4 +1,4 @@
-//! Perimeters that grow: the fires of the mission burn on with the wind, and their outlines are reported from time to time.
+//! Growing perimeters: the fires of the mission continue to burn with the wind, and their outlines are reported at intervals.
 
 use super::{BurningTarget, PerimeterSpec};
 use apex_geo::fire::{FireSpread, grown};

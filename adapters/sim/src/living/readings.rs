@@ -1,4 +1,4 @@
-//! Readings of subsystems and of the weather radar, which a vehicle reports in a living world.
+//! Readings of subsystems and of the weather radar, as reported by a vehicle in a living world.
 
 use super::FaultKind;
 use crate::geodesic::bearing;
@@ -76,7 +76,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Returns the angle between the sight line of a mount and the sun; half a turn with the sun below the horizon, `None` without civil
+    /// Returns the angle between the sight line of a mount and the sun; half a turn if the sun is below the horizon, `None` without civil
     /// time.
     fn sun_angle_rad(&self, tilt_rad: f64, pan_rad: f64) -> Option<f64> {
         let unix_s = self.living.as_ref()?.epoch_unix_s? + self.now.seconds();
@@ -89,7 +89,7 @@ impl SimulatedWorld {
     }
 }
 
-/// Returns a number of SI units with a unit to print in, rounded to so many parts of that unit.
+/// Returns a number in SI units as a quantity in `unit`, rounded to a multiple of one part in `parts` of that unit.
 fn measured(si: f64, unit: &str, parts: f64) -> Value {
     let found = UNITS.iter().enumerate().find(|(_, known)| known.name == unit);
     let Some((index, known)) = found else { return Value::Real(si) };

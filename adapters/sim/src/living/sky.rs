@@ -1,8 +1,8 @@
-//! Clouds and convective cells: what is in the air at a place, and whether the ground can be seen through it.
+//! Clouds and convective cells: the conditions at a place, and the visibility of the ground through the clouds.
 //!
-//! A field consists of cells, each with a number drawn by seed; a cell hides the ground from above if its number is below
-//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a line of sight at the angle o off the vertical (assumption, `docs/reference/world.md`).
-//! So two looks shortly after each other see the same clouds. Bound: O(fields).
+//! A field consists of cells, each with a number drawn by seed. A cell hides the ground from above if its number is below `1 - (1 - n)^(1
+//! + 0.5 tan o)`, for cover n and a line of sight at the angle o from the vertical (assumption, `docs/reference/world.md`). So two looks
+//! within a short time see the same clouds. Bound: O(fields).
 
 use super::{CloudField, StormCell};
 use crate::random::Random;
@@ -10,7 +10,7 @@ use apex_geo::geodesy;
 use apex_model::problem::Position;
 use libm::{pow, tan};
 
-/// Looks flatter than this count as this flat.
+/// Lines of sight flatter than this are treated as this flat.
 const OFF_NADIR_RAD_MAX: f64 = 1.4;
 /// Side of a cell.
 const CELL_M: f64 = 5_000.0;
@@ -42,7 +42,7 @@ impl StormCell {
         moved(self.latitude_deg, self.longitude_deg, self.east_mps, self.north_mps, time_s)
     }
 
-    /// Returns the distance to its edge; negative inside; `None` while it is not there.
+    /// Returns the distance to the edge; negative inside, `None` at times when the field does not exist.
     pub(crate) fn distance_m(&self, position: Position, time_s: f64) -> Option<f64> {
         is_there(self.from_h, self.until_h, time_s)
             .then(|| geodesy::distance_m(self.middle(time_s), position) - self.radius_m)
@@ -59,7 +59,7 @@ pub(crate) fn is_in_cloud(clouds: &[CloudField], position: Position, altitude_m:
 /// A look from a vehicle to the ground.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SightLine {
-    /// The place at which it meets the ground.
+    /// The place at which the line of sight meets the ground.
     pub(crate) place: Position,
     /// Altitude of the vehicle.
     pub(crate) altitude_m: f64,

@@ -1,4 +1,4 @@
-//! Effects of the living world on the vehicle: failures that begin and end, fires, pictures in clouds, detectors, ice.
+//! Effects of the living world on the vehicle: beginning and end of failures, fires, pictures in clouds, detectors, ice.
 
 use super::FaultKind;
 use super::disturbances::Disturbances;
@@ -64,8 +64,8 @@ impl SimulatedWorld {
         self.living.as_ref().is_some_and(|living| living.ignitions.is_some())
     }
 
-    /// Returns true for a helicopter that lands in autorotation, and so touches down short of its goal. Vehicles with
-    /// fixed-pitch rotors fall instead.
+    /// Returns true for a helicopter that descends in autorotation and so touches down before its goal. Vehicles with fixed-pitch rotors
+    /// fall instead.
     pub(crate) fn is_autorotating_down(&self) -> bool {
         let rotors = self.model.airframe == Airframe::Rotorcraft && self.model.glide_ratio > 0.0;
         rotors && !self.state.engine_running && self.flight.is_landing()
@@ -101,7 +101,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Reports the outlines of the fires that grow, where they are due. They burn in the wind over their own ground.
+    /// Reports the outlines of growing fires when reports are due. Each fire burns in the wind over its place.
     fn report_perimeters(&mut self, inputs: &mut Vec<Input>) {
         let (now, field) = (self.now, &self.wind_field);
         let ground = &mut self.ground;
@@ -160,7 +160,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Ends the exposures of matching cameras, and answers the commands that wait for them with a failure.
+    /// Ends the exposures of matching cameras, and answers the waiting commands with a failure.
     fn fail_exposures(&mut self, which: impl Fn(&Camera) -> bool, why: &str, inputs: &mut Vec<Input>) {
         let mut failed = Vec::new();
         for camera in self.cameras.iter_mut().filter(|camera| which(camera) && camera.state == CameraState::Exposing) {
@@ -216,7 +216,7 @@ impl SimulatedWorld {
             let age = Value::Duration(crate::instants::span(now_s - broke_out_s));
             let area = Value::Real(crate::packet::rounded(*area_m2, 10.0));
             self.say_truth("truth-fire-seen", &[Value::symbol(site), age, area], inputs);
-            // Two fires at one structure are one sighting.
+            // Two fires at one structure give one sighting.
             if site != last {
                 self.say_truth("fire-sighted", &[Value::symbol(site)], inputs);
             }
@@ -270,8 +270,8 @@ impl SimulatedWorld {
         })
     }
 
-    /// Returns the energy rate that the vehicle consumes, ice included, and the rate that it loses through leaks. A flow meter
-    /// measures only the first.
+    /// Returns the rate at which the vehicle consumes energy, including the effect of ice, and the rate of losses through leaks. A flow
+    /// meter measures only the first.
     pub(crate) fn drain_suffered(&self, drain_per_s: f64) -> (f64, f64) {
         let Some(living) = &self.living else { return (drain_per_s, 0.0) };
         let (factor, leak_per_s) = living.drain(matches!(self.model.energy, EnergyModel::Fuel(_)), self.now);

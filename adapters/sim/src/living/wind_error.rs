@@ -1,9 +1,9 @@
-//! The wind that blows in place of the one in the mission's weather: a Gaussian field over time and space, without state.
+//! The difference between the real wind and that of the mission's weather: a Gaussian field over time and space, without state.
 //!
 //! Each component is a sum of waves with random directions, frequencies and phases (Rahimi and Recht 2007). The frequencies follow the
-//! spectrum of an exponential correlation, as an AR(1) process has it: Cauchy in time, trivariate Cauchy over the
-//! chord in space. So two places or times agree less the farther apart they are, and the same seed gives the same wind at the same place
-//! and time, whatever is asked in between. Bound: O([`WAVES`]) for each question.
+//! spectrum of an exponential correlation, like that of an AR(1) process: Cauchy in time, trivariate Cauchy over the chord in space. So
+//! the correlation between two places or times falls with their distance, and the same seed gives the same wind at the same place and
+//! time, regardless of other queries. Bound: O([`WAVES`]) for each query.
 
 use super::WindErrorSpec;
 use crate::random::Random;
@@ -73,7 +73,7 @@ fn wave(random: &mut Random, time_s: f64, length_m: f64) -> Wave {
     Wave { per_s, per_m: direction.map(|part| part * scale), phase }
 }
 
-/// Returns a place on the sphere in axes that turn with the Earth.
+/// Returns the coordinates of a place on the sphere, in axes that rotate with the Earth.
 fn earth_fixed_m(position: Position) -> [f64; 3] {
     const RADIUS_M: f64 = 6_371_000.0;
     let (latitude_rad, longitude_rad) = (position.latitude_deg * RAD_PER_DEG, position.longitude_deg * RAD_PER_DEG);

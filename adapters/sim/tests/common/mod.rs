@@ -35,7 +35,7 @@ impl Run {
         self.world.advance(self.now, &mut self.inputs).unwrap();
     }
 
-    /// Waits as the runtime does: from announced instant to announced instant. Whatever comes must belong to it exactly.
+    /// Waits in the same way as the runtime: from announced instant to announced instant. Each input must have exactly that instant.
     pub(crate) fn wait_watchfully_s(&mut self, seconds: f64) {
         let end = self.now + Duration::from_seconds(seconds);
         loop {

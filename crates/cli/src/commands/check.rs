@@ -1,4 +1,4 @@
-//! `apex check`: every mistake of an author before anything flies.
+//! `apex check`: reports an author's mistakes before anything is flown.
 
 use super::fix;
 use crate::error::{CliError, CliResult};
@@ -13,7 +13,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Checks each file alone with the files that it requires; of a mission the data, too.
+/// Checks each file alone with the files that it requires; for a mission also the data.
 pub fn run(options: &CheckOptions) -> CliResult {
     if options.fix {
         return fix::run(options);
@@ -45,8 +45,8 @@ pub fn run(options: &CheckOptions) -> CliResult {
     if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
-/// Reads the data of a mission, as planning and flying do, with its world file, and compares the program with it; what is found joins the other messages.
-/// A program without a vehicle has no data.
+/// Reads the data of a mission, with its world file, as planning and flying do, and compares the program with them; findings are added to
+/// the other messages. A program without a vehicle has no data.
 fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
     let application = checked.library.application.as_ref();
     if application.is_none_or(|application| application.option("vehicle").is_none()) {
@@ -86,7 +86,7 @@ pub fn print(checked: &Checked, json: bool) -> CliResult {
     output::print_rendered(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
 }
 
-/// Prints what the program keeps, and because of which clauses.
+/// Prints the data that the program keeps, and the clauses that require them.
 fn memory(checked: &Checked, json: bool) -> CliResult {
     if json {
         return check_report::memory_json(&checked.library).into_iter().try_for_each(output::print_line);

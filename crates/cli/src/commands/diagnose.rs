@@ -1,11 +1,11 @@
-//! `apex diagnose`: testability of a dependency model, diagnosis of test outcomes, PDL that follows from it.
+//! `apex diagnose`: testability of a dependency model, diagnosis of test outcomes, and PDL derived from the model.
 
 use crate::error::CliResult;
 use crate::options::DiagnoseOptions;
 use crate::output;
 use apex_mission::diagnosis::{ModelQuery, answer};
 
-/// Prints what is asked of the model; its testability by default.
+/// Prints the requested information about the model; by default its testability.
 pub fn run(options: &DiagnoseOptions) -> CliResult {
     let wanted = match (&options.results, options.pdl) {
         (Some(results), _) => ModelQuery::Results(results),

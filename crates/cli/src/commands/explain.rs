@@ -1,4 +1,4 @@
-//! `apex explain`: what a code of the checker means, with an example and what to do.
+//! `apex explain`: explains a code of the checker, with an example and the remedy.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ExplainOptions;

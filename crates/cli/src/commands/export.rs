@@ -1,4 +1,4 @@
-//! `apex export`: the samples and events of a flight record, a log or lines of JSON as a table.
+//! `apex export`: writes the samples and events of a flight record, a log or JSON lines as a table.
 
 use crate::error::{CliError, CliResult, read_text};
 use crate::options::{ExportFormat, ExportOptions};
@@ -48,7 +48,7 @@ pub fn run(options: &ExportOptions) -> CliResult {
     if gone.get() {
         return Ok(());
     }
-    // What was read before a fault is in the table.
+    // The rows that were read before an error are in the table.
     let rows = table.finish().map_err(|error| table_file::unwritten(out, &error))?;
     fed?;
     if let Some(path) = out {
@@ -76,7 +76,7 @@ fn library(options: &ExportOptions, source: &mut Source) -> CliResult<Library> {
     Ok(checked.library)
 }
 
-/// Returns the format that was asked for, or the one that the file's name says.
+/// Returns the requested format, otherwise that of the file name.
 fn format_of(options: &ExportOptions, out: Option<&Path>) -> CliResult<ExportFormat> {
     let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match (options.format, extension.as_deref()) {

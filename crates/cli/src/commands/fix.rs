@@ -1,4 +1,4 @@
-//! `apex check --fix`: makes the safe fixes, pass after pass, and reports the remaining mistakes.
+//! `apex check --fix`: applies the safe fixes, pass after pass, and reports the remaining mistakes.
 
 use super::check;
 use crate::error::{CliError, CliResult};
@@ -54,7 +54,7 @@ fn fix_standard_input(options: &CheckOptions) -> CliResult<bool> {
         .read_to_string(&mut text)
         .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     let name = PathBuf::from("<standard input>");
-    // What it requires is read from files, which are not ours to change here.
+    // Required files are read, but must not be changed here.
     let mut program = Program { only: Some(name.clone()), ..Program::default() };
     program.texts.insert(name.clone(), Text { before: text.clone(), now: text });
     let checked = program.mend(|read| {

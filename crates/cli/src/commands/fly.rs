@@ -1,4 +1,4 @@
-//! `apex fly`: a whole mission in simulated time, recorded, reported.
+//! `apex fly`: flies a whole mission in simulated time, with record and report.
 
 use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
@@ -43,7 +43,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     if options.serve {
         check_port(options.port)?;
     }
-    // A mission that cannot be simulated leaves an older record as it is.
+    // If the mission cannot be simulated, an older record is left unchanged.
     apex_simulation::world(&mission, options.seed)?;
     let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
     let terms = recording::options(options.power_safe, options.spare_folder.as_ref());
@@ -83,7 +83,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let seconds = started.elapsed().as_secs_f64();
     print_flight(&flight, seconds, (&path, recorder.path()), options.json)?;
     if let Some(sherpa) = sherpa {
-        // After Ctrl-C the server has ended already; an operator who stops the flight from the page still reads it.
+        // After Ctrl-C the server has ended already; an operator who stops the flight from the page still uses the page.
         if !sherpa.is_finished() {
             output::print_line("Sherpa continues to serve the record; Ctrl-C ends it")?;
         }
@@ -119,7 +119,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, (first, path): (&Path, &Pa
     }
 }
 
-/// Returns the pace, if it makes time continue.
+/// Returns the pace, if mission time advances with it.
 ///
 /// # Errors
 /// It does not.
@@ -131,7 +131,7 @@ pub fn checked_pace(pace: f64) -> CliResult<f64> {
         .help("write simulated seconds per second, above 0: 1 is real time, 10 is ten times faster; leave it out to fly as fast as possible"))
 }
 
-/// Tells before the flight that Sherpa will not have its port, rather than during it.
+/// Reports before the flight that the port of Sherpa is not available.
 fn check_port(port: u16) -> CliResult {
     match TcpListener::bind((Ipv4Addr::LOCALHOST, port)) {
         Ok(_) => Ok(()),
@@ -141,7 +141,7 @@ fn check_port(port: u16) -> CliResult {
     }
 }
 
-/// Returns the planners, with what the options let them take.
+/// Returns the planners with the limits of the options.
 fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningResources> {
     let mut means = PlanningResources::of(planners);
     means.table = options.table.as_deref().map(commands::profile::table).transpose()?;
@@ -165,7 +165,7 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
     std::thread::spawn(move || {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
-            // The page is served whether this line is read or not.
+            // The page is served even if this line cannot be written.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
         let (record, door_of_page) = (Some((path.as_path(), 0)), Some(door.clone()));
@@ -185,7 +185,7 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
 /// Returns a channel that ends the flight cleanly on Ctrl-C and SIGTERM.
 fn stopped_by_signal() -> Receiver<Control> {
     let (say, controls) = mpsc::channel();
-    // The receiver is alive: it is returned.
+    // The receiver exists, because it is returned.
     say.send(Control::Quiet).unwrap_or_default();
     stopping::at_signal(move || {
         if say.send(Control::Stop).is_err() {

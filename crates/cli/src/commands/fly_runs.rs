@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Flies the series, writes its table, prints its summary. Ctrl-C ends it after the flights under way.
+/// Flies the series, writes its table, prints its summary. Ctrl-C ends it after the flights in progress.
 pub fn run(
     options: &FlyOptions,
     runs: usize,

@@ -1,4 +1,4 @@
-//! `apex fork`: a recorded flight, continued from an instant on with changes, and both reports side by side.
+//! `apex fork`: continues a recorded flight from an instant on with changes, and compares both reports.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ForkOptions;
@@ -37,7 +37,7 @@ pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> CliResult {
     output::print_line(format_args!("\nFlight record: {}", path.display()))
 }
 
-/// Returns the wind that blows after the fork; none leaves it as recorded.
+/// Returns the wind after the fork; `None` leaves it as recorded.
 fn wind(options: &ForkOptions, reader: &RecordReader) -> CliResult<Option<WindField>> {
     match (options.wind_factor, &options.weather) {
         (Some(factor), _) if (0.0..=100.0).contains(&factor) => {

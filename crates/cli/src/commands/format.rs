@@ -1,4 +1,4 @@
-//! `apex fmt`: one layout for all PDL.
+//! `apex fmt`: formats PDL in one layout.
 
 use crate::error::{CliError, CliResult, read_text};
 use crate::options::FormatOptions;
@@ -6,7 +6,7 @@ use crate::output;
 use apex_model::source::SourceFile;
 use std::io::Read;
 
-/// Formats files in place; a file with a syntax error is reported and left alone.
+/// Formats files in place; a file with a syntax error is reported and not changed.
 pub fn run(options: &FormatOptions) -> CliResult {
     let mut wrong = false;
     let mut unformatted = Vec::new();

@@ -1,4 +1,4 @@
-//! `apex monitor`: conditions over a log, a flight record, a file of inputs or standard input.
+//! `apex monitor`: watches conditions over a log, a flight record, a file of inputs or standard input.
 
 use crate::error::{CliError, CliResult, read_text};
 use crate::options::MonitorOptions;
@@ -50,8 +50,8 @@ pub fn run(options: &MonitorOptions) -> CliResult {
     }
 }
 
-/// Watches the conditions over one input and returns their verdicts; none if the reader of the output has gone. `name` stands
-/// in front of what is printed of it.
+/// Watches the conditions over one input and returns their verdicts; `None` if the output was closed. `name` precedes each printed line
+/// about the input.
 fn watch(
     options: &MonitorOptions,
     path: &Path,
@@ -94,7 +94,7 @@ fn watch(
     let to = Destinations { out: &mut out, name, table, note: &print_note };
     let mut watch = LogMonitor::new(terms, to)?;
     let watched = watch.run(source);
-    // A reader such as `head` that has seen enough.
+    // A reader such as `head` has closed the output.
     if gone.get() {
         return Ok(None);
     }
@@ -109,7 +109,7 @@ fn print_note(line: &str) {
     output::print_error(line);
 }
 
-/// Writes the picture of what was watched.
+/// Writes the picture of the watched signals.
 fn draw(path: &Path, watch: &LogMonitor<'_>) -> CliResult {
     let failed = |error: Box<dyn std::error::Error>| {
         CliError::failure(format!("cannot write {}", path.display())).because(error)
@@ -133,7 +133,7 @@ fn check_picture_name(path: &Path) -> CliResult {
 }
 
 fn list_fields(mut source: Source, json: bool) -> CliResult {
-    // Which state variables come of the fields is part of the answer, where a mapping is known.
+    // With a known mapping, the answer also shows which fields become which state variables.
     let mapped = source.declarations(&Library::default());
     match source {
         Source::Log(log) => output::print(field_list(&log, json, &print_note)?),

@@ -1,4 +1,4 @@
-//! `apex plan`: what a mission's planner would do from the start, without flying.
+//! `apex plan`: prints the plan that a mission's planner makes from the start, without flying.
 
 use crate::error::{CliError, CliResult};
 use crate::options::{PlanFormat, PlanOptions};
@@ -76,10 +76,10 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     output::put(out, &text)
 }
 
-/// Finds out what is to be planned.
+/// Determines the input of planning.
 ///
 /// # Errors
-/// When nothing of that name exists, or it is not a problem.
+/// If nothing has that name, or it is not a problem.
 fn read(options: &PlanOptions, planners: &Registry) -> CliResult<PlanInput> {
     let mut question = match PlanInput::find(&options.mission)? {
         Some(question) => question,
@@ -98,7 +98,7 @@ fn read(options: &PlanOptions, planners: &Registry) -> CliResult<PlanInput> {
     }
     if let Some(budget) = &options.bound_budget {
         let end = parse_time(budget, "--bound-budget")?;
-        // Nothing to spend leaves the fast bound.
+        // Without a budget only the fast bound is computed.
         question.bound_budget = end - Time::ZERO;
     }
     question.seed = options.seed.unwrap_or(question.seed);
@@ -121,7 +121,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = SolveOptions { means: &means, solver, budget, seed, previous: None };
-    // The best plan so far is an answer, too.
+    // The best plan so far is a valid answer.
     let cancel = CancelToken::new();
     let token = cancel.clone();
     stopping::at_signal(move || token.cancel());
@@ -129,7 +129,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
         .map_err(|reason| CliError::user("no plan was found").because(reason).help(no_plan_help))
 }
 
-/// Returns the requested format; else that of the file's name; else a table.
+/// Returns the requested format; otherwise that of the file name; otherwise a table.
 fn format_of(options: &PlanOptions, out: Option<&Path>) -> PlanFormat {
     let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_lowercase());
     let of_name = || match extension.as_deref() {
@@ -152,7 +152,7 @@ fn refuse_to_overwrite(out: &Path, input: &Path) -> CliResult {
     Ok(())
 }
 
-/// Says before planning what could not be printed after it.
+/// Rejects, before planning, an output that could not be written afterwards.
 fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     match format {
         PlanFormat::Pdl if question.mission.is_none() => {
@@ -169,7 +169,7 @@ fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     }
 }
 
-/// Refuses `--survival` for problems without a cost of ignorance of first events, and for formats that cannot express it.
+/// Rejects `--survival` for problems without a cost of ignorance of first events, and for formats that cannot express it.
 fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     if !matches!(question.problem, Problem::Surveillance(_)) {
         return Err(CliError::user("`--survival` is for plans of surveillance")

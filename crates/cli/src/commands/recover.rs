@@ -1,4 +1,4 @@
-//! `apex recover`: saves what can be trusted of a damaged or cut-off record into a new one.
+//! `apex recover`: saves the valid part of a damaged or interrupted record to a new one.
 
 use crate::error::{CliError, CliResult};
 use crate::options::RecoverOptions;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Recovers a record.
 pub fn run(options: &RecoverOptions) -> CliResult {
     if !options.record.is_file() {
-        // It names what the path holds instead.
+        // The error names the kind of file at the path.
         recording::open(&options.record)?;
     }
     let out = options.out.clone().unwrap_or_else(|| beside(&options.record));

@@ -1,4 +1,4 @@
-//! `apex replay`: the same record, the same decisions, byte for byte.
+//! `apex replay`: executes a record again and compares every decision byte for byte.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ReplayOptions;
@@ -45,7 +45,7 @@ pub fn run(options: &ReplayOptions) -> CliResult {
     }
     match (report.difference, report.gap) {
         (None, None) => Ok(()),
-        // What follows a gap is not confirmed.
+        // Steps after a gap are not confirmed.
         _ => Err(CliError { of_user: false, ..CliError::already_reported() }),
     }
 }

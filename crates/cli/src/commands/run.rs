@@ -1,5 +1,5 @@
-//! `apex run`: any PDL program without a vehicle, in simulated time, by wall time or at that of an outside
-//! simulator, with a trace.
+//! `apex run`: runs any PDL program without a vehicle, in simulated time, by the wall clock or by the clock of an outside simulator, with
+//! a trace.
 
 use crate::console;
 use crate::error::{CliError, CliResult, read_text};
@@ -30,8 +30,8 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Runs a program to its end. A mission that lives at the clock of the wall or of an outside simulator is flown: it plans,
-/// books its visits, and reports.
+/// Runs a program to its end. A mission that uses the wall clock or the clock of an outside simulator is flown: it plans, records its
+/// visits, and reports.
 pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let library = sources::load_program(&options.program)?;
     let clock = ClockSource::of(&library, options)?;
@@ -58,7 +58,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         output::print_error(format_args!("{line}"))
     });
 
-    // The recorder comes first: nothing is used before it is stored.
+    // The recorder comes first, so that every input is stored before it is used.
     let is_recorded = recorder.is_some();
     let mut observers: Vec<&mut dyn Observer> = recorder.iter_mut().map(|recorder| recorder as _).collect();
     let mut recording = RecordingWatch;
@@ -84,7 +84,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         ClockSource::Simulator => run.with_simulator(&mut observers, options.listen),
     };
     let flushed = tracer.into_inner();
-    // A reader such as `head` that has seen enough ends the run; a record then says that it is incomplete.
+    // A reader such as `head` that closes the output ends the run; a record then states that it is incomplete.
     if gone.get() {
         return Ok(());
     }
@@ -101,7 +101,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
 }
 
-/// Returns the scripted inputs in memory, and those of a long file, which are read while they are needed; the run takes them.
+/// Returns the scripted inputs in memory, and those of a long file, which are read when they are needed.
 fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>, Cell<Option<InputStream>>)> {
     let Some(path) = options.inputs.as_deref() else { return Ok((Vec::new(), Cell::new(None))) };
     if let ClockSource::Simulator = clock {
@@ -152,7 +152,7 @@ fn finish(end: RunEnd, report: Option<Report>, recorder: Option<Recorder>) -> Cl
 /// A program that is ready to run, with the flight of its mission.
 struct Run<'a> {
     library: &'a Arc<Library>,
-    /// The flight of a mission; none for a program without one.
+    /// The flight of a mission; `None` for a program without one.
     flight: Option<MissionFlight>,
     is_recorded: bool,
     terms: &'a dyn Fn() -> FlyOptions,
@@ -268,7 +268,7 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
         .help("give `--trace` another file"))
 }
 
-/// Creates the record that the options name, signed when it is closed if they name a key; `None` without a record.
+/// Creates the record that the options name, and signs it at its end if they name a key; `None` without a record.
 fn signed_recorder(options: &RunOptions, library: &Library, mission: Option<&Mission>) -> CliResult<Option<Recorder>> {
     let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
     let Some(path) = options.record.as_deref() else { return Ok(None) };
@@ -280,7 +280,7 @@ fn signed_recorder(options: &RunOptions, library: &Library, mission: Option<&Mis
     Ok(Some(recorder))
 }
 
-/// A record with the program's sources inside, and of a mission all that belongs to it.
+/// Creates a record with the program's sources and, for a mission, all of its data.
 fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, options: RecordOptions) -> CliResult<Recorder> {
     if let Some(mission) = mission {
         return Ok(recording::of_mission(path, mission, options)?);

@@ -1,11 +1,11 @@
-//! `apex score`: what a recorded flight achieved, computed from its record alone.
+//! `apex score`: prints the score of a recorded flight, computed from its record alone.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ScoreOptions;
 use crate::{output, recording};
 use apex_mission::recorded::{mission_of, report_of};
 
-/// Prints the score of a record, as `apex fly` printed it at the end of the flight.
+/// Prints the score of a record in the form of `apex fly` at the end of the flight.
 pub fn run(options: &ScoreOptions) -> CliResult {
     let reader = recording::open(&options.record)?;
     let Some(mission) = mission_of(&reader)? else {

@@ -1,4 +1,4 @@
-//! `apex serve`: Sherpa on a flight record, finished or still being written; and flights of missions for programs.
+//! `apex serve`: serves Sherpa for a flight record, finished or still being written, and flies missions for other programs.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ServeOptions;
@@ -37,7 +37,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
     };
     let (access, said) = files.prepare(address)?;
     serve(served, planners, access, SocketAddr::new(address, options.port), move |url| {
-        // The page is served whether this line is read or not.
+        // The page is served even if this line cannot be written.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         said.into_iter().for_each(|line| output::print_line(line).unwrap_or_default());
         if open {
@@ -75,7 +75,7 @@ fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) ->
     })
 }
 
-/// Reads forms that come over HTTP.
+/// Returns a reader for PDL forms received over HTTP.
 pub fn read_datum() -> ReadDatum {
     Arc::new(|text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message))
 }
@@ -84,7 +84,7 @@ pub fn read_datum() -> ReadDatum {
 pub struct Served<'a> {
     /// The record's file, and the number of the agent to show.
     pub record: Option<(&'a Path, usize)>,
-    /// The way to the run that writes the record, if it is under way.
+    /// The connection to the run that writes the record, if it is in progress.
     pub door: Option<FlightDoor>,
     /// Further records that the page can show.
     pub others: Vec<PathBuf>,
@@ -117,7 +117,7 @@ pub fn serve(
     .map_err(|error| CliError::failure(error.to_string()))
 }
 
-/// Asks the desktop for its browser; where there is none the printed address is enough.
+/// Requests the desktop to open its browser; without one the printed address suffices.
 fn open_browser(url: &str) {
     let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
     let started = std::process::Command::new(program)

@@ -1,4 +1,4 @@
-//! `apex solver`: a planner as a program that Apex asks over standard input and output.
+//! `apex solver`: runs a planner as a solver program, over standard input and output.
 
 use crate::error::{CliError, CliResult};
 use crate::options::SolverOptions;
@@ -10,7 +10,7 @@ use std::io::{self, BufReader};
 use std::os::fd::AsFd;
 use std::sync::Arc;
 
-/// Answers the one request that comes on standard input.
+/// Answers the single request on standard input.
 pub fn run(options: &SolverOptions, planners: &Arc<Registry>) -> CliResult {
     let name = &options.name;
     let Some(solver) = planners.find(name).cloned() else {
@@ -21,7 +21,7 @@ pub fn run(options: &SolverOptions, planners: &Arc<Registry>) -> CliResult {
     };
     let failed = |error: io::Error| CliError::failure(format!("the solver `{name}` cannot be served")).because(error);
     let mut output = own_output().map_err(failed)?;
-    // Recursive planners go deeper than the main thread.
+    // Recursive planners need a larger stack than the main thread has.
     let work = move || serve(&*solver, BufReader::new(io::stdin()), &mut output);
     let thread = std::thread::Builder::new().name("solver".into()).stack_size(SOLVER_STACK_BYTES).spawn(work);
     let served = thread.map_err(failed)?.join();
@@ -33,7 +33,7 @@ pub fn run(options: &SolverOptions, planners: &Arc<Registry>) -> CliResult {
     })
 }
 
-/// Returns the standard output for the protocol alone: what the planner prints goes to standard error from now on.
+/// Returns the standard output for the protocol alone: other output of the planner goes to standard error from now on.
 fn own_output() -> io::Result<File> {
     let output = io::stdout().as_fd().try_clone_to_owned()?;
     rustix::stdio::dup2_stdout(io::stderr().as_fd())?;

@@ -1,4 +1,4 @@
-//! `apex trace`: what happened in a flight, filtered.
+//! `apex trace`: prints the filtered events and decisions of a flight.
 
 use crate::error::{CliError, CliResult};
 use crate::options::TraceOptions;
@@ -48,7 +48,7 @@ pub fn run(options: &TraceOptions) -> CliResult {
     }
 }
 
-/// Notices whether anything is written at all.
+/// A writer that records whether anything was written.
 struct Noticed {
     out: output::Listened,
     written: Rc<Cell<bool>>,

@@ -1,4 +1,4 @@
-//! `apex vehicle`: checks vehicle files and prints the figures that follow from them.
+//! `apex vehicle`: checks vehicle files and prints derived figures.
 
 use crate::error::CliResult;
 use crate::options::VehicleOptions;
@@ -6,7 +6,7 @@ use crate::output;
 use apex_mission::vehicle;
 use apex_vehicle::SHIPPED;
 
-/// Prints each vehicle; without any, the list of those that ship.
+/// Prints each vehicle; without names, the list of the shipped ones.
 pub fn run(options: &VehicleOptions) -> CliResult {
     if options.vehicles.is_empty() {
         for shipped in SHIPPED {

@@ -1,4 +1,4 @@
-//! `apex verify`: checks that a record is as it was written, and that its flight was never where its mission forbids it to be.
+//! `apex verify`: checks that a record is unchanged, and that the flight never was at a forbidden position.
 
 use crate::error::{CliError, CliResult};
 use crate::options::VerifyOptions;
@@ -77,7 +77,7 @@ fn signature_of(reader: &RecordReader, options: &VerifyOptions) -> CliResult<Opt
 
 fn integrity_of(path: &Path) -> CliResult<Integrity> {
     if !path.is_file() {
-        // It names what the path holds instead.
+        // The error names the kind of file at the path.
         recording::open(path)?;
     }
     Ok(check_integrity(path).map_err(apex_mission::recording::read)?)

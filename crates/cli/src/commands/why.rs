@@ -1,4 +1,4 @@
-//! `apex why`: why a task started, waits, was interrupted or ended; which task holds a resource, why a command was sent.
+//! `apex why`: explains why a task started, waits, was interrupted or ended, which task holds a resource, or why a command was sent.
 
 use crate::error::{CliError, CliResult};
 use crate::options::{ExplanationOptions, WhyOptions};
@@ -9,7 +9,7 @@ use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Question};
 use serde::Serialize;
 
-/// Explains one thing at one instant.
+/// Explains one task, resource or command at one instant.
 pub fn run(options: &WhyOptions) -> CliResult {
     if options.task.trim().is_empty() {
         return Err(CliError::user("the task to explain has no name")

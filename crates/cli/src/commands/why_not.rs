@@ -1,4 +1,4 @@
-//! `apex why-not`: why something was not created, started, resumed, chosen, granted, visited.
+//! `apex why-not`: explains why something was not created, started, resumed, chosen, granted or visited.
 
 use super::why;
 use crate::error::{CliError, CliResult};

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A program that greets, waits for `(go)` and greets again.
+/// A program that sends a greeting, waits for `(go)` and sends another one.
 pub const GREETINGS: &str = r#"(procedure
   (index (do-domain))
   (step a (greet world))
@@ -34,7 +34,7 @@ pub struct Desk {
 /// Output of a command.
 #[derive(Debug)]
 pub struct Said {
-    /// The exit code; none when a signal ended it.
+    /// The exit code; `None` if a signal ended the command.
     pub code: Option<i32>,
     /// Standard output.
     pub out: String,
@@ -48,7 +48,7 @@ impl Desk {
         Desk { folder: TempDir::new().unwrap() }
     }
 
-    /// A folder with `greetings.pdl` and `go.jsonl`.
+    /// Returns a folder with `greetings.pdl` and `go.jsonl`.
     pub fn with_greetings() -> Desk {
         let desk = Desk::new();
         desk.write("greetings.pdl", GREETINGS);
@@ -114,7 +114,7 @@ impl Desk {
         Said::of(self.command(arguments).output().unwrap())
     }
 
-    /// Runs the command with something on standard input.
+    /// Runs the command with `input` on standard input.
     pub fn apex_hearing(&self, arguments: &[&str], input: &str) -> Said {
         let mut command = self.command(arguments);
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -158,7 +158,7 @@ impl Said {
         self
     }
 
-    /// It ended with `code`, did not panic, and said each of `phrases` on standard error.
+    /// Checks that the command ended with `code`, did not panic, and printed each of `phrases` to standard error.
     #[track_caller]
     pub fn complained(self, code: i32, phrases: &[&str]) -> Said {
         assert_eq!(self.code, Some(code), "{}\n{}", self.out, self.err);
@@ -169,7 +169,7 @@ impl Said {
         self
     }
 
-    /// It did not panic, and said each of `phrases` on standard error, whatever its exit code.
+    /// Checks that the command did not panic and printed each of `phrases` to standard error, whatever its exit code.
     #[track_caller]
     pub fn complained_of(self, phrases: &[&str]) -> Said {
         let code = self.code.expect("no signal ended it");

@@ -1,19 +1,19 @@
-//! Failures that other failures hide, and pairs of failures that look like a third one.
+//! Failures hidden by other failures, and pairs of failures that look like a third one.
 
 use crate::bits::Bits;
 use crate::limits::MASKS_MAX;
 use std::collections::BTreeMap;
 
-/// Two failures whose failed tests together are those of a third one.
+/// Two failures that together fail exactly the tests of a third one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mask {
     /// The two failure modes.
     pub pair: (usize, usize),
-    /// The failure mode that they look like.
+    /// The failure mode that the two look like.
     pub looks_like: usize,
 }
 
-/// Pairs of detected failure modes of which the first makes all tests fail that the second does; of equal ones, the pair in order.
+/// Pairs of detected failure modes where the first fails every test that the second fails. Two equal modes give one pair, in order.
 pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
     let row = |mode: &usize| rows.get(*mode);
     let mut pairs = Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Pairs of which neither hides the other and that together look like a third failure mode: the first of them, and their number.
+/// Pairs where neither mode hides the other and the two together look like a third mode: the first such pairs, and the number of all.
 pub(super) fn masks(rows: &[Bits], detected: &[usize]) -> (Vec<Mask>, usize) {
     let mut by_row: BTreeMap<&Bits, Vec<usize>> = BTreeMap::new();
     for mode in detected {

@@ -1,4 +1,5 @@
-//! A smallest set of tests that detects and isolates what all tests do: a hitting set of the tests that tell two failure modes apart.
+//! A smallest set of tests that detects and isolates as much as all tests: a hitting set of the tests that distinguish pairs of failure
+//! modes.
 //!
 //! Bound: [`TEST_SET_NODES_MAX`] partial sets; greedy beyond [`TEST_SET_PAIRS_MAX`] pairs.
 
@@ -12,7 +13,7 @@ use std::collections::BTreeSet;
 pub struct TestSet {
     /// The tests by index.
     pub tests: Vec<usize>,
-    /// No smaller set has the same detection and isolation. False where a limit ended the search.
+    /// True if no smaller set has the same detection and isolation; false if a limit ended the search.
     pub is_smallest: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Explanation of the health of a component by the tests that show it.
+//! Explanation of a component's health by the tests that give evidence for it.
 
 use super::{mode_names, test_names};
 use crate::bits::Bits;
@@ -28,10 +28,10 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
     Some(text)
 }
 
-/// Returns the facts of [`explain`] as JSON: `component`, `title`, `health`, and of each failure mode its `name` and `health`, the
-/// passed tests that clear it (`cleared_by`), the `failed` tests that accuse it with what else could be the reason (`open`)
-/// and what cannot (`cleared`), the tests `not_run` that could tell, and its `candidates` (`count`, `of`, `share`; null if it
-/// is in none). `text` is the explanation as text. `None` if the model has no such component.
+/// Returns the facts of [`explain`] as JSON: `component`, `title`, `health`, and for each failure mode: its `name` and `health`; the
+/// passed tests that clear it (`cleared_by`); the `failed` tests that give evidence against it, with the other possible causes (`open`)
+/// and the excluded ones (`cleared`); the tests `not_run` that would give evidence; and its `candidates` (`count`, `of`, `share`; null if
+/// it is in none). `text` is the explanation as text. `None` if the model has no such component.
 pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
     let text = explain(diagnoser, component)?;
     let model = diagnoser.model();
@@ -98,7 +98,7 @@ impl Reasons<'_> {
         })
     }
 
-    /// Returns true if the test depends on it.
+    /// Returns true if the test depends on this failure mode.
     fn concerns(&self, test: usize) -> bool {
         let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
         implicants.iter().any(|implicant| implicant.contains(self.mode))
@@ -119,7 +119,7 @@ impl Reasons<'_> {
         test_names(self.diagnoser.model(), tests.into_iter())
     }
 
-    /// Returns the failed tests that accuse it, each with the tests that clear everything else that could have made it fail.
+    /// Returns the failed tests that give evidence against the mode, each with the tests that clear every other possible cause.
     fn accused(&self, health: Health) -> String {
         let model = self.diagnoser.model();
         let diagnosis = self.diagnoser.diagnosis();
@@ -164,7 +164,7 @@ impl Reasons<'_> {
         format!("{head}{text}")
     }
 
-    /// Returns the passed tests that clear one of these failure modes each: of each, the first.
+    /// Returns passed tests that clear these failure modes: for each mode, the first such test.
     fn tests_that_clear(&self, modes: &[usize]) -> Bits {
         let first = |mode: &usize| {
             let one = Reasons { diagnoser: self.diagnoser, mode: *mode };

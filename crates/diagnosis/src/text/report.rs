@@ -11,7 +11,7 @@ use std::fmt::Write;
 const COLUMNS_MAX: usize = 80;
 
 impl Testability {
-    /// Returns the report as text, one figure a line.
+    /// Returns the report as text, with one figure on each line.
     pub fn text(&self, model: &Model) -> String {
         let mut text = format!(
             "{}: {} components, {} failure modes, {} tests\n\n",

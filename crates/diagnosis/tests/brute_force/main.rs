@@ -1,5 +1,5 @@
-//! A second witness: small random models, diagnosed by trying all fault sets. It reads the model's JSON itself, follows the needs of
-//! each test for each fault set, and shares no code with the crate.
+//! An independent check: small random models, diagnosed by trying all fault sets. It reads the model's JSON separately, follows the needs
+//! of each test for each fault set, and shares no code with the crate.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -22,7 +22,7 @@ fn outcome(said: Said) -> Outcome {
     SAID.iter().find(|(known, _)| *known == said).map(|(_, outcome)| *outcome).unwrap()
 }
 
-/// Returns a model with results that some fault set explains, or any at all.
+/// Returns a model with results: either results that some fault set explains, or arbitrary ones.
 fn case(bytes: Vec<u8>) -> (Arc<Model>, Witness, Vec<Said>) {
     let mut choices = Choices::new(bytes);
     let text = random_model(&mut choices);
@@ -56,7 +56,7 @@ proptest! {
     fn diagnoses_equal_those_of_all_fault_sets(bytes in prop::collection::vec(any::<u8>(), 160)) {
         let (model, witness, said) = case(bytes);
         let mut diagnoser = Diagnoser::new(Arc::clone(&model));
-        // One at a time: what is kept of earlier diagnoses must not matter.
+        // Outcomes are set one at a time, because state kept from earlier diagnoses must not influence later ones.
         for (test, said) in said.iter().enumerate() {
             diagnoser.set(test, outcome(*said));
         }

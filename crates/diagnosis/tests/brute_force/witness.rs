@@ -1,4 +1,4 @@
-//! Random models and their diagnosis by trying all fault sets, from the JSON text alone.
+//! Random models, diagnosed by trying all fault sets, from the JSON text alone.
 
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ pub(crate) enum Said {
     Both,
 }
 
-/// Small numbers from bytes, so that fewer bytes make simpler cases.
+/// Makes small numbers from bytes; fewer bytes give simpler cases.
 pub(crate) struct Choices {
     bytes: std::vec::IntoIter<u8>,
 }
@@ -66,7 +66,7 @@ pub(crate) fn random_model(choices: &mut Choices) -> String {
             return plain;
         }
         modes_left -= 2;
-        // The general mode keeps every need served; the other one affects what names the component.
+        // The general mode ensures that every need has a failure mode; the other mode affects only users that name the component.
         let users = signal_needs.iter().enumerate().map(|(user, needs)| (format!("s{user}"), needs));
         let users = users.chain(test_needs.iter().enumerate().map(|(user, needs)| (format!("t{user}"), needs)));
         let naming =
@@ -91,7 +91,7 @@ pub(crate) fn random_model(choices: &mut Choices) -> String {
         .to_string()
 }
 
-/// A failure mode as the text states it.
+/// A failure mode as read from the text.
 pub(crate) struct Mode {
     component: String,
     affects: Option<Vec<String>>,
@@ -99,7 +99,7 @@ pub(crate) struct Mode {
     pub(crate) probability: f64,
 }
 
-/// A model as the text states it.
+/// A model as read from the text.
 pub(crate) struct Witness {
     pub(crate) modes: Vec<Mode>,
     components: Vec<String>,
@@ -161,7 +161,7 @@ impl Witness {
         })
     }
 
-    /// Faults without those that come and go: they may have been absent when a test passed.
+    /// Faults without the intermittent ones, which may have been absent when a test passed.
     fn lasting(&self, present: Faults) -> Faults {
         let comes_and_goes = self.modes.iter().enumerate().filter(|(_, mode)| mode.is_intermittent);
         comes_and_goes.fold(present, |present, (index, _)| present & !(1 << index))
@@ -175,7 +175,7 @@ impl Witness {
         })
     }
 
-    /// Minimal sets among all that explain what was said.
+    /// Minimal sets among all fault sets that explain the outcomes.
     pub(crate) fn candidates(&self, said: &[Said]) -> BTreeSet<Faults> {
         let all: Vec<Faults> = (0..1 << self.modes.len()).filter(|present| self.explains(*present, said)).collect();
         let is_minimal = |set: &Faults| !all.iter().any(|other| other != set && other & set == *other);

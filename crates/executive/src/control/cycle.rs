@@ -1,5 +1,5 @@
 //! Work of an instant (TC)
-//! What: holds one instant being worked through: the agent, the instant, what is to be done next, what has been decided.
+//! What: holds the state of one instant while it is processed: the agent, the instant, the pending work, the decisions so far.
 //! Runs: with every phase of a step.
 //! Reads: Agent, Library.
 //! Writes: lists of work, Decision. The lists are empty before and after every instant, so they do not belong to the agent.
@@ -33,7 +33,7 @@ use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// The working value of one call of `step`.
+/// Working state of one call of `step`.
 pub(crate) struct Cycle<'a> {
     /// The agent.
     pub(crate) agent: &'a mut Agent,
@@ -51,26 +51,27 @@ pub(crate) struct Cycle<'a> {
     pub(crate) work: Work,
 }
 
-/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator keeps free.
+/// Capacity reserved for the effects of a small step, so that the list does not grow in pieces; small enough for an allocator's free
+/// lists.
 const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
 
 /// Tasks to be checked: mostly a few.
 pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
 
-/// Pending work at this instant, by phase. Most instants affect few tasks, so that the lists are short.
+/// Pending work at this instant, by phase. Most instants affect few tasks, so the lists are short.
 #[derive(Default)]
 pub(crate) struct Work {
-    /// Record: what the agent said to itself.
+    /// Record: messages and samples of the agent to itself.
     pub(crate) said: Vec<SelfMessage>,
-    /// Notice: what was recorded.
+    /// Notice: recorded samples and messages.
     pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
     /// Notice: monitors to be judged.
     pub(crate) touched: MonitorIds,
     /// Enable: clauses that came true.
     pub(crate) firings: SmallVec<[Firing; 1]>,
-    /// Enable: evidence for tasks about to be enabled.
+    /// Enable: evidence for tasks that are about to be enabled.
     pub(crate) evidence: SmallVec<[(TaskId, EvidenceList); 1]>,
-    /// Enable: what freed a pending task last, where it was neither its waitfor nor the end of the step before it.
+    /// Enable: the last cause that freed a pending task, other than its waitfor and the end of the preceding step.
     pub(crate) freed: BTreeMap<TaskId, Cause>,
     /// Enable: pending tasks that may be free now.
     pub(crate) ready: TaskList,
@@ -78,7 +79,7 @@ pub(crate) struct Work {
     pub(crate) enabled: TaskList,
     /// Contend: enabled and interrupted tasks that claim to continue.
     pub(crate) claims: TaskList,
-    /// Contend: why suspended tasks continue, unless they have to wait for resources.
+    /// Contend: causes for which suspended tasks continue, unless they must wait for resources.
     pub(crate) resumed: BTreeMap<TaskId, Because>,
     /// At rest: claims that were refused, which may have closed a circle of waits.
     pub(crate) refused: TaskList,
@@ -90,34 +91,34 @@ pub(crate) struct Work {
     pub(crate) inheritance_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,
-    /// Act, a round later: resumed tasks that may rather start over.
+    /// Act, a round later: resumed tasks that may start over instead.
     pub(crate) resuming: BTreeSet<TaskId>,
-    /// At rest: probings that begin or end a probe when nothing else is left to do at this instant.
+    /// At rest: probings that begin or end a probe when no other work remains at this instant.
     pub(crate) probings: SmallVec<[ProbingId; 1]>,
-    /// Notice: states of tasks changed while there are invariants that read them.
+    /// Notice: true if states of tasks changed that invariants read.
     pub(crate) states_changed: bool,
     /// Enable: tasks whose invariants may no longer hold.
     pub(crate) doubtful: BTreeSet<TaskId>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
-    /// Tasks that asked for more memory than there is, with the place that asked.
+    /// Tasks that exceeded the memory budget, with the place of the binding.
     pub(crate) over_budget: SmallVec<[(TaskId, Place); 1]>,
-    /// Change of the number of living tasks in the round.
+    /// Changes to the number of living tasks in this round.
     pub(crate) balance: Balance,
 }
 
-/// Ends and beginnings of a round.
+/// Ends and beginnings of tasks in a round.
 #[derive(Default)]
 pub(crate) struct Balance {
-    /// Tasks ended.
+    /// True if tasks ended.
     pub(crate) ends: bool,
-    /// A task was repeated or restarted.
+    /// True if a task was repeated or restarted.
     pub(crate) again: bool,
-    /// The next task's number as the round began.
+    /// The number of the next task when the round began.
     next_task: u64,
 }
 
-/// Something the agent said to itself.
+/// A message or sample that the agent sends to itself.
 pub(crate) enum SelfMessage {
     /// A message.
     Occurrence(Value),
@@ -144,19 +145,19 @@ pub(crate) struct Firing {
 }
 
 impl Work {
-    /// Returns true if tasks ended in the finished round and none was created or began again: then the number of such rounds is limited by
-    /// the number of tasks. Begins the next round.
+    /// Returns true if tasks ended in the finished round and none was created, repeated or restarted: the number of such rounds is
+    /// limited by the number of tasks. Begins the next round.
     pub(crate) fn made_progress(&mut self, next_task: u64) -> bool {
         let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
         self.balance.next_task = next_task;
         ends && !again && before == next_task
     }
 
-    /// Leaves nothing over for the next instant: lists of work are empty unless the agent has finished.
+    /// Clears the remaining work, so that the lists are empty at the next instant.
     pub(crate) fn end_instant(&mut self) {
         if self.is_done() {
             self.evidence.clear();
-            // Emptying a tree that is empty is not free, and this is done at every instant.
+            // Clearing an empty tree has a cost, and this function runs at every instant.
             if !self.freed.is_empty() || !self.resumed.is_empty() || !self.resuming.is_empty() {
                 self.freed.clear();
                 self.resumed.clear();
@@ -167,17 +168,17 @@ impl Work {
         }
     }
 
-    /// Returns true when nothing is left to do at this instant.
+    /// Returns true if no work remains at this instant.
     pub(crate) fn is_done(&self) -> bool {
         self.stimuli.is_empty() && self.has_only_stimuli()
     }
 
-    /// Returns true when nothing is left to do but to begin and end probes.
+    /// Returns true if the only remaining work is to begin and end probes.
     pub(crate) fn has_only_probings(&self) -> bool {
         self.stimuli.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
 
-    /// Returns true when nothing is left to do but to notice what was recorded.
+    /// Returns true if the only remaining work is to notice what was recorded.
     pub(crate) fn has_only_stimuli(&self) -> bool {
         self.probings.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
@@ -199,7 +200,7 @@ impl Work {
     }
 }
 
-/// Returns a list of tasks in order of creation, each once: the order in which steps are written.
+/// Takes the tasks out of `list` in order of creation, each once: the order in which steps are written.
 pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
     if list.is_empty() {
         return TaskList::new();
@@ -234,13 +235,13 @@ impl<'a> Cycle<'a> {
         self.effects.push(Effect::Decided(Decision { task, kind, because }));
     }
 
-    /// Reports a fault by name.
+    /// Reports an error by its message.
     pub(crate) fn trouble(&mut self, task: Option<TaskId>, message: String, place: Option<Place>) {
         let because = Because::new(Cause::ExpressionFailed { message: message.clone() }, place);
         self.decide(task, DecisionKind::Trouble { message }, because);
     }
 
-    /// Reports a fault that no expression caused.
+    /// Reports an error with its cause, if no expression caused it.
     pub(crate) fn trouble_of(&mut self, task: Option<TaskId>, cause: Cause, place: Option<Place>) {
         let message = cause.text();
         self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));
@@ -267,7 +268,7 @@ impl<'a> Cycle<'a> {
         self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
     }
 
-    /// Returns the step that `id` was made from, with whatever holds it.
+    /// Returns the step that `id` was made from, in a handle that keeps its procedure alive.
     pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle<'a>> {
         let step = self.task(id)?.step()?;
         let index = step.step as usize;

@@ -21,7 +21,7 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// Matches an index; it sees no variables but its own.
+/// Matches an index against a goal; the index sees only its own variables.
 pub(crate) fn match_index(
     cycle: &Cycle<'_>,
     id: TaskId,
@@ -30,15 +30,15 @@ pub(crate) fn match_index(
     bindings: &mut Bindings,
     place: Place,
 ) -> Result<bool, EvaluationError> {
-    // A task without selection has no inner variables, so the index begins with nothing bound.
+    // A task without a selection has no inner variables, so no variable of the index is bound yet.
     match_pattern(pattern.get(), goal, bindings, &cycle.view(id, Level::Procedure), place)
 }
 
-/// A pattern held by its definition.
+/// The pattern of an index, with its owner.
 pub(crate) enum IndexPattern<'a> {
     /// A stored procedure's.
     Stored(&'a Procedure),
-    /// A generated procedure's, which is kept alive.
+    /// Index of a generated procedure, which this value keeps alive.
     Generated(Arc<Procedure>),
     /// A primitive's.
     Primitive(&'a Primitive),
@@ -58,7 +58,7 @@ impl IndexPattern<'_> {
     }
 }
 
-/// Returns the index of a candidate and where it stands.
+/// Returns the index of a candidate and its place in PDL.
 pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: IndexCandidate) -> Option<(IndexPattern<'a>, Place)> {
     let library = cycle.library;
     match candidate {

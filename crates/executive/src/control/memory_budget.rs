@@ -1,7 +1,7 @@
 //! Memory budget (TC)
-//! What: counts the bytes of tasks, monitors, decisions of the instant, bound values and histories, and refuses what goes beyond.
+//! What: counts the bytes of tasks, monitors, decisions of the instant, bound values and histories, and rejects what exceeds the budget.
 //! Runs: when a task is made or a variable bound.  Reads: Task, Watch, bindings, histories.  Writes: MemoryCount, Decision.
-//! Bound: O(1); O(everything) after each thirty-second of the budget that large values took.  PDL: `:limits (:memory-mebibytes N)`.
+//! Bound: O(1); O(everything) after large values took another thirty-second of the budget.  PDL: `:limits (:memory-mebibytes N)`.
 //! Paper: none.
 
 use crate::control::cycle::Cycle;
@@ -21,11 +21,11 @@ use apex_model::value::Value;
 const TASK_BYTES: u64 = 640;
 /// Bytes of a monitor with its parts and interests.
 const WATCH_BYTES: u64 = 400;
-/// Bytes of a decision of the instant with the values in it, until the runtime has taken it.
+/// Bytes of a decision with its values, until the runtime has taken it.
 const EFFECT_BYTES: u64 = size_of::<Effect>() as u64 + 150;
 /// Decisions about a new task within its first instant: created, enabled, selected, ongoing, ended.
 const DECISIONS_OF_A_NEW_TASK: u64 = 5;
-/// Values of fewer bytes belong to their task.
+/// Values of fewer bytes are counted as part of their task.
 const LARGE_VALUE_BYTES: u64 = 4_096;
 /// Everything is counted again when large values have taken this part of the budget since the last count.
 const RECOUNT_PART: u64 = 32;
@@ -34,10 +34,10 @@ fn budget(agent: &Agent) -> u64 {
     agent.limits.of(Limit::MemoryMebibytes) << 20
 }
 
-/// Returns the bytes of everything that is counted by number.
+/// Returns the bytes of everything that is counted by number: tasks, monitors and decisions.
 fn numbered(cycle: &Cycle<'_>) -> u64 {
     let agent = &*cycle.agent;
-    // What is made is also decided about: refusing the decisions later would be too late.
+    // The decisions about a new task count when it is made: rejecting them later would be too late.
     let made = agent.next.task.saturating_sub(cycle.first_task) * DECISIONS_OF_A_NEW_TASK;
     let effects = made.max(cycle.effects.len() as u64);
     agent.tasks.len() as u64 * TASK_BYTES + agent.watches.len() as u64 * WATCH_BYTES + effects * EFFECT_BYTES
@@ -82,7 +82,7 @@ pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Pla
     }
 }
 
-/// Returns bytes of large values and samples, each holder of a value counted.
+/// Returns the bytes of large values and samples; a value counts once for each holder.
 fn count(agent: &Agent) -> u64 {
     let values: u64 = agent
         .tasks
@@ -113,7 +113,7 @@ fn bindings_bytes(bindings: &Bindings) -> u64 {
     bindings.iter().map(|(_, value)| value_bytes(value)).filter(|bytes| *bytes >= LARGE_VALUE_BYTES).sum()
 }
 
-/// Returns bytes of a value with all that is in it; 0 for what has its space in its holder.
+/// Returns the bytes of a value with everything in it; 0 for a value stored inside its holder.
 fn value_bytes(value: &Value) -> u64 {
     match value {
         Value::Text(text) => text.len() as u64,

@@ -1,6 +1,6 @@
 //! Task control services: deciding and enacting behaviour (paper, section IV). One file per service.
 //!
-//! `tasks/` holds the life of a task, `conflicts/` who gets a resource. The files next to them serve both, and the phases.
+//! `tasks/` holds the life cycle of a task, `conflicts/` the arbitration of resources. The files next to them serve both, and the phases.
 
 pub(crate) mod conflicts;
 pub(crate) mod cycle;

@@ -1,5 +1,5 @@
 //! Task state transition control (TC)
-//! What: the one table of states and causes, and the one place where a task's state changes.
+//! What: holds the only table of states and causes, and the only function that changes a task's state.
 //! Runs: whenever another service moves a task.  Reads: Task.  Writes: Task state, Decision, stimuli for monitors.
 //! Bound: O(1) per transition, O(log n) in the number of watched tasks.  PDL: section 9.  Paper: section III.
 
@@ -26,11 +26,11 @@ pub(crate) enum Trigger {
     Restarted,
     /// Its step repeats.
     Repeated,
-    /// It completes, fails, or is cut.
+    /// It completes, fails or is cut.
     Ended,
 }
 
-/// A pair of state and trigger that never happens: a bug of Apex when it does.
+/// A pair of state and trigger that never occurs: a bug of Apex if it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Illegal;
 
@@ -73,7 +73,7 @@ pub(crate) fn successor(state: TaskState, trigger: Trigger) -> Result<TaskState,
     }
 }
 
-/// Moves `id` by `trigger` because of `because`. False when the task is gone or the pair is illegal.
+/// Changes the state of `id` by `trigger`, with `because` as cause. Returns false if the task does not exist or the pair is illegal.
 pub(crate) fn transition(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -116,7 +116,7 @@ pub(crate) fn transition(
     if !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
         cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now, before });
-        // Whether this is the end of a step that repeats is known when its parent has reacted.
+        // For a step that repeats, only the reaction of its parent decides whether this is its final end.
         if to == TaskState::Terminated && !may_repeat {
             let outcome = states;
             cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, outcome, at: now, before });

@@ -1,5 +1,5 @@
 //! New procedure generation (DM)
-//! What: turns a solver's plan into a procedure of the agent's own library, and pursues it where its goal waits.
+//! What: turns a solver's plan into a procedure of the agent's library, and lets the task that waits for its goal pursue it.
 //! Runs: record phase, when a solver reports.  Reads: PlannedProcedure.  Writes: generated procedures, Decision.
 //! Bound: O(steps of the plan).  PDL: section 3, `:sequential`.  Paper: section V, translation of plans.
 
@@ -104,7 +104,7 @@ pub(crate) fn pursue_arrived(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Adds the plan to the agent's own library; it takes the place of an older plan for the same goal.
+/// Adds the plan to the library of the agent; it replaces an older plan for the same goal.
 fn add(cycle: &mut Cycle<'_>, goal: &Value, plan: &PlannedProcedure) -> ProcedureRef {
     let number = cycle.agent.next.generated;
     cycle.agent.next.generated += 1;

@@ -1,5 +1,5 @@
 //! Planner invocation (DM)
-//! What: asks a solver for a procedure, and keeps a safe goal going while the plan is late.
+//! What: requests a procedure from a solver, and pursues a safe goal while the plan is late.
 //! Runs: act phase.  Reads: SolverDeclaration.  Writes: PlanningController, Effect::Solve.
 //! Bound: O(1); the solver itself runs outside.  PDL: `solver`, `(plan GOAL ..)`.  Paper: sections III and V, planner invocation.
 
@@ -113,7 +113,7 @@ fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
     };
     let child = match instantiation::create(cycle, seed) {
         Ok(child) => child,
-        // The plan is awaited all the same.
+        // The task still waits for the plan.
         Err(cause) => {
             let place = cycle.place_of(id);
             return cycle.trouble_of(Some(id), cause, place);

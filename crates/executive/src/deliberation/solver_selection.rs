@@ -1,5 +1,5 @@
 //! Solver selection (DM)
-//! What: finds the solver declaration that serves a goal which no procedure or primitive serves.
+//! What: finds the solver declaration that serves a goal for which no procedure or primitive exists.
 //! Runs: choose phase.  Reads: Library.  Writes: faults of guards.
 //! Bound: one pattern match per declaration that shares the goal's first word.
 //! PDL: `(solver NAME (index ..))`.  Paper: section V, solver selection.

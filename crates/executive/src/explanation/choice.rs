@@ -1,4 +1,4 @@
-//! Choices: which methods a goal has now, best first, and why each other one is not taken.
+//! Choice of a method: the methods that a goal has now, best first, and the reason for which each other one is not taken.
 
 use crate::expression::view::View;
 use crate::monitoring::mismatch::first_mismatch;
@@ -81,7 +81,7 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[IndexCandidate]) -> Vec<Met
     options
 }
 
-/// Returns the reason for which `other`, which is as specific, comes after `first`.
+/// Returns the reason for which `other`, which is equally specific, comes after `first`.
 fn as_specific(first: IndexCandidate, other: IndexCandidate) -> &'static str {
     match (first, other) {
         (IndexCandidate::Generated(_), IndexCandidate::Procedure(_) | IndexCandidate::Primitive(_)) => {

@@ -1,6 +1,6 @@
-//! Explanations: what a task is and what it waits for, read from the agent as it is now.
+//! Explanations: the description of a task and of what it waits for, read from the present state of the agent.
 //!
-//! Nothing here changes an agent. The words are the ones that `apex why`, Sherpa and Python show.
+//! No function here changes an agent. `apex why`, Sherpa and Python show these texts.
 
 mod choice;
 mod reasons;

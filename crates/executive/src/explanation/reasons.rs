@@ -1,4 +1,4 @@
-//! Reasons for which a task waits, part by part.
+//! Reasons for which a task waits.
 
 use crate::control::conflicts::competition::in_order;
 use crate::control::conflicts::deadlock;
@@ -36,7 +36,7 @@ pub enum ReasonKind {
     Time,
     /// A resource is in other hands.
     Resource,
-    /// It, or an ancestor, is suspended, or its parent does not work.
+    /// The task or an ancestor is suspended, or the parent is not ongoing.
     Suspended,
     /// A command has no answer.
     Command,
@@ -44,7 +44,7 @@ pub enum ReasonKind {
     Plan,
     /// The operator has not answered.
     Operator,
-    /// It and other tasks wait for each other's resources.
+    /// The task and other tasks wait for each other's resources.
     Circle,
     /// Subtasks have not ended.
     Subtasks,
@@ -52,7 +52,7 @@ pub enum ReasonKind {
     Ended,
 }
 
-/// One thing that a task waits for.
+/// One reason for which a task waits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reason {
     /// Kind.
@@ -63,11 +63,11 @@ pub struct Reason {
     pub now: Option<String>,
     /// Since when that is so.
     pub since: Option<Time>,
-    /// Instant at which it comes true by time alone, if nothing changes before.
+    /// Instant at which the wait for it ends by time alone, if nothing changes before.
     pub until: Option<Time>,
     /// Distance of the newest sample from the threshold.
     pub distance: Option<Value>,
-    /// The task concerned, if another one is.
+    /// The other task concerned; `None` if the reason concerns no other task.
     pub task: Option<TaskId>,
     /// Position in the PDL text.
     pub place: Option<Place>,
@@ -96,7 +96,7 @@ pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
     reasons
 }
 
-/// Returns the whole circle of tasks that wait for each other's resources, where the task is in one.
+/// Returns the circle of tasks that wait for each other's resources, if the task is part of one.
 fn circle(agent: &Agent, task: &Task) -> Option<Reason> {
     let links = deadlock::circle_at(agent, task.id)?;
     let text = "an end of the circle in which tasks wait for each other's resources".to_string();
@@ -220,7 +220,7 @@ fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
         if each.suspended {
             let text = format!("{} is suspended", name(agent, each.id));
             let task = Some(each.id);
-            // One that was suspended before it began has been in its state for longer than that.
+            // A task that was suspended before it began has been in its state for longer than it has been suspended.
             let since = Some(each.since).filter(|_| each.state == TaskState::Interrupted);
             reasons.push(Reason { since, task, ..Reason::new(ReasonKind::Suspended, text) });
             reasons.extend(unmet(agent, each, |clause| matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen)));
@@ -249,7 +249,7 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
         .collect()
 }
 
-/// Returns a resource of which there is too little until it is replenished.
+/// Returns the reason if less of a resource remains than the task needs, until the resource is replenished.
 fn lacking(agent: &Agent, task: &Task, need: &Need) -> Option<Reason> {
     let resource = agent.resources.get(need.resource).filter(|resource| resource.renewable.is_some())?;
     let amount = |number: f64| Value::measured(number, resource.dimension);
@@ -259,7 +259,7 @@ fn lacking(agent: &Agent, task: &Task, need: &Need) -> Option<Reason> {
     (need.amount > resource.total).then_some(reason)
 }
 
-/// Returns all tasks that keep the task from this resource: its holders, or the claimant it was refused to.
+/// Returns all tasks that keep the task from this resource: its holders, or the claimant that won it.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
     let (claimants, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());
@@ -272,7 +272,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let refused = task.extras.as_ref().and_then(|extras| extras.refused);
     let still_claims = |winner: &TaskId| resource.waiting.contains(*winner);
     let refused = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner).filter(still_claims);
-    // Only the claimants at the front receive each refusal; the first claimant blocks those behind it.
+    // Only the claimants at the front receive each refusal; the first claimant blocks all later ones.
     let first = claimants.iter().map(|each| each.id).find(|id| still_claims(id));
     let claimant = refused.or_else(|| first.filter(|id| *id != task.id));
     let holders = resource.holders.iter().map(|holding| holding.task);

@@ -11,16 +11,16 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
 
-/// A task as it is displayed.
+/// Description of a task for display.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskView {
     /// Its number.
     pub id: TaskId,
-    /// Task whose step it is; `None` for the root.
+    /// Task that created it; `None` for the root.
     pub parent: Option<TaskId>,
     /// Its step's tag, printed.
     pub tag: String,
-    /// Its goal, with what is known of it.
+    /// Its goal, with the known values of its variables.
     pub goal: Value,
     /// Its state.
     pub state: TaskState,
@@ -34,7 +34,7 @@ pub struct TaskView {
     pub suspended: bool,
     /// Its priority now.
     pub priority: f64,
-    /// Added to the priority when it defends its resources; none before it has a method.
+    /// Added to the priority when the task defends its resources; `None` before the task has a method.
     pub interrupt_cost: Option<f64>,
     /// Names of the resources that it holds.
     pub resources: Vec<Value>,

@@ -19,11 +19,11 @@ pub struct WatchedClause {
     pub task: TaskId,
     /// The clause's name in PDL: `waitfor`, `restart-when`.
     pub clause: &'static str,
-    /// Its condition as it stands now.
+    /// Its condition with the present state of each part.
     pub condition: ConditionNode,
 }
 
-/// Returns the conditions that living tasks watch now, in order of the tasks' creation; of `task` alone if one is given.
+/// Returns the conditions that living tasks watch now, in order of the tasks' creation; with `task`, those of that task alone.
 pub fn watched(agent: &Agent, task: Option<TaskId>) -> Vec<WatchedClause> {
     let chosen = |each: &Task| task.is_none_or(|task| task == each.id) && !each.is_terminated();
     let tasks = agent.tasks.iter().map(|(_, task)| task).filter(|each| chosen(each));
@@ -41,8 +41,8 @@ fn clauses(agent: &Agent, task: &Task) -> Vec<WatchedClause> {
     watches.map(clause).collect()
 }
 
-/// Variables of a task and their values now, without `?`: of its step, then of the procedure that it carries out.
-/// Empty for a task that is unknown.
+/// Returns the variables of a task with their present values, without `?`: those of its step, then those of the procedure that it
+/// executes. Empty for an unknown task.
 pub fn bindings(agent: &Agent, task: TaskId) -> Vec<(Symbol, Value)> {
     let Some(task) = agent.task(task) else { return Vec::new() };
     let inner: Option<&Bindings> = match task.controller.as_deref() {

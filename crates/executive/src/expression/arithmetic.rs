@@ -9,7 +9,7 @@ use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Calls the arithmetic function `name`; none when there is no such function.
+/// Calls the arithmetic function `name`; `None` if there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("+", values) => fold(values, Value::Integer(0), add),
@@ -270,7 +270,7 @@ pub(crate) fn with_unit(number: f64, unit: &'static apex_model::quantity::Unit) 
 
 fn in_unit(value: &Value, unit: &Value) -> FunctionResult {
     let unit = unit_of(unit)?;
-    // Durations are whole nanoseconds, and so are most units of time: seconds in between would not be exact.
+    // Durations are whole nanoseconds, and so are most units of time: a division in seconds would not be exact.
     let tick_s = 1e-9;
     if let (Value::Duration(span), Dimension::TIME) = (value, unit.dimension)
         && unit.factor >= tick_s
@@ -296,7 +296,7 @@ pub(super) fn pure_number(value: &Value) -> Result<f64, String> {
     }
 }
 
-/// Returns the integer that `value` is, also when it is written as a whole real.
+/// Returns the integer that `value` represents; a whole real counts.
 ///
 /// # Errors
 /// When it is neither.
@@ -308,7 +308,7 @@ pub(super) fn integer(value: &Value) -> Result<i64, String> {
     }
 }
 
-/// Returns the duration that `value` is; a plain zero is one too.
+/// Returns the duration that `value` represents; a plain zero counts.
 ///
 /// # Errors
 /// When it is neither.

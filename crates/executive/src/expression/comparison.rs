@@ -1,11 +1,11 @@
-//! Comparison of values: `=`, `<` and their kin, the greatest and the least, questions about numbers.
+//! Comparison of values: `=`, `<` and similar functions, the greatest and the least value, predicates on numbers.
 
 use super::arithmetic::{described, integer, number};
 use super::result::FunctionResult;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-/// Calls the comparing function `name`; none when there is no such function.
+/// Calls the comparing function `name`; `None` if there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("<" | "<=" | ">" | ">=", values) => chain(name, values),
@@ -33,7 +33,7 @@ fn predicate(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(truth.map(Value::truth))
 }
 
-/// Compares two values for `<` and the like; `None` if one of them is not a number.
+/// Compares two values for `<` and similar functions; `None` if one of them is not a number.
 ///
 /// # Errors
 /// When their kinds or dimensions cannot be compared.

@@ -1,4 +1,4 @@
-//! Functions that act: they occur in hooks only and become [`Action`]s.
+//! Functions with effects: they occur in hooks only and become [`Action`]s.
 
 use super::evaluator::{Evaluator, error};
 use super::result::EvalResult;
@@ -7,7 +7,7 @@ use apex_model::event::StateVariable;
 use apex_model::source::Place;
 use apex_model::value::Value;
 
-/// Calls the acting function `name`; none when there is no such function.
+/// Calls the function with effects `name`; `None` if there is no such function.
 pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<EvalResult> {
     let action = match (name, arguments) {
         ("inform", [form]) => Ok(Action::Inform(form.clone(), None)),
@@ -37,7 +37,7 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
     })
 }
 
-/// Notes `action`; its value is nil, or what was completed, printed or published.
+/// Records `action`; returns nil, or the value that was completed, printed or published.
 pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, place: Place) -> EvalResult {
     let Some(hook) = &mut evaluator.hook else {
         return Err(error(

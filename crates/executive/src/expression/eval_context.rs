@@ -1,4 +1,4 @@
-//! Evaluation context: all that an expression can read, namely variables of the task, time, tasks, histories, library.
+//! Evaluation context: everything that an expression can read, namely variables of the task, time, tasks, histories, library.
 
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
@@ -11,7 +11,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// The view that a task has of its agent. Task control implements it; tests implement it small.
+/// The data of its agent that a task can read. Task control implements it; tests implement a small version.
 pub(crate) trait EvalContext {
     /// Returns the value of the pattern variable `name` (without `?`); step tags are `Value::Task`.
     fn variable(&self, name: &Symbol) -> Option<Value>;
@@ -32,7 +32,7 @@ pub(crate) trait EvalContext {
     fn task_end(&self, task: TaskId) -> Option<Time>;
     /// Returns the task's state; `None` for a task that is not known.
     fn task_state(&self, task: TaskId) -> Option<TaskState>;
-    /// Returns the words of the outcome of a task that has ended, for good as far as is known; none while it lives.
+    /// Returns the words of the outcome of a task that has ended and is not known to be repeated; `None` while it lives.
     fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
         let _ = task;
         None

@@ -19,7 +19,7 @@ use smallvec::SmallVec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// One evaluation: what it sees, its local variables, and what it has used of its limits.
+/// One evaluation: its context, its local variables, and the used part of its limits.
 pub(super) struct Evaluator<'a> {
     pub(super) context: &'a dyn EvalContext,
     /// Local variables, innermost last.
@@ -28,7 +28,7 @@ pub(super) struct Evaluator<'a> {
     frame: usize,
     depth: u32,
     steps: u64,
-    /// Set inside hooks: where actions go.
+    /// Set inside hooks: receives the actions.
     pub(super) hook: Option<Hook<'a>>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Evaluator<'a> {
 pub(super) struct Hook<'a> {
     pub(super) locals: &'a mut Bindings,
     pub(super) actions: &'a mut Vec<Action>,
-    /// Task variables already assigned by this hook: later forms see them.
+    /// Task variables that this hook has assigned: later forms see the new values.
     pub(super) assigned: Bindings,
 }
 
@@ -157,8 +157,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Returns the value of `variable` published at this instant and not in its history yet: by earlier forms of this clause,
-    /// or by clauses that ran before it.
+    /// Returns the value of `variable` that was published at this instant and is not in its history yet: by earlier forms of this clause,
+    /// or by clauses that were evaluated earlier.
     fn published(&self, variable: &StateVariable) -> Option<Value> {
         let context = self.context;
         let own = self.hook.as_ref().and_then(|hook| {
@@ -283,7 +283,7 @@ impl<'a> Evaluator<'a> {
     pub(super) fn call(&mut self, function: &Symbol, arguments: &[Value], place: Place) -> EvalResult {
         let name = function.folded();
         self.charge(lists::cost(name, arguments), place)?;
-        // What acts is mostly called in hooks, and no other family has a function of the same name.
+        // Inside hooks, functions with effects are the most frequent; no other family has functions of the same names.
         if self.hook.is_some()
             && let Some(result) = effects::call(self, name, arguments, place)
         {
@@ -386,7 +386,7 @@ fn is_missing(value: &Value) -> bool {
     value.as_number().is_some_and(|(number, _)| number.is_nan())
 }
 
-/// Calls a function of the host program. One that panics has failed, and the agent lives on.
+/// Calls a function of the host program. If it panics, the call fails and the agent continues.
 fn contained(host: &HostFunction, arguments: &[Value]) -> Result<Value, String> {
     let outcome = catch_unwind(AssertUnwindSafe(|| host(arguments)));
     outcome.unwrap_or_else(|payload| {

@@ -8,7 +8,7 @@ use apex_model::source::Place;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-/// Calls the function `name` of this family; none when there is no such function.
+/// Calls the function `name` of this family; `None` if there is no such function.
 pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<EvalResult> {
     let result = match (name, arguments) {
         ("mapcar", [function, lists @ ..]) => {
@@ -44,8 +44,8 @@ fn finish(values: Vec<Value>, place: Place) -> EvalResult {
     at(bounded(values), place)
 }
 
-/// Calls `function` with the first items of all lists, then the second, up to the shortest list's end; `pick` chooses
-/// what of the results is kept, none ends early.
+/// Calls `function` with the first items of all lists, then the second ones, up to the end of the shortest list. `pick` chooses the value
+/// kept for each result; `None` ends the loop early.
 fn each(
     evaluator: &mut Evaluator<'_>,
     function: &Value,

@@ -1,6 +1,6 @@
-//! Queries of histories: the value at, before and over spans of time.
+//! Queries of histories: values at an instant, before an instant and over a span of time.
 //!
-//! A question about a time whose samples are no longer kept is an error, never a wrong answer.
+//! A query of a time whose samples are no longer kept is an error, never a wrong answer.
 
 use super::EvalContext;
 use super::arithmetic::{add, compare, described, instant};
@@ -13,8 +13,8 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-/// Calls the history query `name`; none when there is no such function.
-/// `published` knows what the agent itself has measured at this instant, which is not recorded yet.
+/// Calls the history query `name`; `None` if there is no such function. `published` returns samples that the agent has published at this
+/// instant, which are not recorded yet.
 pub(super) fn call(
     name: &str,
     arguments: &[Value],
@@ -48,7 +48,7 @@ pub(super) fn call(
     })
 }
 
-/// The functions of this file whose first argument is an attribute, for deriving how long histories must be.
+/// The functions of this file whose first argument is an attribute; retention is derived from them.
 pub(crate) const QUERIES: &[&str] =
     &["value-at", "value-before", "most-recent-svvalue", "mean-over", "min-over", "max-over", "samples-over"];
 
@@ -166,7 +166,7 @@ fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Funct
     }
 }
 
-/// Returns the mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
+/// Returns the mean, computed relative to the first value so that large offsets cost no digits. Infinite values do not count.
 fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> FunctionResult {
     let mut anchor: Option<(f64, &Value)> = None;
     let (mut sum, mut count) = (0.0, 0.0);

@@ -6,7 +6,7 @@ use apex_model::limits::LIST_ITEMS_MAX;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-/// Calls the list function `name`; none when there is no such function.
+/// Calls the list function `name`; `None` if there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("list", items) => Ok(Value::list(items.iter().cloned())),
@@ -93,7 +93,7 @@ pub(super) fn cost(name: &str, arguments: &[Value]) -> u64 {
 /// Returns the items of `value`.
 ///
 /// # Errors
-/// When it is not a list.
+/// If `value` is not a list.
 pub(super) fn items(value: &Value) -> Result<&[Value], String> {
     value.as_list().ok_or_else(|| format!("expected a list, found {value}"))
 }
@@ -140,7 +140,7 @@ fn nth(list: &Value, index: usize) -> FunctionResult {
 /// `value` as an index or count.
 ///
 /// # Errors
-/// When it is not a whole number from zero on.
+/// If `value` is not a whole number of at least zero.
 pub(super) fn index_of(value: &Value) -> Result<usize, String> {
     let integer = integer(value)?;
     usize::try_from(integer).map_err(|_| format!("expected an index from 0 on, found {integer}"))
@@ -158,7 +158,7 @@ fn part(list: &[Value], start: &Value, end: Option<&Value>) -> FunctionResult {
 /// Returns start and end of a part of a sequence with `length` elements.
 ///
 /// # Errors
-/// When they do not lie in order within it.
+/// If `start` and `end` are not in order within the list.
 pub(super) fn bounds(start: &Value, end: Option<&Value>, length: usize) -> Result<(usize, usize), String> {
     let start = index_of(start)?;
     let end = end.filter(|end| end.is_true()).map(index_of).transpose()?.unwrap_or(length);

@@ -1,7 +1,7 @@
 //! Evaluation of expressions (`pdl.md`, Forms): a small total language over values.
 //!
-//! One file per family of functions. [`evaluate`] is pure; [`run`] evaluates the forms of a hook and collects what they
-//! want done as [`Action`]s. Every evaluation is bounded by the limits of `apex_model::limits`.
+//! One file per family of functions. [`evaluate`] is pure; [`run`] evaluates the forms of a hook and collects the requested [`Action`]s.
+//! The limits of `apex_model::limits` bound every evaluation.
 
 pub(crate) mod arithmetic;
 pub(crate) mod comparison;
@@ -48,18 +48,18 @@ pub(crate) fn instantiate(template: &Template, context: &dyn EvalContext) -> Res
     Evaluator::new(context, None).template(template, templates::place_of(template))
 }
 
-/// Returns the value of `template` where a hole that has no value yet is shown as it is written (`?x`).
+/// Returns the value of `template`; a hole without a value is shown as it is written (`?x`).
 pub(crate) fn instantiate_partially(template: &Template, context: &dyn EvalContext) -> Value {
     templates::partially(template, context)
 }
 
-/// Returns `expr` with known variables replaced by their values; calls stay as they are written.
+/// Returns `expr` with known variables replaced by their values; calls remain as they are written.
 pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
     templates::as_known(expr, context)
 }
 
-/// Evaluates the forms of a hook in order; the value is the last form's. `locals` are the primitive's variables, which
-/// `setq` changes; what the forms want done is appended to `actions`. On an error the actions so far stay.
+/// Evaluates the forms of a hook in order and returns the value of the last one. `locals` are the primitive's variables, which `setq`
+/// changes. The requested actions are appended to `actions`, also those before an error.
 ///
 /// # Errors
 /// Like [`evaluate`].
@@ -86,7 +86,7 @@ pub(crate) fn printed(values: &[Value]) -> String {
     text
 }
 
-/// Returns a value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
+/// Returns a value in human-readable form: a string without its quotes. A text above the greatest length ends with `..`.
 pub(crate) fn display(value: &Value) -> String {
     if let Value::Text(text) = value {
         return text.to_string();

@@ -15,7 +15,7 @@ pub(crate) struct EvaluationError {
     pub(crate) place: Place,
 }
 
-/// Value of an evaluated form, or why it has none.
+/// Value of an evaluated form, or the error.
 pub(super) type EvalResult = Result<Value, EvaluationError>;
 
 /// Value of a built-in function for its arguments, or an error message; the evaluator adds the place of the call.
@@ -43,7 +43,7 @@ pub(crate) enum Action {
         variable: StateVariable,
         /// The value.
         value: Value,
-        /// The only router that it goes to; the author does not hear itself there.
+        /// The only router that receives it; the author does not receive it then. `None`: every router of the author.
         router: Option<Value>,
         /// Position in the PDL text.
         place: Place,
@@ -52,7 +52,7 @@ pub(crate) enum Action {
     Replenish {
         /// The resource.
         resource: Value,
-        /// Amount that is added; none fills it.
+        /// Amount to add; `None` fills the resource.
         amount: Option<Value>,
         /// Place of the form.
         place: Place,

@@ -43,7 +43,7 @@ pub(super) fn to_integer(name: &str, value: &Value) -> FunctionResult {
         "ceiling" => libm::ceil(number),
         _ => libm::trunc(number),
     };
-    // 2^63: every real below it in magnitude is an integer of 64 bits.
+    // 2^63: every whole real below it in magnitude is a 64-bit integer.
     if whole.abs() < 9_223_372_036_854_775_808.0 {
         Ok(Value::Integer(whole as i64))
     } else {

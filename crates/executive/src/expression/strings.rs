@@ -9,7 +9,7 @@ use apex_model::quantity::format_rounded;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Calls the text function `name`; none when there is no such function.
+/// Calls the text function `name`; `None` if there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("format", [Value::Text(control), rest @ ..]) => format(control, rest).and_then(bounded),
@@ -67,9 +67,9 @@ fn substring(text: &Value, start: &Value, end: Option<&Value>) -> FunctionResult
     Ok(Value::text(&text.chars().skip(start).take(end - start).collect::<String>()))
 }
 
-/// Returns the text of a control string: `~a` for display, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
-/// `~,Nf` with N decimals, `~%` a new line, `~~` a tilde; a number before the letter is the least width, filled up on the
-/// right of words and on the left of numbers.
+/// Returns the text of a control string. Directives: `~a` a value for display, `~s` a value as PDL reads it, `~d` an integer, `~f` a
+/// real, `~,Nf` a real with N decimals, `~%` a new line, `~~` a tilde. A number before the letter is the least width: text is padded on
+/// its right, numbers on their left.
 fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
     let mut text = String::new();
     let mut arguments = arguments.iter();
@@ -96,7 +96,7 @@ fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
                     .ok_or_else(|| format!("the control string {control:?} wants more arguments than there are"))?;
                 let (width, decimals) = widths(&parameters)?;
                 let part = directive(letter, argument, decimals)?;
-                // Words are filled up on the right, numbers on the left, so that columns read well.
+                // Text is padded on the right and numbers on the left, so that columns align.
                 match letter {
                     'a' | 's' => text.push_str(&format!("{part:<width$}")),
                     _ => text.push_str(&format!("{part:>width$}")),

@@ -59,7 +59,7 @@ pub(super) fn place_of(template: &Template) -> Place {
     }
 }
 
-/// Returns `template` with its known values filled in; holes without a value stay as they are written.
+/// Returns `template` with its known values filled in; holes without a value remain as they are written.
 pub(super) fn partially(template: &Template, context: &dyn EvalContext) -> Value {
     partially_within(template, context, DEPTH_MAX)
 }
@@ -87,7 +87,7 @@ fn partially_within(template: &Template, context: &dyn EvalContext, depth: usize
     }
 }
 
-/// Returns an argument with known variables replaced by their values; calls stay as they are written.
+/// Returns an argument with known variables replaced by their values; calls remain as they are written.
 pub(super) fn as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
     as_known_within(expr, context, DEPTH_MAX)
 }

@@ -6,7 +6,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Calls the time function `name`; none when there is no such function.
+/// Calls the time function `name`; `None` if there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value], context: &dyn EvalContext) -> Option<FunctionResult> {
     let [value] = arguments else { return None };
     let now = context.now();

@@ -1,4 +1,4 @@
-//! The view that a task has of its agent: what the expressions and conditions of its clauses may see.
+//! The data of its agent that a task can read: the context of the expressions and conditions of its clauses.
 
 use crate::expression::EvalContext;
 use crate::state::agent::Agent;
@@ -23,11 +23,11 @@ pub(crate) struct View<'a> {
     pub(crate) task: TaskId,
     /// At the step: the surrounding procedure's variables. At the procedure: the task's own controller's.
     pub(crate) level: Level,
-    /// The instant asked about: now, or a later one when a priority's crossing is computed.
+    /// The instant of the evaluation: now, or a later one while a crossing of priorities is computed.
     pub(crate) now: Time,
 }
 
-/// Returns a procedure instance's variable: its context, else the task of the step with that tag.
+/// Returns a variable of a procedure instance: from its context, otherwise the task of the step with that tag.
 fn in_procedure(agent: &Agent, controller: &ProcedureController, name: &Symbol) -> Option<Value> {
     if let Some(value) = controller.context.get(name) {
         return Some(value.clone());
@@ -54,7 +54,7 @@ impl View<'_> {
         }
     }
 
-    /// Returns the task's own variables, then those of the controllers above up to the surrounding procedure.
+    /// Returns a variable of the task itself, or of the controllers above it up to its procedure.
     fn outer(&self, task: &Task, name: &Symbol) -> Option<Value> {
         let mut task = task;
         loop {

@@ -26,17 +26,17 @@ use std::cmp::Ordering;
 /// Interpretation of the right side of a comparison.
 #[derive(Clone, Copy)]
 pub(crate) enum RightSide {
-    /// As it is; a bare number is in this unit.
+    /// The number as written; a bare number has this unit.
     Value(Option<&'static Unit>),
     /// As an instant.
     Instant,
     /// As a duration.
     Span,
-    /// As it is; a bare number times the factor is in SI and of the dimension.
+    /// The number as written; a bare number is multiplied by the factor and then has this dimension in SI.
     Scaled(f64, Dimension),
 }
 
-/// Prepares value constraints: comparisons with what can never change are evaluated once.
+/// Prepares value constraints: comparisons whose right side never changes are evaluated once.
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
@@ -48,7 +48,7 @@ pub(crate) fn prepare(
     prepare_as(constraints, RightSide::Value(unit), context)
 }
 
-/// Returns the same, where right sides are read as `reading` says.
+/// Prepares value constraints like [`prepare`], with right sides evaluated by `reading`.
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
@@ -107,7 +107,7 @@ pub(crate) fn satisfies_all(
     satisfies_all_as(tests, constraints, value, reading, bindings, context, place)
 }
 
-/// Like the function above, with right sides evaluated as `reading` says.
+/// Like the function above, with right sides evaluated by `reading`.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
@@ -138,7 +138,7 @@ pub(crate) fn satisfies_all_as(
     Ok(true)
 }
 
-/// Does `value` satisfy all `tests`, as far as that needs no evaluation? None when it does.
+/// Compares `value` with the fixed operands of `tests`: `Some(false)` if one fails, `None` if that needs an evaluation.
 pub(crate) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
     let mut holds = true;
     for test in tests {
@@ -150,7 +150,7 @@ pub(crate) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
     Some(holds)
 }
 
-/// Returns true if `value` satisfies all `constraints`, with right sides read as `reading` says.
+/// Returns true if `value` satisfies all `constraints`, with right sides evaluated by `reading`.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.

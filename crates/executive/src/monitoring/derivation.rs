@@ -31,7 +31,7 @@ pub(crate) struct Changed {
     pub(crate) at: Time,
 }
 
-/// A derived sample and what recording made of it.
+/// A derived sample and the result of recording it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Derived {
     pub(crate) variable: StateVariable,
@@ -47,8 +47,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) limits: &'a Limits,
 }
 
-/// Derives samples from `changed` and records them; `arrival` numbers them. Returns what recording made of each, in order.
-/// A value that cannot be computed counts as a missing measurement; the first one of a variable is an error message.
+/// Derives samples from `changed` and records them; `arrival` numbers them. Returns the result of recording each, in order. A value that
+/// cannot be computed counts as a missing measurement; the first failure of a variable is reported.
 pub(crate) fn derive(
     mut changed: Vec<Changed>,
     histories: &mut Histories,
@@ -122,8 +122,8 @@ fn history_of<'h>(input: &DerivationInput, object: &Value, histories: &'h Histor
     histories.get(&StateVariable::new(input.attribute.clone(), object))
 }
 
-/// Returns the instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
-/// also those of other inputs up to its neighbours.
+/// Returns the instants whose derived sample depends on the sample of `input` at `at`: its own; for a late sample, or on a line, also
+/// those of other inputs up to its neighbours.
 fn affected(
     derivation: &Derivation,
     input: &DerivationInput,
@@ -188,7 +188,7 @@ fn value_at(
             || declared.value_type.as_ref().is_some_and(|word| ["real", "integer", "number"].contains(&word.folded()))
     });
     match evaluate(&derivation.value, &context) {
-        // Of a variable that holds numbers `nil` means that nothing is known.
+        // For a variable that holds numbers, `nil` means that the value is unknown.
         Ok(value) if is_number && !value.is_true() => None,
         Ok(value) => Some(Ok(value)),
         Err(error) => {
@@ -243,7 +243,7 @@ fn rate(before: &Sample, latest: &Sample) -> Option<Value> {
     let ((low, dimension), (high, same)) = (before.value.as_number()?, latest.value.as_number()?);
     let seconds = Duration((latest.at - before.at).0).seconds();
     let per_s = (high - low) / seconds;
-    // A bare number stays one.
+    // The rate of bare numbers is a bare number.
     let dimension_per_s = if dimension == Dimension::NONE { dimension } else { dimension.over(Dimension::TIME) };
     (dimension == same).then(|| number(per_s, dimension_per_s))
 }

@@ -1,5 +1,5 @@
 //! Mismatches (M&I)
-//! What: names the first place where a form does not fit a pattern.
+//! What: finds the first position at which a form does not match a pattern.
 //! Runs: when a condition or a method is explained.
 //! Reads: evaluation context.
 //! Writes: nothing.

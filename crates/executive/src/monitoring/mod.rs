@@ -1,7 +1,8 @@
-//! Monitoring and interpretation services: what conditions mean (paper, section IV and Appendix B). One file per service.
+//! Monitoring and interpretation services: the meaning of conditions (paper, section IV and Appendix B). One file per service.
 //!
-//! A monitor is plain data (`crate::state::monitors::monitor`). `combination/monitors.rs` makes it, feeds it and asks it; the kinds of
-//! parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files next to these folders serve all of them.
+//! A monitor is plain data (`crate::state::monitors::monitor`). `combination/monitors.rs` creates it, passes it stimuli and returns its
+//! verdict; the kinds of parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files next to these folders serve all of
+//! them.
 
 pub(crate) mod basic;
 pub(crate) mod combination;

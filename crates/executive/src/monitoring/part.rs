@@ -1,5 +1,5 @@
 //! Parts of conditions (M&I)
-//! What: holds what the services of all kinds of parts share: truth, window and place of a part, errors, kept results.
+//! What: holds what all kinds of parts share: truth, window and place of a part, errors, kept results.
 //! Runs: with every service.
 //! Reads: Part.
 //! Writes: results and notes of a monitor.
@@ -53,10 +53,10 @@ pub(crate) fn site(part: &Part) -> PartContext {
     PartContext { window: part.window, keep: part.keep, place: part.place }
 }
 
-/// Errors met while judging, each once, and whether anything was left out because of a limit.
+/// Errors that occurred while a condition was judged, each once, and whether data were dropped at a limit.
 pub(crate) struct ConditionFaults {
     pub(crate) list: Vec<ConditionFault>,
-    /// Number of times that a limit was reached, so that a result may be missing.
+    /// Number of times that a limit was reached; a result may be missing if it is not zero.
     pub(crate) limits_reached: u64,
     /// Results that a part may keep.
     pub(crate) results_max: usize,
@@ -69,7 +69,7 @@ impl ConditionFaults {
         ConditionFaults { list: Vec::new(), limits_reached: 0, results_max }
     }
 
-    /// Adds what another query of the same monitor has met.
+    /// Adds the errors of another query of the same monitor.
     pub(crate) fn append(&mut self, other: ConditionFaults) {
         self.limits_reached += other.limits_reached;
         for trouble in other.list {
@@ -99,7 +99,7 @@ impl ConditionFaults {
         self.limit(Limit::MonitorResults.constant(), self.results_max, place);
     }
 
-    /// Moves what is new into the monitor.
+    /// Moves the new errors into the monitor.
     pub(crate) fn tell(self, monitor: &mut Monitor) {
         monitor.root.forgotten |= self.limits_reached > 0;
         for trouble in self.list {
@@ -112,7 +112,7 @@ impl ConditionFaults {
     }
 }
 
-/// Runs `act` on the part. Where it reached a limit, the part may lack a result: it has forgotten something.
+/// Runs `act` on the part. If that reaches a limit, the part is marked as having dropped results.
 pub(crate) fn noting_limits(
     part: &mut Part,
     troubles: &mut ConditionFaults,

@@ -17,9 +17,9 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::rc::Rc;
 
-/// Does `value` match `pattern`? Variables already bound, in `bindings` or in `context`, must match what they
-/// are bound to; others are added to `bindings`. Without a match, or on an error, `bindings` is as before. Segments
-/// take as few elements as possible; `place` is where messages point without a place.
+/// Returns true if `value` matches `pattern`. Variables that are bound in `bindings` or `context` must match their values; others are
+/// added to `bindings`, which is unchanged without a match or on an error. Segments take as few elements as possible. `place` is the
+/// place of errors without a place.
 ///
 /// # Errors
 /// When a computed part, guard or predicate fails, a `<?x>` is unbound, or the match takes too many steps.
@@ -41,7 +41,7 @@ pub(crate) fn match_pattern(
     result
 }
 
-/// Returns true if the pattern has only one way to match, without backtracking. Most patterns are so.
+/// Returns true if the pattern can match in one way only, without backtracking, as most patterns do.
 fn is_straight(pattern: &Pattern) -> bool {
     match pattern {
         Pattern::Literal(_) | Pattern::Variable(_) | Pattern::BoundVariable(_) | Pattern::Anonymous => true,
@@ -58,7 +58,7 @@ enum Goal<'a> {
     Sequence(&'a [Pattern], &'a [Value]),
 }
 
-/// A goal and those after it. As long as the pattern is deep, never as long as a list.
+/// A goal and its successors. Its length is bounded by the depth of the pattern, not by the length of a list.
 struct GoalStack<'a> {
     goal: Goal<'a>,
     next: Goals<'a>,

@@ -1,5 +1,5 @@
 //! Reported results (M&I)
-//! What: remembers which results of a monitor were reported, so that each is reported once.
+//! What: stores which results of a monitor were reported, so that each is reported once.
 //! Runs: with every result report.
 //! Reads: results.
 //! Writes: keys of reported results.
@@ -13,7 +13,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Identity of a result of a part, which stays the same when its interval grows.
+/// Identity of a result of a part; it does not change when the interval grows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Key {
     part: Place,
@@ -40,11 +40,11 @@ impl Key {
     }
 }
 
-/// Results of parts that are part of something reported already.
+/// Results of parts that belong to a reported result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) keys: Vec<Key>,
-    /// Late samples make parts look back and find again what was reported; what was recognised before this is not new.
+    /// A late sample lets parts look back and find reported results again: results recognised before this instant are not new.
     pub(crate) horizon: Option<Time>,
 }
 
@@ -66,8 +66,8 @@ impl Used {
 pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
 impl ReportedResults {
-    /// Returns the state after an index has reported the monitor's run: the result of the run before the newest sample, and of the open
-    /// one.
+    /// Returns the state after a bank has reported the monitor's run: the result of the run before the newest sample, and the open
+    /// result.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
         let key = |result: &Satisfaction| Key::of(part.place, result);
         let open: Vec<Key> = open.map(key).into_iter().collect();
@@ -75,7 +75,7 @@ impl ReportedResults {
         ReportedResults(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
     }
 
-    /// Returns true if the end of an open result will be reported: not if it was reported already and a sample has taken that back.
+    /// Returns true if the end of an open result will be reported; false if it was reported already and a sample has withdrawn it.
     pub(crate) fn awaits_end(&self) -> bool {
         self.0.iter().any(|branch| !branch.open.is_empty())
     }
@@ -84,10 +84,10 @@ impl ReportedResults {
 /// Reported results of one alternative.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Branch {
-    /// Results that are part of what was reported.
+    /// Results of parts that belong to reported results.
     pub(crate) used: Used,
     /// Reported results whose interval still grows.
     pub(crate) open: Vec<Key>,
-    /// That something did not happen was reported.
+    /// True if the absence of an event was reported.
     pub(crate) absence: bool,
 }

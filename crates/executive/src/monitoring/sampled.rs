@@ -1,5 +1,5 @@
 //! Sampled parts (M&I)
-//! What: feeds the parts that watch a state variable: sample by sample, and again from what is remembered.
+//! What: passes samples to the parts that watch a state variable, one by one, and again from the remembered samples.
 //! Runs: when a monitor is created or notices a sample.
 //! Reads: histories, evaluation context.
 //! Writes: the part.
@@ -20,9 +20,9 @@ use apex_model::event::StateVariable;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// A part that takes in the samples of a state variable one by one, those of one object in order of time.
+/// A part that receives the samples of a state variable one by one, those of one object in order of time.
 pub(crate) trait Sampled {
-    /// Returns the state variable as the condition names it.
+    /// Returns the state variable as written in the condition.
     fn pattern(&self) -> &VariablePattern;
     /// Returns the state variable, if its object is known.
     fn variable(&self) -> Option<&StateVariable>;
@@ -32,7 +32,7 @@ pub(crate) trait Sampled {
     fn window(&self, site: PartContext) -> Window {
         site.window
     }
-    /// Forgets what samples have done.
+    /// Clears the results of samples.
     fn begin_again(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults);
     /// Notes whether the window reaches before the oldest sample kept, and the first sample in it.
     fn note_blind(&mut self, blind: bool, first: Option<Time>);
@@ -44,17 +44,17 @@ pub(crate) trait Sampled {
         context: &dyn EvalContext,
         troubles: &mut ConditionFaults,
     );
-    /// Takes in a sample if that needs no further questions; returns false if it does.
+    /// Adds a sample if that needs no evaluation of expressions; otherwise returns false and changes nothing.
     fn feed_quickly(&mut self, site: PartContext, sample: SampleView<'_>) -> bool {
         let _ = (site, sample);
         false
     }
-    /// Returns true if the sample replaces another one that the part cannot take out alone.
+    /// Returns true if the sample replaces another one that the part cannot remove alone.
     fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let _ = sample;
         false
     }
-    /// Starts again from what is remembered.
+    /// Starts again from the remembered samples.
     fn backfill(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
         self.begin_again(site, context, troubles);
         let (known, attribute) = (self.variable().cloned(), self.pattern().attribute.clone());
@@ -97,15 +97,15 @@ pub(crate) struct SampleConstraints<'a> {
     pub(crate) value: &'a [Constraint],
     /// Those on the value, prepared.
     pub(crate) tests: &'a [Test],
-    /// The object is known: it needs no matching.
+    /// True if the object is known, so that it needs no matching.
     pub(crate) known: bool,
 }
 
 impl SampleConstraints<'_> {
-    /// Does the sample satisfy them? Adds what they bind.
+    /// Returns true if the sample satisfies them; adds their bindings.
     ///
     /// # Errors
-    /// When an expression in them cannot be evaluated.
+    /// If an expression in them cannot be evaluated.
     pub(crate) fn hold(
         &self,
         site: PartContext,

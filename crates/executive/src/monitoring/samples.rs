@@ -1,5 +1,5 @@
 //! Samples (M&I)
-//! What: what measurement and episode detection share: which samples concern a part, and looking back for them.
+//! What: holds functions for measurement and episode detection: which samples concern a part, and the search of remembered ones.
 //! Runs: when a monitor is created, and when a late sample makes one look back again.
 //! Reads: histories, evaluation context.
 //! Writes: nothing.
@@ -21,7 +21,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// A sample as a part sees it.
+/// A sample as passed to a part.
 #[derive(Clone, Copy)]
 pub(crate) struct SampleView<'a> {
     pub(crate) variable: &'a StateVariable,
@@ -73,7 +73,7 @@ pub(crate) enum Arrival {
     Next,
 }
 
-/// Returns the relation of `sample` to a part with this window, whose newest sample of the object is at `newest`.
+/// Returns how `sample` relates to a part with this window and `newest` as the instant of its newest sample of the object.
 pub(crate) fn arrival(
     window: Window,
     sample: SampleView<'_>,
@@ -88,10 +88,10 @@ pub(crate) fn arrival(
     }
 }
 
-/// Does the object of `variable` satisfy pattern and constraints? Adds what they bind.
+/// Returns true if the object of `variable` satisfies pattern and constraints; adds their bindings.
 ///
 /// # Errors
-/// When an expression in them cannot be evaluated.
+/// If an expression in them cannot be evaluated.
 pub(crate) fn object_holds(
     pattern: &VariablePattern,
     constraints: &[Constraint],
@@ -107,13 +107,13 @@ pub(crate) fn object_holds(
     all(constraints, &variable.object, RightSide::Value(None), bindings, context, site.place)
 }
 
-/// Returns a remembered sample, known when its instant was: one that replaced another has its place.
+/// Returns a remembered sample, recognised at its own instant; a replacing sample has the place of the replaced one.
 pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> SampleView<'a> {
     SampleView { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }
 
-/// Samples within the window, in order of time and arrival, of all variables that may concern the part; and whether
-/// the window reaches before the oldest sample kept.
+/// Returns the samples within the window, in order of time and arrival, of all variables that may concern the part; and true if the
+/// window reaches before the oldest kept sample.
 pub(crate) fn remembered<'a>(
     known: Option<&'a StateVariable>,
     attribute: &Symbol,
@@ -139,7 +139,7 @@ pub(crate) fn remembered<'a>(
         }
         None => context.histories().of_attribute(attribute).for_each(|(variable, history)| collect(variable, history)),
     }
-    // One variable's samples are in order.
+    // Samples of a single variable are in order already.
     if known.is_none() {
         seen.sort_by_key(|sample| (sample.at, sample.sequence));
     }

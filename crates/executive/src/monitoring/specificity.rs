@@ -1,5 +1,5 @@
 //! Specificity (M&I)
-//! What: which of two matching patterns says more, and which variables a pattern can bind.
+//! What: decides which of two matching patterns is more specific, and which variables a pattern can bind.
 //! Runs: at procedure selection, at monitor creation.
 //! Reads: the pattern.
 //! Writes: nothing.
@@ -32,7 +32,7 @@ pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     }
 }
 
-/// Returns the reason for which a pattern with specificity `first` precedes one with `other`, as a statement about the other.
+/// Returns the reason for which a pattern with specificity `first` precedes one with `other`, as a statement about the other pattern.
 pub(crate) fn why_before(first: Specificity, other: Specificity) -> String {
     if first.variables != other.variables {
         return format!(

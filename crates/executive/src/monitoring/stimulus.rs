@@ -1,5 +1,5 @@
 //! Stimuli (M&I)
-//! What: what a monitor may notice: samples, messages, ends and states of tasks.
+//! What: defines what a monitor may notice: samples, messages, ends and states of tasks.
 //! Runs: recorded first, then shown to the monitors that are interested.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -13,7 +13,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Something that a monitor may notice. Histories have recorded it before.
+/// Something that a monitor may notice. Histories have recorded it already.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Stimulus {
     /// A sample.
@@ -42,7 +42,7 @@ pub(crate) enum Stimulus {
     TaskEnded {
         /// The task.
         task: TaskId,
-        /// The words of its outcome; none where only the end is known.
+        /// The words of its outcome; empty if only the end is known.
         outcome: &'static [&'static str],
         /// Instant.
         at: Time,

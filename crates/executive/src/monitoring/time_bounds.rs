@@ -1,5 +1,5 @@
 //! Time bounds (M&I)
-//! What: the closed interval of instants that constraints on a time stamp leave, for values that hold between samples.
+//! What: computes the closed interval of instants that satisfy constraints on a time stamp, for values that hold between samples.
 //! Runs: when an estimator is asked for a value.
 //! Reads: evaluation context.
 //! Writes: nothing.
@@ -37,7 +37,7 @@ impl TimeBounds {
 /// Returns an instant that an expression gives.
 ///
 /// # Errors
-/// When it cannot be evaluated, or is not an instant.
+/// If it cannot be evaluated, or is not an instant.
 pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time, EvaluationError> {
     let value = evaluate(expr, context)?;
     instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
@@ -46,7 +46,7 @@ pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time,
 /// Returns a duration that an expression gives.
 ///
 /// # Errors
-/// When it cannot be evaluated, or is not a duration.
+/// If it cannot be evaluated, or is not a duration.
 pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let value = evaluate(expr, context)?;
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
@@ -55,7 +55,7 @@ pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Dura
 /// Returns the instants that satisfy all `constraints`.
 ///
 /// # Errors
-/// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
+/// If a side cannot be evaluated, or a constraint is not a bound (the checker rejects those).
 pub(crate) fn bounds(
     constraints: &[Constraint],
     context: &dyn EvalContext,

@@ -27,7 +27,7 @@ impl<'a> VerdictQuery<'a> {
         VerdictQuery { context, now: context.now(), troubles: ConditionFaults::none(context), wake: None, used: None }
     }
 
-    /// Returns the answer of `ask` when all evidence counts.
+    /// Returns the answer of `ask` with all evidence counted, whenever it arrived.
     pub(crate) fn of_everything<T>(&mut self, ask: impl FnOnce(&mut VerdictQuery<'a>) -> T) -> T {
         let used = self.used.take();
         let answer = ask(self);

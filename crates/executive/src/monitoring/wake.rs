@@ -1,5 +1,5 @@
 //! Reasons of wakes (M&I)
-//! What: states why time alone may change a verdict.
+//! What: states the reason for which time alone may change a verdict.
 //! Runs: with every wake.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -17,14 +17,14 @@ pub(crate) enum WakeReason {
     GapEnds(Duration),
     /// A run has reached its duration.
     DurationReached(Duration),
-    /// An instant that the last verdict foresaw: a `:delay` at the end of an order is over, or an estimate, a run or a window
-    /// comes to satisfy its constraints.
+    /// An instant that the last verdict foresaw: the end of a `:delay` at the end of an order, or the instant at which an estimate, a run
+    /// or a window satisfies its constraints.
     Foreseen,
     /// A `:delay` is over.
     Delay,
     /// A `:timestamp` is reached.
     Timestamp,
-    /// A relation of runs can be decided, because one of them is over.
+    /// A relation of runs can be decided, because one of the runs is over.
     RelationDecided,
     /// The window of an absence is over.
     AbsenceOver(Duration),

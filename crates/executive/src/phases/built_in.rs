@@ -1,5 +1,5 @@
 //! Built-in activities (TC)
-//! What: carries out `terminate`, `reset`, `suspend`, `resume`, `print`, `inform`, `ask` and the other built-ins.
+//! What: executes `terminate`, `reset`, `suspend`, `resume`, `print`, `inform`, `ask` and the other built-ins.
 //! Runs: act phase.  Reads: arguments.  Writes: tasks named by the arguments, effects.
 //! Bound: O(1) in addition to the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
@@ -64,7 +64,7 @@ fn done(cycle: &mut Cycle<'_>, id: TaskId, activity: &'static str, value: Value)
     }
 }
 
-/// Does it; a value means that it is done at once.
+/// Executes the activity; a returned value means that it is complete at once.
 fn carry_out(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -159,7 +159,7 @@ fn release_of_parent(cycle: &mut Cycle<'_>, id: TaskId, names: &[Value]) {
     }
 }
 
-/// Executes `(terminate [task] [outcome] [>> value])`: ends the named task, or else the procedure of the step.
+/// Executes `(terminate [task] [outcome] [>> value])`: ends the named task; without a name, the procedure of the step.
 pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::BuiltIn));
@@ -209,7 +209,7 @@ fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<TaskToEnd, Because>
     Ok(target.map(|target| (target, outcome, task.is_some())))
 }
 
-/// Returns the task whose procedure holds the step, above items and failure handlers.
+/// Returns the task whose procedure contains the step, above items and failure handlers.
 fn procedure_of(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     let mut parent = cycle.task(id)?.parent?;
     loop {

@@ -1,5 +1,5 @@
 //! Contention (TC)
-//! What: lets claimants stand before the arbiter, and commits what it decides: losses first, then grants.
+//! What: submits the claimants to arbitration and commits the result: losses first, then grants.
 //! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
@@ -27,7 +27,7 @@ use apex_model::value::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Returns the contend phase: what is to be committed.
+/// Runs the contend phase and returns the arbitration to commit.
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let work = &cycle.work;
     let changed = work.priorities_changed || work.inheritance_changed;
@@ -72,7 +72,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let depth = task.map_or(0, |task| task.depth);
         match task.map(|task| task.state) {
             Some(TaskState::Interrupted) if planted::is(Bug::AncestorsFirst) => (0, depth, *id),
-            // Who loses and is granted at once is interrupted in between.
+            // A task that loses its resources and is granted them again at once is interrupted in between.
             Some(TaskState::Interrupted | TaskState::Ongoing) => (0, u32::MAX - depth, *id),
             _ => (1, 0, *id),
         }
@@ -106,7 +106,7 @@ fn look_again(cycle: &mut Cycle<'_>) {
     let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
     for id in &concerned {
         let Some(resource) = cycle.agent.resources.get(*id) else { continue };
-        // A claimant whose place does not depend on measurements is considered only if it inherits from others.
+        // A claimant whose place does not depend on measurements is considered only if its inherited priority changed.
         let waiting: Vec<TaskId> = match inherited {
             true => resource.waiting.tasks().collect(),
             false if queues::is_by_rank(cycle, *id) => Vec::new(),
@@ -131,14 +131,14 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     for loss in &arbitration.displaced {
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         interruption::outrank(cycle, loss.loser, because);
-        // Being refused now is the loss itself, not another one to tell.
+        // The refusal of a displaced task is the loss itself, so it is not reported again.
         if let Some(task) = cycle.agent.task_mut(loss.loser) {
             let extras = task.extras_mut();
             (extras.refused, extras.refusal_told) = (Some((loss.resource, loss.winner)), true);
         }
     }
     for (id, resource, needed, left) in arbitration.impossible {
-        // What is used up may come back, and most tasks wait for that.
+        // Consumed amounts may be restored, and most tasks wait for that.
         let full = cycle.agent.resources.get(resource).and_then(|resource| resource.renewable);
         if full.is_some_and(|full| needed <= full) && !refuses_to_wait(cycle, id) {
             continue;
@@ -172,13 +172,13 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
             cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
         }
     }
-    // Emptying what is empty is not free.
+    // Clearing an empty collection has a cost.
     if !cycle.work.resumed.is_empty() {
         cycle.work.resumed.clear();
     }
 }
 
-/// Tasks whose profile says `:refuse-if-busy` fail rather than wait to begin.
+/// Fails refused tasks whose profile contains `:refuse-if-busy` and that have not begun.
 fn give_up(cycle: &mut Cycle<'_>, refused: &[Refusal]) {
     let mut losses: Vec<&Defeat> = refused.iter().map(|refusal| &refusal.loss).collect();
     losses.sort_by_key(|loss| loss.loser);
@@ -191,13 +191,13 @@ fn give_up(cycle: &mut Cycle<'_>, refused: &[Refusal]) {
     }
 }
 
-/// True if the task has not begun and fails rather than wait.
+/// Returns true if the task has not begun and fails instead of waiting.
 fn refuses_to_wait(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let refuses = |task: &Task| task.selection.as_ref().is_some_and(|selection| selection.refuses);
     cycle.task(id).is_some_and(|task| task.state == TaskState::Enabled && refuses(task))
 }
 
-/// Returns the tasks that begin by this grant while others are refused; only tasks that may precede others by rank.
+/// Returns the tasks that begin by this arbitration while others are refused; only tasks that may precede others by rank.
 fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     if arbitration.refused.is_empty() {
         return Vec::new();
@@ -206,7 +206,7 @@ fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     arbitration.granted.iter().copied().filter(begins).collect()
 }
 
-/// Marks the claims of interrupted tasks behind a task that begins, because begun work precedes its equals unless a task that has not begun
+/// Marks the claims of interrupted tasks that a beginning task precedes: begun work precedes its equals unless a task that has not begun
 /// precedes it by rank.
 fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     if begun.is_empty() {
@@ -274,8 +274,8 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Says once for each claim that the task stays as it is, and the task to which it lost first: later holders are seen
-/// from the resource, and a hundred thousand waiting tasks must not each repeat it whenever it changes hands.
+/// Reports the refusal once for each claim, with the task that won. Later holders are visible in the resource: a hundred thousand waiting
+/// tasks must not report each of them.
 fn refuse(cycle: &mut Cycle<'_>, loss: &Defeat) {
     let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
     let is_new = extras.refused.replace((loss.resource, loss.winner)) != Some((loss.resource, loss.winner));
@@ -292,7 +292,7 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Defeat) {
     cycle.decide(Some(loss.loser), kind, because);
 }
 
-/// Returns the instant at which the priority of a task that counts for the refused one may exceed that of a blocking task.
+/// Returns the instant at which a priority that counts for the refused task may exceed that of a blocking task.
 fn next_crossing(
     agent: &Agent,
     stands_for: &[TaskId],
@@ -305,9 +305,9 @@ fn next_crossing(
     crossing::next_look(agent, &challengers, &defenders, now)
 }
 
-/// Asks to be woken when the priorities of the task and of those in its way may cross.
+/// Schedules a wake for the instant at which the priorities of the task and of its rivals may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, loser: TaskId, stands_for: &[TaskId], rivals: &[Rival]) {
-    // Many rivals can represent the same ones.
+    // Many rivals can be represented by the same tasks.
     let mut concerned = stands_for.to_vec();
     let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
     for rival in rivals {

@@ -1,5 +1,5 @@
 //! Task enablement (TC)
-//! What: acts on clauses that came true, and enables pending tasks that nothing holds back.
+//! What: acts on clauses that became true, and enables pending tasks without remaining preconditions.
 //! Runs: enable phase.  Reads: firings, Task.  Writes: Task bindings and state, Decision.
 //! Bound: O(firings + ready tasks) per round.  PDL: `waitfor`, section 9.  Paper: section III, task enablement.
 
@@ -22,8 +22,8 @@ use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
-/// Ends come first, so that nothing is started only to be cut: exits, skips, ends; then restarts, suspensions, and
-/// enablements.
+/// Returns the rank of a clause. Ends come first, so that no task is started only to be cut: exits, skips, ends; then restarts,
+/// suspensions and enablements.
 fn order(clause: Clause) -> u8 {
     match clause {
         Clause::ExitWhen => 0,
@@ -53,7 +53,7 @@ pub(crate) fn enable(cycle: &mut Cycle<'_>) {
     if !cycle.work.freed.is_empty() {
         cycle.work.freed.clear();
     }
-    // A task whose suspension came true while it was pending does not begin.
+    // A task whose suspension became true while it was pending does not begin.
     fire_all(cycle);
 }
 
@@ -98,7 +98,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
         repetition::listen(cycle, id, &satisfaction.evidence);
         return preconditions_hold(cycle, id, satisfaction, place);
     }
-    // A fact can have stood before it was looked for.
+    // A fact may have held before the clause was watched.
     let end = satisfaction.interval.1.max(watched_from.unwrap_or(satisfaction.interval.1));
     let after = interruption::window_after(cycle, end, answered);
     let because = Because { cause, place: Some(place), evidence: satisfaction.evidence };
@@ -122,7 +122,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
             TaskState::Pending | TaskState::Enabled | TaskState::Terminated => {}
         },
         Clause::SuspendWhen => {
-            // What the suspension itself brings about can end it.
+            // Events that the suspension itself causes may end it.
             interruption::watch_resumption(cycle, id, level, after);
             interruption::suspend(cycle, id, because);
         }

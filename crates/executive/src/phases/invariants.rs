@@ -1,5 +1,5 @@
 //! Invariants (TC)
-//! What: asserts what must hold of tasks and resources between instants.
+//! What: asserts the invariants of tasks and resources between instants.
 //! Runs: after every instant, in builds with assertions.  Reads: Agent.  Writes: nothing.
 //! Bound: O(tasks), and only for agents small enough that this is cheap.  PDL: section 9.  Paper: section III.
 
@@ -10,7 +10,7 @@ use apex_model::task::TaskState;
 /// Larger agents are not checked: the check must not change how fast a test flight is.
 const TASKS_CHECKED_MAX: usize = 200;
 
-/// Checks that nothing is held twice, that ongoing tasks have what they need, and that ended tasks have no living children.
+/// Checks that no resource is held twice, that ongoing tasks have what they need, and that ended tasks have no living children.
 pub(crate) fn check(agent: &Agent) {
     if !cfg!(debug_assertions) || agent.tasks.len() > TASKS_CHECKED_MAX {
         return;

@@ -1,5 +1,5 @@
 //! Controller invocation (TC)
-//! What: lets every task that became ongoing begin its work, or continue it.
+//! What: lets every task that became ongoing begin or continue its work.
 //! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
 //! Bound: O(1) per task in addition to what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
@@ -36,7 +36,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
             // Its resumption is noticed first; a task that starts over does not continue before that.
             cycle.work.resuming.insert(id);
             interruption::hold_children(cycle, id);
-            // It is ongoing: where those who were interrupted below it claim already, its priority counts for them.
+            // An ongoing task passes its priority to interrupted tasks below it that claim already.
             interruption::inheritance_changed(cycle, id);
         } else {
             go_on(cycle, id);
@@ -70,7 +70,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Returns the chosen way, which begins; what its index bound moves from the selection into the controller.
+/// Returns the chosen method, which begins; the bindings of its index move from the selection into the controller.
 fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<MethodBinding> {
     let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
     selection.begun = true;
@@ -93,7 +93,7 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
     }
     let Some(controller) = cycle.task(id).and_then(|task| task.controller.as_deref()) else { return };
     match controller {
-        // It failed before it could begin: this does not resume it.
+        // The task failed before it could begin: its handler is not a resumption.
         Controller::Handling(_) if cycle.task(id).is_some_and(|task| task.started_at == Some(now)) => {}
         Controller::Primitive(_) => {
             primitive::resume(cycle, id);

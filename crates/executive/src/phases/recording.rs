@@ -1,5 +1,5 @@
 //! Recording (TC)
-//! What: puts what came in where it belongs: histories, answers to controllers, wakes that are due.
+//! What: records the events of the instant in histories, passes answers to controllers, and handles due wakes.
 //! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
 //! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
 
@@ -60,7 +60,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
     }
 }
 
-/// Reports that the flight is not recorded any longer, as the runtime says.
+/// Reports that the flight is no longer recorded; the runtime has sent this message.
 fn recording_lost(cycle: &mut Cycle<'_>, form: &Value) {
     let Some([head, reason]) = form.as_list() else { return };
     if head.as_symbol().is_some_and(|word| word.is("recording-lost")) {
@@ -69,7 +69,7 @@ fn recording_lost(cycle: &mut Cycle<'_>, form: &Value) {
     }
 }
 
-/// Counts what comes from outside at this instant: a burst of messages is not a loop.
+/// Counts the messages from outside at this instant: a burst of messages is not a loop.
 fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
     let counts = |event: &&Event| matches!(event.kind, EventKind::Measurement(..) | EventKind::Occurrence(_));
     let count = events.iter().filter(counts).count();
@@ -85,7 +85,7 @@ fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
     cycle.agent.histories.expect_events(messages, is_same_instant);
 }
 
-/// Records what the agent said to itself in the round before.
+/// Records the messages and samples that the agent sent to itself in the preceding round.
 pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     let now = cycle.now;
     cycle.agent.published.clear();
@@ -98,7 +98,7 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     derive(cycle);
 }
 
-/// Computes the samples of derived variables from those that were recorded since the monitors last noticed any.
+/// Computes the samples of derived variables from those recorded since the monitors were last notified.
 fn derive(cycle: &mut Cycle<'_>) {
     let library = cycle.library;
     if library.derivations.is_empty() {
@@ -162,8 +162,8 @@ fn hear(cycle: &mut Cycle<'_>, message: Occurrence) {
     }
 }
 
-/// Says once for each instant that messages of it are forgotten: who begins to listen now does not hear them. So a loop
-/// without time whose tasks send messages may end because of it.
+/// Reports once for each instant that messages of it are dropped: a monitor that begins later does not receive them. This can end a loop
+/// without time whose tasks send messages.
 fn forgets(cycle: &mut Cycle<'_>) {
     let most = cycle.agent.limits.of(Limit::EventHistory);
     let message = format!(
@@ -195,7 +195,7 @@ fn note(cycle: &mut Cycle<'_>, recording: Recording) {
     }
 }
 
-/// Lets everything happen that is due now.
+/// Handles all wakes that are due now.
 pub(crate) fn wake(cycle: &mut Cycle<'_>) {
     while let Some(wake) = cycle.agent.wakes.take_due(cycle.now) {
         match wake {

@@ -1,5 +1,5 @@
 //! Procedure selection (TC)
-//! What: decides how an enabled task's goal is pursued: procedure, primitive, built-in, items or solver.
+//! What: selects the method for an enabled task's goal: procedure, primitive, built-in, items or solver.
 //! Runs: choose phase.  Reads: Library, generated procedures, Step.  Writes: Selection, Decision.
 //! Bound: one pattern match per candidate that shares the goal's first word.
 //! PDL: `index`, section 2.  Paper: section III, selection services.
@@ -132,7 +132,7 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<MethodChoice, Because> {
     }
 }
 
-/// Returns the goal of an activity, or how a built-in one reads.
+/// Returns the goal of an activity, or the form of a built-in activity.
 fn activity_goal(cycle: &Cycle<'_>, id: TaskId, activity: &Activity) -> Result<Result<Value, Value>, Because> {
     let view = cycle.view(id, Level::Step);
     match activity {
@@ -160,7 +160,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<MethodChoice, Bec
     })
 }
 
-/// Returns the best method for a goal: the most specific match, else a solver.
+/// Returns the best method for a goal: the most specific match, otherwise a solver.
 fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<MethodChoice, Because> {
     let mut matches = matches(cycle, id, &goal);
     if matches.is_empty() {
@@ -222,7 +222,7 @@ fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
     Cause::FirstOfEquals { candidates, equals: equals.len() as u64 + 1, rule }
 }
 
-/// Returns all procedures and primitives that serve the goal with what their indexes bind, best first.
+/// Returns all procedures and primitives that serve the goal, with the bindings of their indexes, best first.
 fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
     let mut found: Matches = Matches::new();
     let mut errors = Vec::new();
@@ -247,7 +247,7 @@ fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
     found
 }
 
-/// Profile, interrupt cost and expected duration of what was selected.
+/// Profile, interrupt cost and expected duration of the selected method.
 #[derive(Default)]
 struct Details {
     needs: Vec<Need>,
@@ -304,7 +304,7 @@ fn refuses(profile: &[ResourceNeed]) -> bool {
     profile.iter().any(|need| need.refuse_if_busy)
 }
 
-/// Returns the procedure or primitive that was selected; `None` for everything else.
+/// Returns the selected procedure or primitive; `None` for all other methods.
 fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
     let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
         MethodBinding::Procedure(ProcedureRef::Stored(index), _) => IndexCandidate::Procedure(*index),

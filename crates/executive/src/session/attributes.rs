@@ -1,4 +1,4 @@
-//! State variables that conditions read, so that a reader of a log can leave out the others.
+//! State variables that conditions read, so that a reader of a log can skip the others.
 
 use super::MonitorSession;
 use crate::monitoring::memory::demand::Subject;
@@ -10,8 +10,8 @@ use apex_model::time::Time;
 use std::collections::BTreeSet;
 
 impl MonitorSession {
-    /// Returns the attributes of all state variables that `conditions` read, directly, by queries, or through derived ones. `None` if
-    /// that is not known beforehand, or if any sample counts as an instant at which a condition is judged.
+    /// Returns the attributes of all state variables that `conditions` read, directly, by queries, or through derived variables. `None`
+    /// if they are not known in advance, or if every sample is an instant at which a condition is judged.
     pub fn attributes_read(&self, conditions: &[Condition]) -> Option<BTreeSet<Symbol>> {
         let library = &self.world.library;
         let mut found = BTreeSet::new();
@@ -35,7 +35,7 @@ impl MonitorSession {
                 Subject::Messages | Subject::MessagesOf(_) => {}
             }
         }
-        // Inputs have lower ranks than what is derived from them.
+        // Inputs have lower ranks than the variables that are derived from them.
         let mut ranked: Vec<_> = library.derivations.iter().collect();
         ranked.sort_by_key(|(_, derivation)| std::cmp::Reverse(derivation.rank));
         for (attribute, derivation) in ranked {

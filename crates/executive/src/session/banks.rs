@@ -1,4 +1,4 @@
-//! Episode indexes of a session. They watch plain episodes, and combinations of them, while there is nothing to report, so that most
+//! Episode indexes of a session. They watch plain episodes and combinations of them while no result is to be reported, so that most
 //! samples are compared in one pass and reach no monitor.
 
 use super::scene::SessionState;
@@ -325,7 +325,7 @@ impl MonitorSession {
     }
 }
 
-/// Returns a wake that a bank has asked for, as the session keeps it.
+/// Returns the wake that a bank has requested, in the form of the session's queue.
 fn wake_of(at: Time, leaf: LeafId) -> (Time, MonitorId, Option<u32>) {
     (at, leaf.monitor, Some(leaf.leaf))
 }

@@ -1,5 +1,5 @@
-//! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
-//! average, and nothing without a query.
+//! The largest sampling gaps within results (rules 8 and 22), for sessions that request them. A sample costs O(1) on average, and nothing
+//! in other sessions.
 
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
@@ -9,7 +9,7 @@ use apex_model::limits::SPACINGS_MAX;
 use apex_model::time::{Duration, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// The longest time without a sample between the first and the last one of a run that a result rests on.
+/// The longest time without a sample within a run on which a result rests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SamplingGap {
     /// Variable of the samples.
@@ -33,16 +33,16 @@ pub(super) struct Spacings {
     variables: BTreeMap<StateVariable, OfVariable>,
 }
 
-/// Data to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
-/// newest does not belong to.
+/// Spacings of one variable: the data for the largest spacing up to the newest sample, or up to the preceding one, which ends a run that
+/// does not contain the newest sample.
 #[derive(Clone, Debug)]
 struct OfVariable {
-    /// All spacings from here on are known.
+    /// All spacings since this instant are known.
     known_from: Time,
     newest: Time,
     /// Between the last two samples.
     last: Option<(Time, Time)>,
-    /// Of the spacings before that those which no later one reaches: ever shorter ones.
+    /// Of the earlier spacings, those longer than every later one; they become shorter and shorter.
     peaks: VecDeque<(Time, Time)>,
 }
 
@@ -56,7 +56,7 @@ impl Spacings {
                     self.variables.insert(variable.clone(), OfVariable::from(at));
                 }
             },
-            // It divides a spacing that is no longer known: what is known begins again.
+            // The sample divides a spacing that is no longer stored: the known spacings begin again.
             Some(Recorded::Inserted) => {
                 if let Some(known) = self.variables.get_mut(variable) {
                     *known = OfVariable::from(known.newest);
@@ -66,7 +66,7 @@ impl Spacings {
         }
     }
 
-    /// Returns the largest gap of each run that the result rests on, where it is known; a run of one sample has none.
+    /// Returns the largest gap of each run on which the result rests, if known; a run of one sample has none.
     pub(super) fn of(&self, result: &Satisfaction) -> Vec<SamplingGap> {
         let of_run = |evidence: &Evidence| {
             let Evidence::Run { variable, start, end, .. } = evidence else { return None };
@@ -102,7 +102,7 @@ impl OfVariable {
         self.newest = at;
     }
 
-    /// Returns the largest spacing between `start` and `end`, the later one of equals; `None` if it is not known.
+    /// Returns the largest spacing between `start` and `end`, the latest of equal ones; `None` if it is not known.
     fn largest(&self, start: Time, end: Time) -> Option<(Time, Time)> {
         let (before, _) = self.last?;
         if start < self.known_from || (end != self.newest && end != before) {
@@ -134,7 +134,7 @@ mod tests {
                 for end in [number - 1, number] {
                     let start = from.min(end);
                     let pairs = times[start..=end].windows(2).map(|pair| (pair[0], pair[1]));
-                    // The last one of the largest.
+                    // The latest of the largest spacings.
                     let expected = pairs.max_by_key(|pair| length(*pair));
                     prop_assert_eq!(known.largest(times[start], times[end]), expected);
                 }

@@ -1,4 +1,4 @@
-//! Events of a record, a log or a live feed, as what a session takes.
+//! Inputs of a session: events of a record, a log or a live feed.
 
 use super::MonitorSession;
 use apex_model::event::{EventKind, Message};

@@ -94,7 +94,7 @@ pub struct MonitorSession {
     /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is evaluated.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
-    /// For the gaps of results, if they are asked for.
+    /// Spacings for the gaps of results, if requested.
     spacings: Option<Spacings>,
     troubles: Vec<SessionError>,
 }
@@ -158,7 +158,7 @@ impl MonitorSession {
         self
     }
 
-    /// Keeps all samples, not only those that conditions may still ask for.
+    /// Keeps all samples, not only those that the conditions may still read.
     pub fn keeping_samples(mut self) -> MonitorSession {
         self.world.histories.require_lookback_of_all(Duration::MAX);
         self
@@ -186,7 +186,7 @@ impl MonitorSession {
         Ok(id)
     }
 
-    /// Ends the watch of a condition. What it reported already stays to be taken.
+    /// Ends the watch of a condition. Its reported results stay until they are taken.
     pub fn unwatch(&mut self, id: MonitorId) {
         self.end_instant();
         if let Some(mut watched) = self.watches.remove(id.0) {
@@ -205,8 +205,8 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// Records a measurement; a number without unit is in the declared unit. Returns its recording; `None` if it was refused, for which a
-    /// condition fault holds the reason.
+    /// Records a measurement; a number without unit is in the declared unit. Returns the result of recording it; `None` if it was
+    /// rejected, for the reason that a session error states.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();

@@ -22,12 +22,12 @@ impl MonitorSession {
         std::mem::take(&mut self.troubles)
     }
 
-    /// Returns the session's time: [`Time::BEGINNING`] before anything happened.
+    /// Returns the session's time; [`Time::BEGINNING`] before the first input.
     pub fn now(&self) -> Time {
         self.world.now
     }
 
-    /// Returns the library in whose terms conditions are understood.
+    /// Returns the library that defines the terms of the conditions.
     pub fn library(&self) -> &Arc<Library> {
         &self.world.library
     }
@@ -37,14 +37,14 @@ impl MonitorSession {
         &self.world.histories
     }
 
-    /// Returns the stimuli that a condition must receive, as far as they are known; empty while it is not begun.
+    /// Returns the known stimuli that a condition must receive; empty before the condition begins.
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
         monitor.map(interest::interests).unwrap_or_default()
     }
 
     /// Returns the variables that the watched conditions read and that had no sample: state variables such as `(roll-angle aircraft-1)`,
-    /// and attributes such as `(roll-angle ..)` where the object is open. A condition about such a variable is mostly a misspelling.
+    /// and attributes such as `(roll-angle ..)` if the object is not fixed. Such a variable is mostly a misspelling.
     pub fn without_samples(&self) -> Vec<String> {
         let histories = self.histories();
         let measured: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();

@@ -17,7 +17,7 @@ pub struct MonitorResult {
     pub telling: ResultEvent,
     /// The result: interval, instant of recognition, bindings, evidence.
     pub result: Satisfaction,
-    /// The largest sampling gap of each run that it rests on, as it was known when this was reported; see
+    /// The largest sampling gap of each run on which the result rests, as known when this was reported; see
     /// [`MonitorSession::with_gaps`].
     pub gaps: Vec<SamplingGap>,
 }
@@ -37,7 +37,7 @@ pub enum ResultEvent {
 /// Status of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
-    /// Satisfied by the first result, or else false or unknown.
+    /// Satisfied by the first result; otherwise false or unknown.
     pub verdict: Verdict,
     /// The parts that do not hold, with the reason of each; empty when satisfied.
     pub because: Vec<Unmet>,
@@ -45,10 +45,10 @@ pub struct Judgement {
     pub results: u64,
 }
 
-/// An error of a session: a refused sample, or a condition whose expression failed.
+/// An error of a session: a rejected sample, or a condition whose expression failed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SessionError {
-    /// The condition, if it is about one.
+    /// The condition concerned; `None` for an error without one.
     pub watch: Option<MonitorId>,
     /// Instant.
     pub at: Time,

@@ -18,9 +18,9 @@ use std::sync::Arc;
 pub(super) struct KnownTask {
     pub(super) state: TaskState,
     pub(super) since: Time,
-    /// Instant at which it began to work; before that, the instant of its first report.
+    /// Instant at which the task became ongoing; before that, the instant of its first report.
     pub(super) started_at: Time,
-    /// Time for which it had worked before `since`.
+    /// Time for which the task had been ongoing before `since`.
     pub(super) worked: Duration,
 }
 

@@ -1,4 +1,4 @@
-//! Streams of results: each once, at its instant, however the stimuli are handed over.
+//! Streams of results: each result once and at its instant, in whatever portions the stimuli arrive.
 
 mod combinations;
 mod derived;
@@ -146,7 +146,7 @@ fn a_measurement_is_told_for_each_sample_and_object() {
         session.sample(&roll(object), Value::Real(value), at(instant));
     }
     session.advance(at(3.0));
-    // Twice the same instant is over; what comes for it afterwards is reported all the same.
+    // The same instant is over twice; samples that arrive for it afterwards are reported nevertheless.
     session.sample(&roll("b"), Value::Real(50.0), at(3.0));
     session.advance(at(3.0));
     let expected = ["found 1..1 @1 who=a", "found 1..1 @1 who=b", "found 3..3 @3 who=a", "found 3..3 @3 who=b"];
@@ -179,7 +179,7 @@ fn of_relations_known_at_one_instant_the_earlier_parts_go_first() {
     let (mut session, id) =
         session("(:after (:measurement (x a) :value (< 1)) (:episode e (x ?o) :quality (:max-gap 2.5s)))", 0.0);
     let x = |object: &str| StateVariable::new(Symbol::new("x"), Value::symbol(object));
-    // The run of b is over by time alone, those of a by their next sample.
+    // Time alone ends the run of b; the next sample ends those of a.
     for (object, value, instant) in [("b", 1, 0.5), ("a", 5, 2.0), ("a", 2, 7.0), ("a", 0, 11.0)] {
         session.sample(&x(object), Value::Integer(value), at(instant));
     }
@@ -217,7 +217,7 @@ fn absence_counts_a_value_from_before_its_window_also_when_a_sample_comes_late()
     session.sample(&of("level"), Value::Integer(8), at(2.0));
     session.sample(&of("level"), Value::Integer(1), at(6.0));
     session.event(Value::list([Value::symbol("tick")]), at(12.0));
-    // At 9.5 s the level was not known any longer; now it is known that it was low. The 8 is not kept any longer.
+    // At 9.5 s the level was unknown; now it is known that it was low. The sample of value 8 is no longer kept.
     session.sample(&of("level"), Value::Integer(2), at(8.0));
     session.advance(at(13.0));
     assert_eq!(told(&mut session), ["found 5.500000001..9.500000001 @12"]);
@@ -342,7 +342,7 @@ fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
     advances.sort_unstable();
     let mut advances = advances.into_iter().peekable();
     for (which, value, half_seconds) in samples {
-        // Before the sample's instant: what was handed over must be all of it.
+        // Before the instant of the sample, all samples that were passed must count.
         while let Some(half) = advances.next_if(|half| half < half_seconds) {
             session.advance(at(half as f64 / 2.0));
         }
@@ -354,7 +354,7 @@ fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
     session.take_results()
 }
 
-/// Returns all results of plain conditions over samples of one variable, handed over in slices that are cut by `cuts`.
+/// Returns all results of plain conditions over samples of one variable, passed in slices that are divided at `cuts`.
 fn run_plain(
     samples: &[(i64, i64)],
     wanted: &[(i64, i64, i64)],

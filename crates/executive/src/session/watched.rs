@@ -1,4 +1,4 @@
-//! One condition of a session: waiting for its beginning, or at work with its monitor.
+//! One condition of a session: waiting for its beginning, or active with its monitor.
 
 use super::scene::SessionState;
 use crate::expression::EvaluationError;
@@ -18,7 +18,7 @@ use apex_model::event::StateVariable;
 use apex_model::time::{Duration, Time};
 use std::sync::Arc;
 
-/// A condition and what is known about it.
+/// A condition with its monitor and the state of its reports.
 #[derive(Clone, Debug)]
 pub(super) struct WatchedCondition {
     pub(super) condition: Arc<Condition>,
@@ -28,20 +28,20 @@ pub(super) struct WatchedCondition {
     pub(super) told: ReportedResults,
     /// Stimuli that the monitor must receive.
     interests: Vec<Interest>,
-    /// Interests may change: they are about tasks that are not known yet.
+    /// True if interests may change, because the condition refers to tasks that are not known yet.
     changing: bool,
     pub(super) wake: Option<Time>,
-    /// The first result, as it was recognised.
+    /// The first result as it was when it was recognised.
     pub(super) first: Option<Satisfaction>,
     pub(super) results: u64,
-    /// A combination whose leaves banks watch.
+    /// The leaves of a combination that banks watch.
     pub(super) leaves: Option<Leaves>,
     /// Maximum lateness of its samples.
     pub(super) lateness: Duration,
 }
 
 impl WatchedCondition {
-    /// Returns a condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
+    /// Returns a condition that begins at `created_at`. A monitor is made at once as a trial, so that errors are reported early.
     pub(super) fn new(
         condition: Condition,
         created_at: Time,
@@ -68,7 +68,7 @@ impl WatchedCondition {
         Ok(watched)
     }
 
-    /// Makes the monitor and looks back over what is remembered since the condition's beginning.
+    /// Makes the monitor and looks back over the remembered data since the condition's beginning.
     pub(super) fn begin(&mut self, world: &SessionState) -> Result<(), EvaluationError> {
         let window = Window::from(self.created_at);
         let monitor = monitors::create_keeping(&self.condition, window, Keep::Every, world)?;
@@ -93,7 +93,7 @@ impl WatchedCondition {
         self.told = threshold_episode::told(monitor, open_at);
     }
 
-    /// Returns the variable whose samples decide leaf number `leaf`, if a bank may watch it.
+    /// Returns the variable whose samples decide leaf number `leaf`, if a bank may watch that leaf.
     pub(super) fn variable_in_bank(&self, leaf: u32) -> Option<&StateVariable> {
         match &self.leaves {
             Some(leaves) => leaves.variables().nth(leaf as usize),
@@ -117,7 +117,7 @@ impl WatchedCondition {
         }
     }
 
-    /// Results whose intervals still grew, as they are at the end.
+    /// Returns the final state of results whose intervals could still grow.
     pub(super) fn finish(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &self.monitor {
             Some(monitor) => result_report::finish(monitor, &mut self.told, world),
@@ -142,7 +142,7 @@ impl WatchedCondition {
         self.interests.iter().for_each(|interest| interests.remove(interest, narrowed, id));
     }
 
-    /// Returns the threshold of a single comparison, which samples that cannot satisfy it need not pass.
+    /// Returns the threshold of a single comparison: samples that cannot satisfy it need not reach the monitor.
     fn narrowed(&self) -> Narrowed<'static> {
         let threshold = self.monitor.as_ref().and_then(interest::threshold);
         Narrowed { second: None, threshold }
@@ -160,7 +160,7 @@ impl WatchedCondition {
     }
 }
 
-/// Returns the maximum lateness of samples if nothing else is watched.
+/// Returns the maximum lateness of samples if the condition watches only samples.
 fn lateness_of(interests: &[Interest], world: &SessionState) -> Option<Duration> {
     let mut most = Duration::ZERO;
     for interest in interests {

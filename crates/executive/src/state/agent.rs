@@ -48,7 +48,7 @@ pub struct Agent {
     pub name: Symbol,
     /// The goal of the root task.
     pub initial_task: Value,
-    /// Bundles it uses; empty is all.
+    /// Bundles that the agent uses; empty means all.
     pub bundles: Vec<Symbol>,
     /// Its workload, 1 to 9, in the formula of urgency and importance.
     pub workload: f64,
@@ -79,12 +79,12 @@ pub struct Agent {
     pub requests: BTreeMap<SolveRequestId, TaskId>,
     /// Questions without an answer, with the tasks that wait.
     pub questions: BTreeMap<QuestionId, TaskId>,
-    /// Pursuits for conditions with `:probing` while tasks wait for them.
+    /// Probings of conditions with `:probing`, while tasks wait for these conditions.
     #[serde(default, with = "crate::state::pairs")]
     pub probings: BTreeMap<ProbingId, Probing>,
     /// Scheduled wakes.
     pub wakes: WakeQueue,
-    /// Claimants whose priority can change without a change of a task: it rises, or reads histories.
+    /// Claimants whose priority can change without a change of a task, because it rises or reads histories.
     pub unsteady: BTreeSet<TaskId>,
     /// Circles of tasks that wait for each other's resources, as reported.
     #[serde(default)]
@@ -136,7 +136,7 @@ pub struct Counters {
 /// A procedure made from a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Generated {
-    /// The procedure; its index is the goal it was planned for.
+    /// The procedure; its index is the goal for which it was planned.
     pub procedure: Arc<Procedure>,
     /// Derived from the procedure; not part of a snapshot.
     #[serde(skip)]
@@ -145,7 +145,7 @@ pub struct Generated {
     pub source: apex_model::source::SourceFile,
     /// Begun again when it ends.
     pub repeat: bool,
-    /// Serves new tasks; a newer plan for the same goal ends that.
+    /// True while it serves new tasks; a newer plan for the same goal ends that.
     pub current: bool,
     /// Controllers that run it.
     pub users: u32,
@@ -221,7 +221,7 @@ impl Agent {
         }
     }
 
-    /// Returns the clauses of the step from which a task is made; none if there is no step.
+    /// Returns the clauses of the step from which a task is made; empty if there is no step.
     pub fn clauses_of(&self, origin: Origin) -> StepClauses {
         let (Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step)) = origin else {
             return StepClauses::NONE;
@@ -248,7 +248,7 @@ impl Agent {
         if self.burst.0 == now { self.burst.1.max(1) } else { 1 }
     }
 
-    /// Returns true after `EndApplication`: the agent no longer does anything.
+    /// Returns true after `EndApplication`: the agent takes no further steps.
     pub fn is_finished(&self) -> bool {
         self.finished.is_some()
     }
@@ -259,13 +259,13 @@ impl Agent {
         self.tasks.get(id.0)
     }
 
-    /// Returns the task with this number, to change it.
+    /// Returns the task with this number, mutably.
     #[inline]
     pub fn task_mut(&mut self, id: TaskId) -> Option<&mut Task> {
         self.tasks.get_mut(id.0)
     }
 
-    /// Suspends the task, or lifts its suspension. False when it was so already, or is gone.
+    /// Suspends the task, or ends its suspension. Returns false if nothing changes or the task does not exist.
     pub fn set_suspended(&mut self, id: TaskId, suspended: bool) -> bool {
         let Some(task) = self.tasks.get_mut(id.0).filter(|task| task.suspended != suspended) else { return false };
         task.suspended = suspended;

@@ -81,8 +81,8 @@ pub(crate) fn produced(step: &Step) -> Vec<Symbol> {
 /// A task that has ended for good, with the words of its outcome.
 pub(crate) type EndedStep = (TaskId, &'static [&'static str]);
 
-/// Returns the reason why `condition` can never hold: a task that has ended, and the outcome that it did not have. `outcome_of` returns task
-/// and outcome of the step with a tag, once it has ended for good.
+/// Returns the reason for which `condition` can never hold: a task that has ended, and the required outcome that it did not have.
+/// `outcome_of` returns task and outcome of the step with a tag, once that step has ended finally.
 pub(crate) fn missed(
     condition: &Condition,
     outcome_of: &dyn Fn(&Symbol) -> Option<EndedStep>,

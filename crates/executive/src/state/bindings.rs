@@ -1,4 +1,4 @@
-//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no extra space.
+//! Variable bindings of a context: small, ordered by first binding, searched linearly. A single binding needs no allocation.
 
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;

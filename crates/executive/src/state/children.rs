@@ -1,10 +1,10 @@
-//! Children of a task: numbers that come in ascending order and go in any.
+//! Children of a task: numbers that are added in ascending order and removed in any order.
 
 use apex_model::task::TaskId;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use smallvec::SmallVec;
 
-/// Marks the place of a child that is gone; task numbers never come near.
+/// Marks the slot of a removed child; no task number reaches this value.
 const GONE: u64 = 1 << 63;
 
 /// A set of tasks in order of creation. Two numbers take no extra space.
@@ -16,7 +16,7 @@ pub struct Children {
 }
 
 impl Children {
-    /// Adds a child; nothing happens when it is there.
+    /// Adds a child, unless it is there already.
     pub fn insert(&mut self, child: TaskId) {
         match self.place(child) {
             Ok(index) => {
@@ -29,7 +29,7 @@ impl Children {
         }
     }
 
-    /// Takes a child out; nothing happens when it is not there. Constant time on average in addition to the search.
+    /// Removes a child, if it is there. Constant time on average, plus the search.
     pub fn remove(&mut self, child: TaskId) {
         let Ok(index) = self.place(child) else { return };
         let Some(place) = self.places.get_mut(index).filter(|place| **place & GONE == 0) else { return };
@@ -45,7 +45,7 @@ impl Children {
         self.places.binary_search_by_key(&child.0, |place| place & !GONE)
     }
 
-    /// Returns true when `child` is among them.
+    /// Returns true if `child` is contained.
     pub fn contains(&self, child: TaskId) -> bool {
         self.place(child).is_ok_and(|index| self.places.get(index).is_some_and(|place| place & GONE == 0))
     }

@@ -1,4 +1,4 @@
-//! The claim of a task on one resource: its places in queues, its needs, and the time that it takes.
+//! The claim of a task on one resource: its places in queues, its needs, and its expected duration.
 
 use crate::state::queue_place::{QueueKey, QueuePlace, TurnOrder};
 use crate::state::resource_id::ResourceId;
@@ -17,24 +17,24 @@ pub enum Claim {
 /// A claim in a queue.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QueuedClaim {
-    /// Position in the queue; none where it must be compared with each of the others, unless ranks alone count.
+    /// Position in the queue; `None` if the claimant must be compared with each of the others, unless ranks alone count.
     pub place: Option<QueuePlace>,
     /// Position among claimants that all have the lowest of its ranks.
     pub level: Option<QueuePlace>,
-    /// Its priority reads variables: its place must be found again when one of them changes.
+    /// True if its priority reads variables: its place must be computed again when one of them changes.
     pub varies: bool,
     /// Expected duration, if stated.
     pub expected: Option<Duration>,
-    /// Amount that it needs of this resource.
+    /// Needed amount of this resource.
     pub amount: f64,
-    /// Other resources that it needs, with the bits of the amounts.
+    /// Other needed resources, with the bit patterns of the amounts.
     pub others: Vec<(ResourceId, u64)>,
-    /// Its places among the tasks below each ranked task above it, the lowest first.
+    /// Its places among the tasks below each of its ranked ancestors, the lowest ancestor first.
     pub by_rank: Vec<QueueKey>,
 }
 
 impl Claim {
-    /// The claim on one of several resources.
+    /// Returns the claim on one of several resources.
     pub fn of(mut self, resource: ResourceId, needed: f64) -> Claim {
         if let Claim::Queued(claim) = &mut self {
             claim.amount = needed;
@@ -45,7 +45,7 @@ impl Claim {
 }
 
 impl QueuedClaim {
-    /// True if its place among others of the same rank never changes.
+    /// Returns true if its place among others of the same rank never changes.
     pub fn is_steady_within(&self, key: &QueueKey) -> bool {
         let lowest = self.by_rank.first() == Some(key);
         lowest && !self.varies && self.level.as_ref().is_some_and(|level| level.rising.is_empty())
@@ -56,7 +56,7 @@ impl QueuedClaim {
         (self.others.clone(), self.amount.to_bits())
     }
 
-    /// Its place in this order, if it has one there.
+    /// Returns its place in this order, if it has one.
     pub fn key_in(&self, order: TurnOrder, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         match order {
             TurnOrder::Plain => self.place.as_ref()?.now(risen_to),

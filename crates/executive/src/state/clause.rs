@@ -67,17 +67,17 @@ pub struct ClauseMonitor {
     pub level: Level,
     /// The condition's state.
     pub monitor: Monitor,
-    /// Under what the monitor is filed in the agent's table of interests, where the monitor alone does not say.
+    /// Key of the monitor in the agent's table of interests, if the monitor alone does not determine it.
     pub filing: Option<Box<Filing>>,
-    /// The wake that the monitor asked for.
+    /// The wake that the monitor requested.
     pub wake: Option<WakeKey>,
 }
 
-/// Under what a monitor is filed.
+/// Key under which a monitor is filed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Filing {
     /// Its interests, sorted.
     pub interests: Vec<Interest>,
-    /// The second word of the message it waits for, where that is known.
+    /// The second word of the message that the monitor waits for, if known.
     pub second: Option<Value>,
 }

@@ -1,4 +1,4 @@
-//! Controllers: what carries out an ongoing task (paper, section III). One per way of pursuing a goal.
+//! Controllers: the state of an ongoing task's execution (paper, section III). One kind for each kind of method.
 
 use crate::state::bindings::Bindings;
 use crate::state::children::Children;
@@ -13,23 +13,23 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-/// Method for a task's goal: chosen when the task is enabled, kept until it ends or starts over.
+/// Method for a task's goal: chosen when the task is enabled, kept until the task ends or starts over.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Selection {
     /// The goal with its variables filled in.
     pub goal: Value,
     /// The way.
     pub way: MethodBinding,
-    /// The profile: all of it or nothing.
+    /// The needs of the profile, which are granted together or not at all.
     pub needs: Vec<Need>,
-    /// Added to the priority of the task while it is ongoing.
+    /// Added to the priority of the task while the task defends its resources.
     pub interrupt_cost: f64,
     /// Expected duration, if stated.
     pub expected: Option<Duration>,
-    /// The work has begun, and uses what it was granted; until then nothing is used up.
+    /// True if the work has begun and uses its granted amounts; before that, depletable amounts are not consumed.
     #[serde(default)]
     pub begun: bool,
-    /// It fails rather than wait for what it needs, `:refuse-if-busy`.
+    /// True if the task fails instead of waiting for its needs (`:refuse-if-busy`).
     #[serde(default)]
     pub refuses: bool,
 }
@@ -37,9 +37,9 @@ pub struct Selection {
 /// Ways of pursuing a goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MethodBinding {
-    /// By a procedure, with what its index bound.
+    /// A procedure, with the bindings of its index.
     Procedure(ProcedureRef, Bindings),
-    /// By a primitive (its index in the library), with what its index bound.
+    /// A primitive (its index in the library), with the bindings of its index.
     Primitive(u32, Bindings),
     /// By one child per item.
     Items(Vec<Value>),
@@ -66,7 +66,7 @@ pub enum Controller {
     Planning(PlanningController),
     /// A failure is being handled by another goal.
     Handling(HandlingController),
-    /// A built-in activity: done at once.
+    /// A built-in activity that is complete at once.
     BuiltIn,
 }
 
@@ -108,15 +108,15 @@ pub struct PrimitiveController {
     pub end: Option<WakeKey>,
     /// The next update.
     pub update: Option<WakeKey>,
-    /// Spacing of updates, if it has any.
+    /// Interval of updates; `None` without updates.
     pub update_interval: Option<Duration>,
-    /// Time left to the next update when it was interrupted.
+    /// Remaining time to the next update when it was interrupted.
     pub update_left: Duration,
     /// Commands without an answer.
     pub commands: Vec<CommandId>,
     /// Commands taken back by an interruption, to be sent again, with their timeouts.
     pub withdrawn: Vec<(Value, Duration)>,
-    /// It sent commands: it ends with their answers unless it has a duration.
+    /// True if it sent commands: it then ends with their answers, unless it has a duration.
     pub commanded: bool,
     /// The last answer's value.
     pub answer: Option<Value>,
@@ -136,9 +136,9 @@ pub struct ItemsController {
 /// A question to the operator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QuestionController {
-    /// The number under which it was asked last.
+    /// The number under which the question was asked last.
     pub question: QuestionId,
-    /// False while it is withdrawn, because the task is interrupted.
+    /// False while the question is withdrawn, because the task is interrupted.
     pub open: bool,
     /// The question.
     pub text: String,
@@ -161,7 +161,7 @@ pub struct PlanningController {
     pub goal: Value,
     /// Task that runs meanwhile.
     pub meanwhile: Option<TaskId>,
-    /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
+    /// True if the plan is to be pursued as soon as it arrives, because the task's own goal has no procedure.
     pub pursue: bool,
     /// Time limit for the answer.
     pub patience: Duration,

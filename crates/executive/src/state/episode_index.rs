@@ -1,9 +1,9 @@
-//! Undecided plain episodes of one state variable, side by side, so that a sample costs each of them a comparison.
+//! Undecided plain episodes of one state variable, in arrays, so that a sample costs each of them one comparison.
 //!
-//! A plain episode compares a number with fixed bounds, and wants a gap and a least duration at most. Until it is
-//! decided a sample can do three things to it: turn its truth, cut its run by a gap, or reach its duration. The bank
-//! watches for these in arrays; the monitor itself is touched when its episode is decided, or asked for. Whatever is not
-//! an ordinary sample (late, replaced, of another kind) takes every episode out first, and goes the general way.
+//! A plain episode compares a number with fixed bounds, and has at most a greatest gap and a least duration. Until it is decided a sample
+//! can change its truth, end its run by a gap, or complete its duration. The bank watches for these in arrays; the monitor itself is
+//! touched only when its episode is decided or queried. An unusual sample (late, replacing, of another kind) first returns every episode
+//! to its monitor, which then processes the sample.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{ObjectRun, Run, RunSample};
@@ -17,10 +17,10 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Beyond this not every whole number is a double: comparing them takes the general way.
+/// Above this magnitude not every integer is exact as a double: such values take the general path.
 pub const EXACT_INTEGER_MAX: i64 = 1 << 53;
 
-/// Episodes by row. All rows have seen the same samples since they came in.
+/// Episodes by row. All rows have received the same samples since they were added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeIndex {
     dimension: Dimension,
@@ -32,7 +32,7 @@ pub struct EpisodeIndex {
     deadlines: Vec<Time>,
     gaps: Vec<Duration>,
     states: Vec<LeafState>,
-    /// Samples seen so far, the newest included.
+    /// Number of samples received, including the newest.
     samples: i64,
     newest: Time,
     /// The sample before the newest.
@@ -42,9 +42,9 @@ pub struct EpisodeIndex {
     gap_least: Duration,
     gap_most: Duration,
     window_latest: Time,
-    /// First instant at which time alone decides an episode unless a sample comes before, with the episode.
+    /// First instant at which time alone decides an episode unless a sample arrives before, with the episode.
     due: Option<(Time, LeafId)>,
-    /// The wake that was asked for, with its monitor; kept by the caller that feeds the bank.
+    /// The requested wake with its monitor; maintained by the caller that feeds the bank.
     pub wake: Option<(WakeKey, LeafId)>,
 }
 
@@ -53,17 +53,17 @@ pub struct EpisodeIndex {
 struct LeafState {
     duration_min: Duration,
     window_start: Time,
-    /// It has seen a sample before it came in, or `samples` has grown since.
+    /// True if it received a sample before it was added, or `samples` has grown since.
     seen: bool,
     came_at: i64,
-    /// The run with the newest sample, where it holds.
+    /// Start of the run that contains the newest sample, if it satisfies the bounds.
     start: Time,
     first: i64,
     contradicted: bool,
     gap: Option<Duration>,
     open: Option<OpenResult>,
     negated: bool,
-    /// State before the newest sample, if that one changed anything.
+    /// State before the newest sample, if that sample changed it.
     before: Before,
 }
 
@@ -93,7 +93,7 @@ impl LeafState {
         (self.start, self.first) = (at, sample);
     }
 
-    /// Returns true if it has seen one of the first `samples` samples of the bank, or one before it joined.
+    /// Returns true if it has received one of the first `samples` samples of the bank, or one before it was added.
     fn has_seen_any(&self, samples: i64) -> bool {
         self.seen || samples > self.came_at
     }
@@ -104,7 +104,7 @@ fn length(first: i64, last: i64) -> u64 {
     u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
 
-/// Returns the value as a plain number, where comparing it as a double is exact.
+/// Returns the value as a plain number if comparing it as a double is exact.
 pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
     match value {
         Value::Integer(integer) if integer.unsigned_abs() > EXACT_INTEGER_MAX.unsigned_abs() => None,
@@ -159,8 +159,8 @@ impl EpisodeIndex {
         self.due
     }
 
-    /// Takes an undecided episode in: what it wants, and what its samples were. False, and nothing changes, when its
-    /// samples are not those that the others have seen, or its numbers of another dimension.
+    /// Adds an undecided episode with its bounds and the run of its samples. Returns false, and changes nothing, if its samples differ
+    /// from those of the others or its numbers have another dimension.
     pub fn insert(&mut self, leaf: LeafId, wanted: &ThresholdEpisode, run: Option<&ObjectRun>) -> bool {
         let same_samples = self.samples == 0 || run.is_none_or(|run| run.newest.at == self.newest);
         if wanted.dimension != self.dimension || !same_samples || self.contains(leaf) {
@@ -220,7 +220,7 @@ impl EpisodeIndex {
         };
         let Some(ObjectRun { run, newest, contradicted, gap, found, .. }) = run else { return (false, state) };
         let found_at = found.as_ref().map(|found| found.recognised_at);
-        // All but the newest sample first, then the newest as `sample` would take it in.
+        // The state without the newest sample first; the newest is then processed as in `sample`.
         (state.contradicted, state.gap) = (*contradicted, *gap);
         if let Some(run) = run {
             let samples = i64::try_from(run.samples).unwrap_or(i64::MAX);
@@ -241,15 +241,15 @@ impl EpisodeIndex {
 
     /// Returns the number of a sample that [`EpisodeIndex::sample`] can process; `None` if all episodes must be removed first.
     pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
-        // What time alone has decided before the sample must be taken out before the sample is shown.
+        // Episodes that time alone has decided must be taken out before the sample is processed.
         let in_time = self.due.is_none_or(|(due, _)| due >= at);
         let ordinary = at > self.newest && at >= self.window_latest && in_time;
         let (number, dimension) = plain_number(value).filter(|_| ordinary)?;
         (dimension == self.dimension).then_some(number)
     }
 
-    /// Takes in a sample that [`EpisodeIndex::takes`], and returns its effects: runs with a result that are over, runs that
-    /// have one from now on. These stay in the bank, as open ones.
+    /// Processes a sample that [`EpisodeIndex::takes`] accepts, and returns its effects: runs with a result that are over, and runs that
+    /// have a result from now on. The latter stay in the bank, as open ones.
     pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<EpisodeUpdate>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
         let gaps = gap > self.gap_least;
@@ -282,7 +282,7 @@ impl EpisodeIndex {
         self.look_at_deadlines(at, told);
     }
 
-    /// Finds the episodes that the newest sample or the time `now` decides, and what time alone will decide next.
+    /// Finds the episodes that the newest sample or the time `now` decides, and the next one that time alone will decide.
     fn look_at_deadlines(&mut self, now: Time, told: &mut Vec<EpisodeUpdate>) {
         self.due = None;
         let newest = self.newest;
@@ -313,7 +313,7 @@ impl EpisodeIndex {
         taken.extend(leaves.into_iter().filter_map(|leaf| Some((leaf, self.take(leaf)?))));
     }
 
-    /// Takes out the episodes that have a result now, for callers that need one result only.
+    /// Removes the episodes that have a result now, for callers that need one result only.
     pub fn take_decided(&mut self, told: &[EpisodeUpdate], taken: &mut Taken) {
         let decided = told.iter().filter(|each| each.what == What::Found).map(|each| each.leaf);
         self.take_each(decided.collect(), taken);
@@ -357,7 +357,7 @@ impl EpisodeIndex {
         Some(Some(IndexedRun { run, found_at, open_at: state.open.map(|open| open.recognised_at) }))
     }
 
-    /// Takes the episode out, with what [`EpisodeIndex::run_of`] says of it.
+    /// Removes the episode and returns the same as [`EpisodeIndex::run_of`].
     pub fn take(&mut self, leaf: LeafId) -> Option<Option<IndexedRun>> {
         let run = self.run_of(leaf)?;
         let row = self.rows.remove(&leaf)?;

@@ -1,4 +1,4 @@
-//! Tasks whose `invariant` is judged, by what it reads.
+//! Tasks with an `invariant`, by the data that it reads.
 
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Reads {
     /// Attributes of the state variables.
     pub attributes: BTreeSet<Symbol>,
-    /// States of tasks, task variables, functions: each change may concern it.
+    /// True if it reads states of tasks, task variables or functions: each change of these may concern it.
     pub more: bool,
 }
 
@@ -19,7 +19,7 @@ pub struct Reads {
 pub struct Guards {
     tasks: BTreeMap<TaskId, Reads>,
     by_attribute: BTreeMap<Symbol, BTreeSet<TaskId>>,
-    /// Those that read more than samples.
+    /// Tasks whose invariants read more than samples.
     restless: BTreeSet<TaskId>,
 }
 

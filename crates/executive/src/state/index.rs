@@ -1,5 +1,5 @@
-//! Index of a library, built once instead of searches at run time: candidates by the first word of a
-//! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
+//! Index of a library, built once to avoid searches at run time: candidates by the first word of a goal, steps by tag, results that steps
+//! wait for. Derived from the library alone; never part of a snapshot.
 
 use crate::state::awaited_outcomes as outcomes;
 use crate::state::step_clauses::StepClauses;
@@ -17,8 +17,8 @@ use rustc_hash::FxBuildHasher;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
-/// made in flight goes before what is stored for the same goal, since it was requested for use.
+/// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan made in flight
+/// precedes stored procedures for the same goal, because it was requested for use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IndexCandidate {
     /// A generated procedure.
@@ -65,7 +65,7 @@ impl Heads {
     }
 }
 
-/// Returns the symbol that every value matching `pattern` begins with, if there is one.
+/// Returns the symbol with which every value that matches `pattern` begins, if there is one.
 fn head(pattern: &Pattern) -> Option<Symbol> {
     match pattern {
         Pattern::Literal(value) => match value.as_list() {
@@ -83,17 +83,17 @@ fn head(pattern: &Pattern) -> Option<Symbol> {
 /// Index of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepIndex {
-    /// Its preconditions as one condition; none when there are none.
+    /// Its preconditions as one condition; `None` without preconditions.
     pub waitfor: Option<Arc<Condition>>,
     /// Results of other steps that its preconditions, activity, `select` or `forall` mention.
     pub awaits: Vec<Symbol>,
-    /// Those of them that its preconditions mention: until they are there, the preconditions cannot be watched.
+    /// The results that its preconditions mention: the preconditions cannot be watched before these exist.
     pub condition_awaits: Vec<Symbol>,
-    /// The end of its procedure waits for it.
+    /// True if the end of its procedure waits for it.
     pub counts: bool,
-    /// A clause of its procedure or of another step names its failure: the procedure does not fail with it.
+    /// True if a clause of its procedure or of another step names its failure: the procedure then does not fail with it.
     pub failure_awaited: bool,
-    /// Steps whose `waitfor` names how it ended.
+    /// Steps whose `waitfor` names its outcome.
     pub outcome_waiters: Vec<u32>,
     /// Variables that its `=>` binds.
     pub produces: Vec<Symbol>,
@@ -110,7 +110,7 @@ pub struct ProcedureIndex {
     pub steps: Vec<StepIndex>,
     /// Written order gives each step a distinct rank.
     pub ranked_by_order: bool,
-    /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
+    /// Variables whose values may change while the procedure runs: results of steps, and assignments in its forms.
     pub changing: BTreeSet<Symbol>,
 }
 

@@ -23,38 +23,38 @@ pub struct Interests {
     tasks: BTreeMap<TaskId, MonitorSet>,
     any_task: MonitorSet,
     every_step: MonitorSet,
-    /// Also a monitor that is alone is filed by what it compares: more memory, and less time for each sample.
+    /// True if a monitor that is alone is filed by its comparison too: more memory, and less time for each sample.
     narrowing: bool,
 }
 
 /// Monitors of samples of one variable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Watchers {
-    /// Must receive every sample. A monitor that is alone is here whatever it compares.
+    /// Monitors that must receive every sample. A monitor that is alone is filed here, whatever it compares.
     every: MonitorSet,
     /// Must receive samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
-    /// Need receive nothing that leaves their episodes as undecided as they are.
+    /// Monitors that need not receive samples that leave their episodes undecided.
     episodes: Option<Box<EpisodeIndex>>,
 }
 
-/// Monitors of messages that begin with one word, divided further by the second word where it is known.
+/// Monitors of messages that begin with one word, divided further by the second word if known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct HeadInterests {
     general: MonitorSet,
     by_second: BTreeMap<Value, MonitorSet>,
 }
 
-/// Facts about a monitor beyond its interest, so that fewer stimuli reach it.
+/// Further facts about a monitor, so that fewer stimuli reach it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Narrowed<'a> {
-    /// The second word of the messages it waits for.
+    /// The second word of the messages that the monitor waits for.
     pub second: Option<&'a Value>,
-    /// The comparison without which no sample satisfies it.
+    /// The comparison that a sample must satisfy to satisfy the monitor.
     pub threshold: Option<Threshold>,
 }
 
-/// Returns true if messages can be divided by the value: values with several equal spellings (numbers, strings) cannot divide them.
+/// Returns true if messages can be divided by the value: values with several equal notations (numbers, strings) cannot divide them.
 fn divides(second: &Value) -> bool {
     matches!(second, Value::Symbol(_) | Value::Integer(_) | Value::Task(_))
 }
@@ -105,7 +105,7 @@ impl Interests {
         Interests { narrowing: true, ..Interests::default() }
     }
 
-    /// Files `monitor` under `interest`, and under what else is known about it.
+    /// Files `monitor` under `interest`, narrowed by what else is known about it.
     pub fn insert(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
         match interest {
             Interest::Variable(variable) => {
@@ -126,7 +126,7 @@ impl Interests {
         };
     }
 
-    /// Takes `monitor` out from under `interest`; `narrowed` is what it was filed with.
+    /// Removes `monitor` from `interest`; `narrowed` is the value with which it was filed.
     pub fn remove(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
         match interest {
             Interest::Variable(variable) => {
@@ -164,8 +164,8 @@ impl Interests {
         }
     }
 
-    /// Finds the monitors that must receive a sample of `variable`. One that is not the newest of its variable, or takes the place of
-    /// another one, can undo what its forerunner did: all who watch the variable must see it.
+    /// Finds the monitors that must receive a sample of `variable`. A sample that is not the newest of its variable, or replaces another
+    /// one, can undo the effect of an earlier sample: all monitors of the variable then receive it.
     pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut MonitorIds) {
         if let Some(watchers) = self.variables.get(variable) {
             watchers.every.collect_into(found);
@@ -197,7 +197,7 @@ impl Interests {
                     set.collect_into(found);
                 }
             }
-            // A message whose second word has another spelling of the same value: a real for an integer, say.
+            // A message whose second word is another notation of the same value, such as a real for an integer.
             Some(second) if !entry.by_second.is_empty() => {
                 let alike = entry.by_second.iter().filter(|(key, _)| key.matches(second));
                 alike.for_each(|(_, monitors)| monitors.collect_into(found));
@@ -214,8 +214,8 @@ impl Interests {
         self.any_task.collect_into(found);
     }
 
-    /// Puts the undecided episode `leaf` into its variable's bank, from then on without stimuli that the bank can
-    /// handle. False, and nothing changes, when the bank cannot take it.
+    /// Moves the undecided episode `leaf` into the bank of its variable; its monitor then no longer receives stimuli that the bank can
+    /// handle. Returns false, and changes nothing, if the bank cannot watch it.
     pub fn bank(
         &mut self,
         variable: &StateVariable,
@@ -245,7 +245,7 @@ impl Interests {
         self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
 
-    /// Returns the undecided plain episodes of a variable, to feed them.
+    /// Returns the bank of a variable, mutably.
     pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeIndex> {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
@@ -263,7 +263,7 @@ impl Interests {
         watchers.every.is_empty().then_some((watchers.thresholds.as_deref(), watchers.episodes.as_deref_mut()))
     }
 
-    /// Lets the bank of a variable go when nothing is left in it.
+    /// Drops the bank of a variable if it is empty.
     pub fn drop_empty_bank(&mut self, variable: &StateVariable) {
         let Some(watchers) = self.variables.get_mut(variable) else { return };
         watchers.episodes.take_if(|bank| bank.is_empty());
@@ -272,12 +272,12 @@ impl Interests {
         }
     }
 
-    /// Returns true if no monitor is judged at every instant at which anything happens.
+    /// Returns true if no monitor is judged at every instant at which an event happens.
     pub fn ignore_steps(&self) -> bool {
         self.every_step.is_empty()
     }
 
-    /// Finds the monitors that are judged at every instant at which anything happens.
+    /// Finds the monitors that are judged at every instant at which an event happens.
     pub fn of_every_step(&self, found: &mut MonitorIds) {
         self.every_step.collect_into(found);
     }

@@ -1,4 +1,4 @@
-//! Messages that come while a repeating step is busy: its next repetitions answer them.
+//! Messages that arrive while a repeating step is busy: its next repetitions answer them.
 
 use crate::state::histories::history::Occurrence;
 use crate::state::monitors::monitor::Interest;
@@ -8,12 +8,12 @@ use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Messages for which one repeating step listens, and those that it has received.
+/// Messages that one repeating step waits for, and those that it has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Listener {
     /// The first words of the messages; none are all messages.
     heads: Option<BTreeSet<Symbol>>,
-    /// It is busy: its `waitfor` is not watched.
+    /// True if the step is busy: its `waitfor` is then not watched.
     busy: bool,
     /// Messages without an answer, in order of arrival.
     heard: VecDeque<Occurrence>,
@@ -39,7 +39,7 @@ impl Listening {
     }
 
     /// Marks the task as busy. Messages up to `answered`, in order of time and arrival, are answered or skipped; `also` are messages of
-    /// this instant that are not.
+    /// this instant that are not answered.
     pub fn begin<'a>(
         &mut self,
         task: TaskId,
@@ -67,8 +67,8 @@ impl Listening {
         listener.heard.extend(new);
     }
 
-    /// Ends the busy time: the task's `waitfor` is watched again, and its monitor receives messages from now on. Returns those without an
-    /// answer.
+    /// Ends the busy time: the task's `waitfor` is watched again, and its monitor receives messages from now on. Returns the messages
+    /// without an answer.
     pub fn end(&mut self, task: TaskId) -> Vec<Occurrence> {
         let Some(listener) = self.tasks.get_mut(&task) else { return Vec::new() };
         listener.busy = false;
@@ -89,7 +89,7 @@ impl Listening {
         }
     }
 
-    /// Keeps a message; at most `most` wait for one task. Returns the tasks that dropped one for it for the first time.
+    /// Keeps a message; at most `most` are kept for one task. Returns the tasks that dropped a message for the first time.
     pub fn hear(&mut self, message: &Occurrence, most: usize) -> Vec<TaskId> {
         let mut dropping = Vec::new();
         let head = message.head();

@@ -1,12 +1,12 @@
-//! Bytes that an agent holds in large values and samples; tasks and monitors are counted by number.
+//! Bytes of large values and samples of an agent; tasks and monitors are counted by number.
 
 use serde::{Deserialize, Serialize};
 
-/// Bytes of large values and samples. Part of the agent, so that replay refuses the same.
+/// Bytes of large values and samples. Part of the agent, so that a replay rejects the same tasks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryCount {
     /// Large values and samples at the last count.
     pub counted: u64,
-    /// Large values that were bound since; some may be gone.
+    /// Bytes of large values bound since the last count; some of these values may no longer exist.
     pub since: u64,
 }

@@ -1,7 +1,7 @@
 //! The state of an agent: everything that can influence its behaviour, as plain data.
 //!
-//! [`agent::Agent`] holds it all: tasks with their controllers and monitors, histories, resource tables, wakes. It can be
-//! cloned, compared, stored and restored whole. The services of the executive are functions over it.
+//! [`agent::Agent`] holds all of it: tasks with their controllers and monitors, histories, resource tables, wakes. It can be cloned,
+//! compared, stored and restored as a whole. The services of the executive are functions over it.
 
 pub mod agent;
 pub(crate) mod awaited_outcomes;

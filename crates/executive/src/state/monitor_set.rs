@@ -1,4 +1,4 @@
-//! Sets of monitors: most hold one, so one costs nothing; members come in order of their numbers.
+//! Sets of monitors: most contain one, which needs no allocation; members are listed in order of their numbers.
 
 use crate::state::clause::MonitorId;
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub enum MonitorSet {
 }
 
 impl MonitorSet {
-    /// Adds a monitor; nothing happens when it is there.
+    /// Adds a monitor, unless it is there already.
     pub fn insert(&mut self, monitor: MonitorId) {
         match self {
             MonitorSet::Empty => *self = MonitorSet::One(monitor),
@@ -33,7 +33,7 @@ impl MonitorSet {
         }
     }
 
-    /// Takes a monitor out. False when it was not there.
+    /// Removes a monitor. Returns false if it was not there.
     pub fn remove(&mut self, monitor: MonitorId) -> bool {
         match self {
             MonitorSet::Empty => false,

@@ -1,4 +1,4 @@
-//! The orders in which claimants take turns, and the groups of claimants that need the same.
+//! The orders in which claimants take turns, and the groups of claimants with equal needs.
 
 use crate::state::claim::QueuedClaim;
 use crate::state::queue::Queue;
@@ -13,11 +13,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Claimants in each order that may count.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Orders {
-    /// Those whose place follows from themselves alone.
+    /// Claimants whose place depends on themselves alone.
     pub(super) plain: Queue,
-    /// Those with ranks, without regard to these.
+    /// Claimants with ranks, ordered without their ranks.
     pub(super) level: Queue,
-    /// By parent: those with a rank below it, in the order of their ranks.
+    /// By parent: the claimants with a rank below it, in the order of their ranks.
     pub(super) below: BTreeMap<TaskId, BTreeSet<QueueKey>>,
 }
 
@@ -60,19 +60,19 @@ impl Orders {
     }
 }
 
-/// The needs of a claimant: other resources with their amounts, and the amount of this one, as bits.
+/// The needs of a claimant: other resources with their amounts, and the amount of this one, as bit patterns.
 pub(super) type Signature = (Vec<(ResourceId, u64)>, u64);
 
-/// Claimants that need the same for nearly as long.
+/// Claimants that need the same resources for nearly as long.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     pub(super) orders: Orders,
-    /// The number of those that state each expected duration.
+    /// The number of claimants with each expected duration.
     pub(super) spans: BTreeMap<Option<Duration>, usize>,
 }
 
 impl Group {
-    /// The shortest time that one of them says that it takes.
+    /// Returns the shortest expected duration in the group; `None` if none is stated.
     pub fn shortest(&self) -> Option<Duration> {
         self.spans.keys().flatten().next().copied()
     }
@@ -83,7 +83,7 @@ impl Group {
     }
 }
 
-/// The class of a duration: claimants of one class take nearly as long, by a fourth.
+/// Returns the class of a duration: durations of one class differ by at most a fourth.
 pub(super) fn class_of(expected: Option<Duration>) -> u16 {
     const UNKNOWN: u16 = u16::MAX;
     let Some(expected) = expected else { return UNKNOWN };

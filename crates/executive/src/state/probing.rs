@@ -1,4 +1,4 @@
-//! Probing: goals that are pursued again and again while a condition with `:probing` is waited for (active sensing).
+//! Probing: goals that are pursued repeatedly while a task waits for a condition with `:probing` (active sensing).
 
 use crate::state::clause::{Level, MonitorId};
 use crate::state::wake::WakeKey;
@@ -9,7 +9,7 @@ use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 
-/// Names a probing: the monitor, and the place of the `:probing` among those of its condition.
+/// Identifies a probing: the monitor, and the index of the `:probing` among those of its condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ProbingId {
     /// The monitor of the whole condition.
@@ -18,12 +18,12 @@ pub struct ProbingId {
     pub part: u32,
 }
 
-/// A goal pursued as long as a condition is waited for. At most one of its probes lives at a time.
+/// A goal that is pursued as long as a task waits for a condition. At most one of its probes lives at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probing {
     /// The task whose clause it serves.
     pub waiting: TaskId,
-    /// Level of the clause: at the step, the probes are children of the waiting task's parent, else of the task.
+    /// Level of the clause: for a clause of the step the probes are children of the waiting task's parent, otherwise of the task itself.
     pub level: Level,
     /// The condition with the option.
     pub place: Place,
@@ -45,14 +45,14 @@ pub struct Probing {
     pub running: Option<TaskId>,
     /// The next probe, or the end of the time limit.
     pub wake: Option<WakeKey>,
-    /// Reason for which no further probe will begin; `None` while one may.
+    /// Reason for which no further probe will begin; `None` while one may begin.
     pub end: Option<ProbingEnd>,
     /// The clause is watched no more: this is forgotten with its last probe.
     pub forgotten: bool,
 }
 
 impl Probing {
-    /// Returns the earliest beginning of the next probe: `now` for the first one.
+    /// Returns the earliest start of the next probe: `now` for the first one.
     pub fn next_at(&self, now: Time) -> Time {
         self.last_at.map_or(now, |last| last + self.interval)
     }

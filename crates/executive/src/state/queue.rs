@@ -1,4 +1,4 @@
-//! A queue of claimants whose places follow from themselves alone: places that stay, and places that rise with urgency.
+//! A queue of claimants whose places depend on themselves alone: constant places, and places that rise with urgency.
 
 use crate::state::queue_place::{Among, FamilyOrder, QueueKey, QueuePlace, RisingKey};
 use crate::state::turns::{InTurn, Rest};
@@ -12,9 +12,9 @@ const GREATEST_URGENCY_BEFORE: Duration = Duration(500_000_000);
 /// Claimants of one importance, whose priorities rise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct RisingLine {
-    /// Those whose urgency was not the greatest at the last inspection, the earlier due first.
+    /// Claimants whose urgency was below the greatest at the last inspection, the earliest due first.
     rising: BTreeSet<(Time, bool, FamilyOrder)>,
-    /// Those whose urgency is the greatest.
+    /// Claimants with the greatest urgency.
     risen: BTreeSet<Among>,
 }
 

@@ -1,12 +1,12 @@
-//! Places in the queues of a resource, and which of two comes first.
+//! Places in the queues of a resource, and their order.
 
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// Last repetition, parent, step and number: a repeated task comes behind one that was not or was earlier; else written order
-/// among siblings, creation order among others.
+/// Last repetition, parent, step and number. A repeated task comes after one that was not repeated, or was repeated earlier; otherwise
+/// written order counts among siblings, and creation order among others.
 pub type FamilyOrder = (Time, TaskId, u32, TaskId);
 
 /// A rank that counts among the tasks below one parent.
@@ -18,18 +18,17 @@ pub struct RankAmong {
     pub rank: f64,
 }
 
-/// A place in a queue. The first is the greatest priority, then the lower rank, then the greater priority among equal ranks,
-/// then the task that has begun, then the written order.
+/// A place in a queue. The order is: greater priority, lower rank, greater priority among equal ranks, begun tasks first, written order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QueueKey {
-    /// Priority at the time of the claim; of one that rises, now.
+    /// Priority at the time of the claim; for a rising priority, its present value.
     pub priority: f64,
-    /// Its rank, if one counts.
+    /// Its rank, if a rank counts.
     pub rank: Option<RankAmong>,
-    /// Its priority among claimants of the same rank, where ranks come before priorities.
+    /// Its priority among claimants of the same rank, in orders where ranks precede priorities.
     #[serde(default)]
     pub within: f64,
-    /// It has begun, and was interrupted.
+    /// True if the task has begun and was interrupted.
     pub begun: bool,
     /// Parent, step and number.
     pub order: FamilyOrder,
@@ -67,20 +66,20 @@ impl QueueKey {
 pub enum TurnOrder {
     /// By priorities, and by ranks among equals.
     Plain,
-    /// All have this rank, and no other one below it: by priorities alone.
+    /// All claimants have this rank and no lower one: by priorities alone.
     Level(RankAmong),
     /// By ranks below this task, and by priorities among equals.
     Below(TaskId),
 }
 
-/// A place among claimants of one importance whose priorities rise with their urgency: the earlier due is the first.
+/// A place among claimants of one importance whose priorities rise with their urgency: the earliest due is first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RisingKey {
     /// From 0 to 10.
     pub importance: f64,
     /// Instant of its greatest urgency.
     pub due: Time,
-    /// It has begun, and was interrupted.
+    /// True if the task has begun and was interrupted.
     pub begun: bool,
     /// Parent, step and number.
     pub order: FamilyOrder,
@@ -89,7 +88,7 @@ pub struct RisingKey {
 /// Position of a claimant in a queue: the first of its places there, which is that of its greatest priority now.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QueuePlace {
-    /// The place that time does not change; none where all its priorities rise.
+    /// The place that does not change with time; `None` if all its priorities rise.
     pub steady: Option<QueueKey>,
     /// Places that rise.
     pub rising: Vec<RisingKey>,
@@ -102,7 +101,7 @@ impl QueuePlace {
         self.steady.into_iter().chain(risen).min()
     }
 
-    /// False where time alone never brings this one before the other: each of its priorities rises behind one of the other.
+    /// Returns false if time alone never brings this place before the other: each of its priorities rises behind one of the other.
     pub fn may_overtake(&self, other: &QueuePlace) -> bool {
         let behind =
             |own: &RisingKey| other.rising.iter().any(|each| own.importance <= each.importance && own.due >= each.due);

@@ -9,7 +9,7 @@ pub enum Recorded {
     Inserted,
     /// Another value for an instant already known: the later arrival wins.
     Replaced,
-    /// The same value for the same instant: nothing new.
+    /// The same value for the same instant: nothing changes.
     Repeated,
     /// Later than the variable's lateness allows: kept aside.
     TooLate,

@@ -32,16 +32,16 @@ pub struct Holding {
 pub struct Resource {
     /// Its name.
     pub name: Value,
-    /// Total to share: 1, the capacity, or what remains of a depletable (reservations included), in SI.
+    /// Total amount: 1, the capacity, or the rest of a depletable resource (reservations included), in SI.
     pub total: f64,
-    /// True if its users use it up.
+    /// True if its use consumes it.
     pub depletable: bool,
-    /// Amount when it is full, if it can be replenished.
+    /// Amount of the full resource, if it can be replenished.
     #[serde(default)]
     pub renewable: Option<f64>,
     /// The dimension of amounts.
     pub dimension: Dimension,
-    /// Holders, in order of taking. Several holders of one unit are ancestors and descendants.
+    /// Holders, in order of acquisition. Several holders of one unit are ancestors and descendants.
     pub holders: Vec<Holding>,
     /// Enabled and interrupted tasks that claim it.
     pub waiting: Waiting,
@@ -60,7 +60,7 @@ impl ResourceTable {
         self.names.get(name).copied()
     }
 
-    /// Returns the number of the resource `name`, which is of this kind when it is new.
+    /// Returns the number of the resource `name`; a new one is created with `kind`.
     pub fn intern(&mut self, name: &Value, kind: &ResourceKind) -> ResourceId {
         if let Some(id) = self.find(name) {
             return id;
@@ -87,7 +87,7 @@ impl ResourceTable {
         self.resources.get(id.0 as usize)
     }
 
-    /// Returns the resource with this number, to change it.
+    /// Returns the resource with this number, mutably.
     pub fn get_mut(&mut self, id: ResourceId) -> Option<&mut Resource> {
         self.resources.get_mut(id.0 as usize)
     }

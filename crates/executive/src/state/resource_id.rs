@@ -1,4 +1,4 @@
-//! Numbers of resources: what holders and claimants alike name a resource by.
+//! Numbers of resources, by which holders and claimants refer to them.
 
 use serde::{Deserialize, Serialize};
 

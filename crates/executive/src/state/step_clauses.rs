@@ -1,4 +1,4 @@
-//! Kinds of clauses that a step has: most have few, and the executive looks only for those.
+//! Kinds of clauses that a step has: most steps have few, and the executive evaluates only those.
 
 use apex_model::procedure::{ProcedureKind, Step, Transitions};
 
@@ -21,7 +21,7 @@ impl StepClauses {
     pub const REPETITION: StepClauses = StepClauses(1 << 4);
     /// `waitfor`.
     pub const WAITFOR: StepClauses = StepClauses(1 << 5);
-    /// It uses results of other steps.
+    /// The step uses results of other steps.
     pub const AWAITS: StepClauses = StepClauses(1 << 6);
     /// `profile`, `priority`, `rank`, `interrupt-cost`.
     pub const CONTENTION: StepClauses = StepClauses(1 << 7);
@@ -29,7 +29,7 @@ impl StepClauses {
     pub const RANK: StepClauses = StepClauses(1 << 8);
     /// `precondition`, `invariant`.
     pub const EXECUTION: StepClauses = StepClauses(1 << 9);
-    /// Nothing is known: every clause must be looked for.
+    /// The clauses are unknown: every kind must be checked.
     pub const UNKNOWN: StepClauses = StepClauses(u16::MAX);
 
     /// Returns the clauses of `step` of a procedure of this kind; `awaits` is true if it uses results of other steps.

@@ -1,12 +1,12 @@
-//! A table by counted numbers: constant-time access, memory only for what lives.
+//! A table indexed by counters: constant-time access, memory only for living entries.
 //!
-//! Numbers come from counters and are never reused, so the table is a directory of small pages that point into slots;
-//! a page goes when its last entry goes. No hashing, so that nothing depends on a seed. Two tables are equal, and are
-//! stored equal, when they hold the same entries, whatever their slots look like inside.
+//! Numbers come from counters and are never reused, so the table is a directory of small pages that point into slots; a page is freed
+//! with its last entry. There is no hashing, so no result depends on a seed. Two tables are equal, and are stored equally, if they
+//! contain the same entries, whatever the arrangement of their slots.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Numbers of one page: small, so that one old entry does not keep much alive.
+/// Numbers of one page: few, so that one old entry keeps little memory allocated.
 const PAGE: u64 = 64;
 /// Marks a number without entry.
 const VACANT: u32 = u32::MAX;
@@ -20,7 +20,7 @@ pub struct Table<T> {
     length: usize,
 }
 
-/// Slots in chunks of one size: none is moved when more are needed, and few are spare.
+/// Slots in chunks of one size: no slot is moved when more are needed, and few are unused.
 #[derive(Clone, Debug)]
 struct Slots<T>(Vec<Vec<Option<T>>>);
 
@@ -97,7 +97,7 @@ impl<T> Table<T> {
         self.slots.get(self.slot(number)?)
     }
 
-    /// Returns the entry with this number, to change it.
+    /// Returns the entry with this number, mutably.
     #[inline]
     pub fn get_mut(&mut self, number: u64) -> Option<&mut T> {
         let slot = self.slot(number)?;

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Names a procedure: stored ones by their place in the library, generated ones by number.
+/// Identifies a procedure: a stored one by its index in the library, a generated one by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum ProcedureRef {
     /// Index into [`apex_model::library::Library::procedures`].
@@ -50,7 +50,7 @@ pub enum Origin {
     Probe(ProbingId),
 }
 
-/// A task. Small, because a hundred thousand may wait; what few tasks need is boxed.
+/// A task. Small, because a hundred thousand may wait; rarely used fields are boxed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// Its number.
@@ -63,11 +63,11 @@ pub struct Task {
     pub state: TaskState,
     /// Nesting: the root has 0.
     pub depth: u32,
-    /// Its predecessor in a sequence has not ended, or its least interval is not over: what else it waits for.
+    /// Reasons to wait in addition to its conditions, such as its predecessor in a sequence or its least interval.
     pub held_back: HeldBack,
     /// Suspended by a clause or an activity: claims no resources until resumed. Changed by the agent, which counts.
     pub suspended: bool,
-    /// Creation of this instance, or the instant at which it became pending again.
+    /// Creation of this instance, or the instant at which the task became pending again.
     pub created_at: Time,
     /// Last change of its state.
     pub since: Time,
@@ -81,7 +81,7 @@ pub struct Task {
     pub monitors: SmallVec<[MonitorId; 2]>,
     /// Method for its goal; `None` while pending.
     pub selection: Option<Box<Selection>>,
-    /// Controller; `None` until it is ongoing.
+    /// Controller; `None` before the task is ongoing.
     pub controller: Option<Box<Controller>>,
     /// Outcome; `None` while it lives.
     pub outcome: Option<Outcome>,
@@ -95,13 +95,13 @@ pub struct Task {
 /// Preconditions that need no monitor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeldBack {
-    /// The step before it in a sequence has not ended.
+    /// True if the preceding step of a sequence has not ended.
     pub by_predecessor: bool,
     /// Its waitfor is not satisfied.
     pub by_condition: bool,
     /// `:with-min-interval` has not passed.
     pub by_interval: bool,
-    /// It uses the result of another step that is not there yet.
+    /// True if it uses the result of another step that does not exist yet.
     pub by_result: bool,
     /// Its waitfor does: no monitor exists.
     pub by_unknown: bool,
@@ -125,7 +125,7 @@ pub struct Extras {
     pub logs: Vec<u64>,
     /// End of the instance before, for recovery and least intervals.
     pub ended_before: Option<Time>,
-    /// First creation, if it has started over since: its deadline does not move.
+    /// First creation, if it has started over since: its deadline stays.
     pub first_created: Option<Time>,
     /// Instances that started at `instant`, to stop loops that take no time.
     pub instances: u32,
@@ -142,13 +142,13 @@ pub struct Extras {
     pub outside: u64,
     /// Combinations of `:for-new` variables already answered.
     pub answered: BTreeSet<Vec<Value>>,
-    /// The step's repetition is over: it was ended for good.
+    /// True if the step's repetition is over, because it was ended finally.
     pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,
     /// The resource that it was refused at the last arbitration of all claimants, and the winner.
     pub refused: Option<(ResourceId, TaskId)>,
-    /// That it waits has been reported: once for each claim, not at every arbitration.
+    /// True if its waiting has been reported: once for each claim, not at every arbitration.
     pub refusal_told: bool,
     /// The wake at which its rising priority may win.
     pub crossing: Option<WakeKey>,
@@ -160,7 +160,7 @@ impl Task {
         self.extras.get_or_insert_default()
     }
 
-    /// Returns the step that the task was made from, if it was made from one.
+    /// Returns the step from which the task was made; `None` if it was made otherwise.
     pub fn step(&self) -> Option<StepRef> {
         match self.origin {
             Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => Some(step),

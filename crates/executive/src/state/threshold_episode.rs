@@ -1,4 +1,4 @@
-//! Plain episodes as banks know them: their bounds, their runs, and their updates.
+//! Plain episodes in banks: their bounds, their runs and their updates.
 
 use crate::state::clause::MonitorId;
 use crate::state::monitors::monitor::ObjectRun;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct LeafId {
     /// The monitor.
     pub monitor: MonitorId,
-    /// Number of the episode in written order; 0 for the only one.
+    /// Number of the episode in written order; 0 if it is the only one.
     pub leaf: u32,
 }
 
@@ -31,7 +31,7 @@ pub struct ThresholdBounds {
     pub most: f64,
 }
 
-/// A plain episode, as the bank must know it.
+/// The fixed properties of a plain episode in a bank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThresholdEpisode {
     /// Values that satisfy it.
@@ -44,9 +44,9 @@ pub struct ThresholdEpisode {
     pub duration_min: Duration,
     /// Samples before this do not count.
     pub window_start: Time,
-    /// The run has a result already, reported while it is open: only its end is watched for.
+    /// Result that was reported while the run is open: only its end is watched for.
     pub open: Option<OpenResult>,
-    /// It is below a `:not`: samples that contradict it must be reported.
+    /// True if it is below a `:not`: samples that contradict it must be reported.
     pub negated: bool,
 }
 
@@ -62,7 +62,7 @@ pub struct OpenResult {
 /// Run of an episode in a bank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedRun {
-    /// As its monitor would have it, except for the result.
+    /// The run in the form of its monitor, without the result.
     pub run: ObjectRun,
     /// The run before the newest sample has a result, which was recognised then.
     pub found_at: Option<Time>,
@@ -77,7 +77,7 @@ pub enum What {
     Found,
     /// Its run, which had a result, is over.
     Over,
-    /// The newest sample contradicts it, and the one before did not; reported only below a `:not`.
+    /// The newest sample contradicts it and the preceding one did not; reported only below a `:not`.
     Contradicted,
 }
 
@@ -90,7 +90,7 @@ pub struct EpisodeUpdate {
     pub what: What,
     /// The run's first sample.
     pub start: Time,
-    /// Its last sample so far, or at all.
+    /// Its last sample so far; the last one of all if the run is over.
     pub last: Time,
     /// Number of samples.
     pub samples: u64,
@@ -98,5 +98,5 @@ pub struct EpisodeUpdate {
     pub recognised_at: Time,
 }
 
-/// Episodes that left a bank, with what they have seen: none when they have seen nothing.
+/// Episodes that left a bank, with their state; `None` for one that has received no sample.
 pub type Taken = Vec<(LeafId, Option<IndexedRun>)>;

@@ -1,5 +1,5 @@
-//! Monitors of one state variable by the bounds they compare it with, so that a sample touches only those whose
-//! comparison can be true.
+//! Monitors of one state variable, sorted by the bounds of their comparisons, so that a sample touches only those whose comparison can be
+//! true.
 
 use crate::planted::{self, Bug};
 use crate::state::clause::MonitorId;
@@ -10,7 +10,7 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// A comparison with a number that never changes: without it a sample cannot satisfy the condition.
+/// A comparison with a constant number that a sample must satisfy to satisfy the condition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Threshold {
     /// The side of the bound on which a sample must be.
@@ -33,7 +33,7 @@ pub enum Side {
 }
 
 impl Threshold {
-    /// Returns the threshold of `relation` to `right`; `None` if a sample of every size may satisfy it, or none can.
+    /// Returns the threshold of `relation` to `right`; `None` if samples of every size may satisfy it, or none can.
     pub fn of(relation: Relation, right: &Value) -> Option<Threshold> {
         let (bound, dimension) = right.as_number().filter(|(bound, _)| !bound.is_nan())?;
         let side = match relation {
@@ -50,7 +50,7 @@ impl Threshold {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Thresholds(Vec<OfDimension>);
 
-/// Thresholds of one dimension. Samples of another one are shown to all, because comparing them is an error to report.
+/// Thresholds of one dimension. A sample of another dimension reaches all monitors, because the comparison is an error to report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct OfDimension {
     dimension: Dimension,
@@ -59,7 +59,7 @@ struct OfDimension {
     at: BTreeSet<(Key, MonitorId)>,
 }
 
-/// A bound as a number in the order of bounds; both zeros are one.
+/// A bound as a number in the order of bounds; both zeros are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 struct Key(u64);
 
@@ -101,7 +101,7 @@ impl Thresholds {
         self.0.push(group);
     }
 
-    /// Takes `monitor` out. False when it was not there.
+    /// Removes `monitor`. Returns false if it was not there.
     pub fn remove(&mut self, threshold: Threshold, monitor: MonitorId) -> bool {
         let Some(index) = self.0.iter().position(|group| group.dimension == threshold.dimension) else { return false };
         let Some(group) = self.0.get_mut(index) else { return false };
@@ -117,7 +117,7 @@ impl Thresholds {
         self.0.is_empty()
     }
 
-    /// Monitors whose comparison with `value` may be true, or an error.
+    /// Finds the monitors whose comparison with `value` may be true, or an error.
     pub fn of_value(&self, value: &Value, found: &mut MonitorIds) {
         let number = value.as_number().filter(|(number, _)| !number.is_nan());
         for group in &self.0 {
@@ -173,7 +173,7 @@ mod tests {
         for (number, (relation, right)) in (0..).zip(&bounds) {
             thresholds.insert(Threshold::of(*relation, right).unwrap(), MonitorId(number));
         }
-        // The bound in seconds is shown every plain number: comparing them is an error that must be reported.
+        // The bound in seconds receives every plain number, because that comparison is an error to report.
         assert_eq!(of(&thresholds, Value::Integer(6)), [0, 1, 4]);
         assert_eq!(of(&thresholds, Value::Integer(0)), [1, 2, 3, 4]);
         assert_eq!(of(&thresholds, Value::Real(-4.0)), [2, 4]);

@@ -1,4 +1,4 @@
-//! TurnSource: claimants of a resource, taken from all its queues in the order in which they come before the arbiter.
+//! Turns: claimants of a resource, taken from all its queues in the order of arbitration.
 
 use crate::state::queue_place::{Among, FamilyOrder, QueueKey};
 use apex_model::task::TaskId;
@@ -12,11 +12,11 @@ pub struct InTurn<'a, F> {
     lines: Vec<QueuePrefix<'a>>,
     risen_to: F,
     now: Time,
-    /// Those that had their turn, where a claimant can have several places: only the first counts.
+    /// Claimants that had their turn, if a claimant can have several places: only the first place counts.
     taken: Option<BTreeSet<TaskId>>,
 }
 
-/// A queue, as far as it was gone through.
+/// A queue, with the state of the pass through it.
 pub(super) struct QueuePrefix<'a> {
     next: Option<QueueKey>,
     rest: Rest<'a>,
@@ -31,7 +31,7 @@ pub(super) enum Rest<'a> {
     Rising {
         importance: f64,
         risen: Peekable<btree_set::Iter<'a, Among>>,
-        /// Those that reached the greatest urgency since the queue was last inspected.
+        /// Claimants that reached the greatest urgency since the queue was last inspected.
         caught_up: Peekable<std::vec::IntoIter<(Time, Among)>>,
         rising: btree_set::Iter<'a, (Time, bool, FamilyOrder)>,
     },
@@ -44,11 +44,11 @@ impl<'a> Rest<'a> {
     }
 }
 
-/// Claimants in the order of their turns, however their priorities rise.
+/// Claimants in the order of their turns, also while their priorities rise.
 pub trait TurnSource {
     /// The next claimant.
     fn next(&mut self) -> Option<QueueKey>;
-    /// Leaves out those before a place, and the one at it.
+    /// Skips all claimants up to and including this place.
     fn skip_to(&mut self, position: QueueKey);
     /// The next claimant of each queue.
     fn heads(&self) -> Vec<QueueKey>;
@@ -107,7 +107,7 @@ impl<'a, F: Fn(f64, Time) -> f64> InTurn<'a, F> {
                     (Some(first), Some((_, second))) => *first <= second,
                     (first, _) => first.is_some(),
                 };
-                // The greatest urgency is the same, however long ago it was reached.
+                // The greatest urgency is equal for all, however long ago it was reached.
                 let next = if older { risen.next().map(|among| key(now, *among)) } else { None };
                 let next = next.or_else(|| caught_up.next().map(|(due, among)| key(due, among)));
                 next.or_else(|| rising.next().map(|(due, waits, order)| key(*due, (*waits, *order))))

@@ -1,8 +1,8 @@
-//! Claimants of one resource: all of them, and queues of those whose place follows from themselves alone.
+//! Claimants of one resource: all of them, and queues of those whose place depends on themselves alone.
 //!
-//! A claimant is in a queue when its place among the others changes with nothing but variables, or rises with its
-//! urgency in a way that never changes the order of its equals. The first ones then decide for all behind them.
-//! Others stand apart: where there is one of them, all claimants are compared, unless ranks alone put all in order.
+//! A claimant is in a queue if its place among the others changes only with variables, or rises with its urgency in a way that never
+//! changes the order of its equals. The first claimants then decide for all behind them. Other claimants are apart: if there is one, all
+//! claimants are compared, unless ranks alone order all of them.
 
 use crate::state::claim::{Claim, QueuedClaim};
 use crate::state::orders::{Group, Orders, Signature, class_of};
@@ -14,7 +14,7 @@ use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Groups of one resource that are gone through one by one.
+/// Greatest number of groups of one resource that are searched linearly.
 const GROUPS_MAX: usize = 32;
 
 /// Enabled and interrupted tasks that claim a resource.
@@ -22,15 +22,15 @@ const GROUPS_MAX: usize = 32;
 pub struct Waiting {
     claims: BTreeMap<TaskId, Claim>,
     all: Orders,
-    /// By what claimants need, and the class of the time that they take.
+    /// By the needs of the claimants, and the class of their expected durations.
     groups: BTreeMap<Signature, BTreeMap<u16, Group>>,
-    /// By parent: how many of the claimants have a rank below it, and the priority of the one that came last.
+    /// By parent: the number of claimants with a rank below it, and the priority of the one added last.
     ranked: BTreeMap<TaskId, (usize, f64)>,
     /// By parent: ranks of claimants below it.
     ranks: BTreeMap<TaskId, Ranks>,
-    /// Those whose place depends on variables or on more.
+    /// Claimants whose place depends on variables or on more.
     sensitive: BTreeSet<TaskId>,
-    /// Number of those without a place.
+    /// Number of claimants without a place.
     apart: usize,
 }
 
@@ -39,14 +39,14 @@ pub struct Waiting {
 struct Ranks {
     /// Number of claimants of each rank, by its bits.
     counts: BTreeMap<u64, usize>,
-    /// For how many it is the lowest one.
+    /// Number of claimants for which it is the lowest rank.
     lowest: usize,
-    /// The number of those without a steady place among others of the same rank.
+    /// Number of claimants without a constant place among others of the same rank.
     unsteady: usize,
 }
 
 impl Waiting {
-    /// Adds the task, or changes how it waits.
+    /// Adds the claim of the task, or replaces it.
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
         match &claim {
@@ -70,7 +70,7 @@ impl Waiting {
         self.claims.insert(task, claim);
     }
 
-    /// Takes the task out. False if it did not wait.
+    /// Removes the task. Returns false if it did not wait.
     pub fn remove(&mut self, task: TaskId) -> bool {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
@@ -162,12 +162,12 @@ impl Waiting {
         self.claims.keys().copied()
     }
 
-    /// Tasks whose place may change with a variable or with what is measured.
+    /// Returns the tasks whose place may change with a variable or a measurement.
     pub fn sensitive(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.sensitive.iter().copied()
     }
 
-    /// The order that counts among all claimants; none where all must be compared.
+    /// Returns the order that counts among all claimants; `None` if all must be compared.
     pub fn order(&self) -> Option<TurnOrder> {
         if self.apart == 0 {
             return Some(TurnOrder::Plain);
@@ -175,7 +175,7 @@ impl Waiting {
         self.level().map(TurnOrder::Level).or_else(|| self.parent_of_ranks().map(TurnOrder::Below))
     }
 
-    /// The rank, if it is the lowest one of all claimants.
+    /// Returns the rank of all claimants, if it is the same and the lowest one of each.
     fn level(&self) -> Option<RankAmong> {
         let Claim::Queued(first) = self.claims.first_key_value()?.1 else { return None };
         let rank = first.by_rank.first()?.rank?;
@@ -184,10 +184,10 @@ impl Waiting {
         (all && self.all.level.len() == self.claims.len()).then_some(rank)
     }
 
-    /// The highest parent below which ranks put all claimants in order: nothing else counts between separate ranks, and only
-    /// priorities that stay count between equal ones.
+    /// Returns the highest parent below which ranks order all claimants: only the rank counts between different ranks, and only constant
+    /// priorities between equal ones.
     pub fn parent_of_ranks(&self) -> Option<TaskId> {
-        // One that is above all is above the first. The highest comes first: it is the same for most resources.
+        // A parent that is above all claimants is above the first. The highest is tried first: it is the same for most resources.
         let Claim::Queued(first) = self.claims.first_key_value()?.1 else { return None };
         let count = self.claims.len();
         let mut parents = first.by_rank.iter().rev().filter_map(|key| Some(key.rank?.parent));
@@ -197,13 +197,13 @@ impl Waiting {
         })
     }
 
-    /// True if several claimants have the same rank below the parent.
+    /// Returns true if several claimants have the same rank below the parent.
     pub fn has_equal_ranks(&self, parent: TaskId) -> bool {
         self.ranks.get(&parent).is_some_and(|ranks| ranks.counts.len() < self.claims.len())
     }
 
-    /// Returns true if only the one who holds the resource counts for claimants of this rank: none has it, or priorities that
-    /// stay decide among all who have.
+    /// Returns true if claimants of this rank need only be compared with the holder: no claimant has the rank, or constant priorities
+    /// order all that have it.
     pub fn admits_rank(&self, rank: RankAmong) -> bool {
         self.ranks.get(&rank.parent).is_none_or(|ranks| ranks.unsteady == 0) || !self.has_rank(rank)
     }
@@ -213,7 +213,7 @@ impl Waiting {
         self.ranks.get(&rank.parent).is_some_and(|ranks| ranks.counts.contains_key(&bits_of(rank.rank)))
     }
 
-    /// The parent below which ranks are the order of the queue, so that priorities do not count between separate ranks.
+    /// Returns the parent below which ranks are the order of the queue, so that priorities do not count between different ranks.
     pub fn ordered_below(&self) -> Option<TaskId> {
         match self.order()? {
             TurnOrder::Below(parent) => Some(parent),
@@ -231,21 +231,21 @@ impl Waiting {
         self.all.plain.has_rising() || self.all.level.has_rising()
     }
 
-    /// Returns the shortest time that one of those in queues says that it takes who need no more than this.
+    /// Returns the shortest expected duration of queued claimants that need at most the free capacity; `None` if none is stated.
     pub fn shortest(&self, room: f64) -> Option<Duration> {
         let fits = |signature: &Signature| f64::from_bits(signature.1) <= room;
         let groups = self.groups.iter().filter(|(signature, _)| fits(signature));
         groups.flat_map(|(_, classes)| classes.values()).filter_map(Group::shortest).min()
     }
 
-    /// Groups of claimants: what they need of others, and of this resource.
+    /// Returns the groups of claimants: their needs of other resources, and of this one.
     pub fn groups(&self) -> impl Iterator<Item = (&[(ResourceId, u64)], f64, &Group)> {
         self.groups.iter().flat_map(|((others, amount), classes)| {
             classes.values().map(move |group| (others.as_slice(), f64::from_bits(*amount), group))
         })
     }
 
-    /// True if so many claimants need separate things that groups of them are of no use.
+    /// Returns true if the claimants have so many different needs that grouping them is useless.
     pub fn has_many_groups(&self) -> bool {
         self.groups.len() > GROUPS_MAX
     }
@@ -263,8 +263,8 @@ impl Waiting {
     /// Returns the priority of those that have ranks; `None` if no rank counts.
     ///
     /// # Errors
-    /// When the order of ranks and priorities cannot be read from the queues: ranks below several parents, or claimants
-    /// without rank that are as important.
+    /// If the queues do not determine the order of ranks and priorities: ranks below several parents, or claimants without rank that have
+    /// the same priority.
     pub fn priority_of_ranked(&self) -> Result<Option<f64>, OrderUnknown> {
         match self.order() {
             None => return Err(OrderUnknown),
@@ -302,7 +302,7 @@ impl Waiting {
         claim.key_in(order, risen_to)
     }
 
-    /// The places of the task by its priorities, in an order where these count.
+    /// Returns the places of the task by its priorities, in an order where these count.
     pub fn place_of(&self, task: TaskId, order: TurnOrder) -> Option<&QueuePlace> {
         let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
         match order {
@@ -311,13 +311,13 @@ impl Waiting {
         }
     }
 
-    /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
+    /// Returns the queued claimants, the first one first; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         self.all.in_turn(self.order().unwrap_or(TurnOrder::Plain), now, risen_to)
     }
 }
 
-/// Places in queues do not say which claimant is the first.
+/// The places in queues do not determine which claimant is the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderUnknown;
 

@@ -1,4 +1,4 @@
-//! TurnOrder and counts of waiting claimants.
+//! Order of turns and counts of waiting claimants.
 
 use super::*;
 use crate::state::queue_place::{QueuePlace, RisingKey};
@@ -39,7 +39,7 @@ fn urgent_claimants_stand_by_what_they_are_worth_now() {
         let key = RisingKey { importance, due: Time(due * 1_000_000_000), begun: false, order };
         QueuePlace { steady: None, rising: vec![key] }
     };
-    // Worth the importance less the time left.
+    // The priority is the importance less the remaining time.
     let worth =
         |now: i64| move |importance: f64, due: Time| importance - ((due.0 - now * 1_000_000_000) as f64 / 1e9).max(0.5);
     for (task, importance, due) in [(4, 9.0, 20), (3, 9.0, 10), (2, 5.0, 4), (1, 5.0, 4)] {

@@ -30,12 +30,12 @@ pub enum Wake {
     SolveTimeout(SolveRequestId),
 }
 
-/// Names an entry of the queue, so that it can be taken back.
+/// Identifies an entry of the queue, so that it can be cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct WakeKey {
     /// Instant.
     pub at: Time,
-    /// Numbers entries of one instant in order of making.
+    /// Number of the entry among those of one instant, in order of creation.
     pub number: u64,
 }
 
@@ -55,7 +55,7 @@ impl WakeQueue {
         key
     }
 
-    /// Takes an entry back; nothing happens when it is gone already.
+    /// Cancels an entry; does nothing if the entry no longer exists.
     pub fn cancel(&mut self, key: WakeKey) {
         self.entries.remove(&key);
     }

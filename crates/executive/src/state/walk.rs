@@ -1,4 +1,4 @@
-//! Expressions, part by part: every expression inside of another one, the outer one first.
+//! Traversal of expressions: every nested expression, the outer one first.
 
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::procedure::Activity;

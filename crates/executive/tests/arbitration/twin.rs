@@ -1,5 +1,5 @@
-//! The naive arbiter: the rules of `pdl.md`, Conflicts and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
-//! with every set of holders tried. It shares nothing with the executive.
+//! The naive arbiter: the rules of `pdl.md`, Conflicts and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one, with
+//! every set of holders tried. It shares no code with the executive.
 
 mod order;
 mod room;
@@ -8,7 +8,7 @@ use super::world::{FUEL, Moment, Node, RESOURCES, World};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Not created, or ended and gone.
+    /// Not created yet, or ended and removed.
     Absent,
     Pending,
     Enabled,
@@ -16,7 +16,7 @@ pub enum State {
     Interrupted,
 }
 
-/// A task that was refused, and when it can begin at the earliest, if that is known.
+/// A task that was refused, and the earliest instant at which it can begin, if known.
 struct Awaited {
     task: usize,
     earliest: Option<i64>,
@@ -31,7 +31,7 @@ struct Outcome {
     impossible: Vec<usize>,
 }
 
-/// All that decides who gets what,, except for the time.
+/// Everything that decides an arbitration, except for the time.
 #[derive(PartialEq)]
 struct Competition {
     states: Vec<State>,
@@ -46,7 +46,7 @@ pub struct Twin {
     nodes: Vec<Node>,
     pub states: Vec<State>,
     suspended: Vec<bool>,
-    /// Those that can never get what they need, and whose failure is not handled yet.
+    /// Tasks whose needs can never be met, and whose failure is not handled yet.
     failed: Vec<bool>,
     /// Number of creation.
     born: Vec<u32>,
@@ -54,12 +54,12 @@ pub struct Twin {
     since: Vec<u32>,
     /// Time for which it was ongoing before that.
     worked: Vec<u32>,
-    /// Remainder of each need: parts of a reservation that descendants used up are gone.
+    /// Remainder of each need: parts of a reservation that descendants consumed are subtracted.
     needs: Vec<[f64; 4]>,
     pub totals: [f64; 4],
     now: u32,
     births: u32,
-    /// Events of this instant: tasks created now see them too.
+    /// Events of this instant: tasks created now receive them too.
     present: Option<Moment>,
     /// Competition at the last decision of the arbiter.
     competed: Option<Competition>,
@@ -170,7 +170,7 @@ impl Twin {
         a == b || self.is_above(a, b) || self.is_above(b, a)
     }
 
-    /// Returns the task and all above it.
+    /// Returns the task and all its ancestors.
     fn ancestors(&self, task: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(task), |each| self.nodes[*each].parent)
     }
@@ -181,7 +181,7 @@ impl Twin {
         }
     }
 
-    /// A task ends, with what is below it; what it had reserved is used up if it ended on its own.
+    /// Ends a task with its subtree; its reservations are consumed if it ended on its own.
     fn end(&mut self, task: usize, used: bool) {
         self.failed[task] = false;
         if self.states[task] == State::Absent {
@@ -202,7 +202,7 @@ impl Twin {
         }
     }
 
-    /// Contention after contention, until nothing changes. The passing of time alone grants nothing.
+    /// Repeats contention until nothing changes. The passing of time alone grants nothing.
     fn settle(&mut self) {
         for _ in 0..100 {
             let competition = Competition {
@@ -245,7 +245,7 @@ impl Twin {
         }
         self.handle_failures();
         for task in impossible {
-            // What handles its failure does not begin below a task that stops working: it is considered again when that task continues.
+            // A failure handler does not begin below a task that stops: it is considered again when that task continues.
             if self.parent_works(task) {
                 self.end_below(task);
                 self.states[task] = State::Absent;
@@ -269,8 +269,8 @@ impl Twin {
         }
     }
 
-    /// Lets handlers of failures of the round before take this round, also if the parent has just lost its resources: the
-    /// failed task works until its failure is handled.
+    /// Lets handlers of failures of the preceding round begin, even if the parent has just lost its resources: the failed task is ongoing
+    /// until its failure is handled.
     fn handle_failures(&mut self) {
         let handled: Vec<usize> = (0..self.nodes.len()).filter(|task| self.failed[*task]).collect();
         for task in &handled {
@@ -285,8 +285,8 @@ impl Twin {
         self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing)
     }
 
-    /// No step of a task that stops working begins: of such steps, those are excluded whose task stops for a task that begins;
-    /// if there is none of these, the last.
+    /// Returns the steps that do not begin because their task stops: those whose task stops for a task that begins; if there is none of
+    /// these, the last one.
     fn barred(&self, outcome: &Outcome) -> Vec<usize> {
         let parent_stops_for = |task: usize| {
             let parent = self.nodes[task].parent.filter(|parent| !outcome.granted.contains(parent))?;
@@ -339,7 +339,7 @@ impl Twin {
         (-self.priority(task), waits_to_begin, parent, task, self.born[task])
     }
 
-    /// The task has not begun, or one goes before it that has not.
+    /// Returns true if the task has not begun, or a task that has not begun precedes it.
     fn waits_to_begin(&self, task: usize, competitors: &[usize]) -> bool {
         let mut ahead = competitors.iter().filter(|each| self.goes_before(**each, task));
         !matches!(self.states[task], State::Ongoing | State::Interrupted)

@@ -1,9 +1,9 @@
-//! Worlds: a tree of tasks with needs, priorities, ranks and costs, and what happens to them. Written as PDL.
+//! Random worlds: a tree of tasks with needs, priorities, ranks and costs, and the events that start and stop them. Written as PDL.
 
 use proptest::prelude::*;
 use std::ops::Range;
 
-/// Names and totals of the resources: one indivisible, one shared by three, one used up.
+/// Names and totals of the resources: one indivisible, one shared by three, one depletable.
 pub const RESOURCES: [(&str, f64); 4] = [("camera", 1.0), ("path", 1.0), ("link", 3.0), ("fuel", 10.0)];
 /// The index of the resource that is used up.
 pub const FUEL: usize = 3;
@@ -11,26 +11,26 @@ pub const FUEL: usize = 3;
 /// A task: a leaf that works until it is stopped, or a group with tasks below it.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// The group it belongs to; none is a step of the root.
+    /// The group that contains it; `None` for a step of the root.
     pub parent: Option<usize>,
     pub is_group: bool,
     /// A group of kind `:ranked`: its steps have the ranks 1 to n.
     pub ranked: bool,
-    /// It waits for its own `(go N)`.
+    /// True if it waits for its own message `(go N)`.
     pub waits: bool,
     /// Amount of each resource; 0 is no need.
     pub needs: [u8; 4],
     pub priority: Option<f64>,
     pub rank: Option<i32>,
     pub cost: Option<f64>,
-    /// Stated duration in seconds, whatever it does.
+    /// Stated duration in seconds, which need not be true.
     pub expected: Option<u32>,
 }
 
 /// Event of one instant.
 #[derive(Clone, Debug)]
 pub enum Moment {
-    /// These tasks may begin, these are stopped.
+    /// The tasks that may begin, and the tasks that are stopped.
     Changes(Vec<usize>, Vec<usize>),
     Hold(usize),
     Free(usize),
@@ -92,7 +92,7 @@ pub fn worlds(ranked_share: f64, expected_share: f64) -> impl Strategy<Value = W
     worlds_of(2..10, ranked_share, expected_share)
 }
 
-/// Returns the same with so many tasks.
+/// Returns worlds like [`worlds`], with `count` tasks.
 pub fn worlds_of(count: Range<usize>, ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
     count.prop_flat_map(move |count| {
         let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share, expected_share)).collect();

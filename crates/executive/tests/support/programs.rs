@@ -1,4 +1,4 @@
-//! Programs with inputs that between them use every service.
+//! Programs with inputs that together use every service.
 
 use super::{answer, message, sample, seconds, value};
 use apex_model::effect::SolveRequestId;

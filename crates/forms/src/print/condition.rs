@@ -1,4 +1,4 @@
-//! Conditions as text, in one canonical form each.
+//! Conditions as text, each in one canonical form.
 
 use super::layout::{joined, list_text};
 use super::style::Style;
@@ -24,7 +24,7 @@ impl Style {
         self.with_probing(condition, String::new())
     }
 
-    /// Returns the condition with the text of its `:probing` option, which stands inside.
+    /// Returns the text of the condition with its `:probing` option, which goes inside the form.
     fn with_probing(self, condition: &Condition, probing: String) -> String {
         let tag = condition.tag.as_ref().map_or(String::new(), Symbol::to_string);
         match &condition.kind {
@@ -116,7 +116,7 @@ impl Style {
         list_text(":measurement", parts)
     }
 
-    /// Returns the constraints on the value as they stand behind the state variable, if they may.
+    /// Returns the value constraints in the short form directly after the state variable, if they permit it.
     fn short_values(self, constraints: &[Constraint]) -> Option<String> {
         match (self, constraints) {
             (_, []) => None,

@@ -9,7 +9,7 @@ use apex_model::procedure::Activity;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Functions whose first argument is a datum with holes.
+/// Functions with a template, a datum with holes, as first argument.
 const FORM_FIRST: &[&str] = &["cogevent", "command", "inform", "publish"];
 
 impl Style {
@@ -122,7 +122,7 @@ impl Style {
         }
     }
 
-    /// Returns a step's activity as text, with its variables as they are written; of a built-in one the arguments in order.
+    /// Returns a step's activity as text, with its variables as written; for a built-in activity, the arguments in order.
     pub fn activity(self, activity: &Activity) -> String {
         match activity {
             Activity::Goal(goal) => self.template(goal),
@@ -138,7 +138,7 @@ impl Style {
     }
 }
 
-/// Returns an expression that stands where FORM is read, as exact text.
+/// Returns an expression in a place where FORM is expected, as exact text.
 pub fn form_text(expr: &Expr) -> String {
     match &expr.kind {
         ExprKind::Constant(value) => Style::Exact.literal(value),
@@ -189,7 +189,7 @@ fn with_body(kind: &ExprKind) -> String {
     }
 }
 
-/// Returns the same forms, their bodies abbreviated.
+/// Returns the same forms with abbreviated bodies.
 fn without_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, ..) => format!("(if {} ..)", Style::Brief.expression(test)),

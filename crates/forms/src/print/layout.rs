@@ -1,4 +1,4 @@
-//! Parts of a form put together.
+//! Joining the parts of a form.
 
 /// `(head part..)`, empty parts left out.
 pub fn list_text(head: &str, parts: impl IntoIterator<Item = String>) -> String {

@@ -1,4 +1,4 @@
-//! The printer of PDL forms: nouns back to flat PDL text.
+//! The printer of PDL forms: converts parsed forms back to flat PDL text.
 
 mod condition;
 mod cyclic;

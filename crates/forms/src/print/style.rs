@@ -6,7 +6,7 @@ use apex_model::value::Value;
 /// Amount of detail with which a form is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// Text that reads back as exactly the same noun.
+    /// Text from which exactly the same form is read.
     Exact,
     /// Text for traces and explanations: bodies are abbreviated as `..`, numbers are rounded, names are not quoted.
     Brief,

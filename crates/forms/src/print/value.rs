@@ -1,4 +1,4 @@
-//! Values as text that reads back as exactly the same value.
+//! Values as text from which exactly the same value is read.
 
 use apex_model::quantity::{Quantity, Unit, format_rounded};
 use apex_model::symbol::Symbol;
@@ -14,7 +14,7 @@ pub(super) fn value_text(value: &Value) -> String {
     }
 }
 
-/// Returns the shortest spelling in the quantity's own unit that gives the same bits; else in SI.
+/// Returns the shortest text in the quantity's stated unit that gives the same bits, or otherwise its text in SI units.
 fn quantity_text(quantity: &Quantity) -> String {
     let spelling = |unit: &'static Unit, number: &str| {
         let exact = number.parse::<f64>().is_ok_and(|parsed| Quantity::of(parsed, unit) == *quantity);

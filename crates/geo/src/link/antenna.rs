@@ -9,6 +9,6 @@ pub struct Antenna {
     pub position: Position,
     /// Altitude above mean sea level, m.
     pub altitude_m: f64,
-    /// Height above the ground below it, m.
+    /// Height above the ground, m.
     pub height_m: f64,
 }

@@ -42,14 +42,14 @@ impl Default for RadioFigures {
 }
 
 impl RadioFigures {
-    /// Returns the same radio with the power at which free space alone gives a signal level of 1 at `distance_m`.
+    /// Returns the radio with the power for which free space alone gives a signal level of 1 at `distance_m`.
     pub fn with_full_level_at(self, distance_m: f64) -> RadioFigures {
         let loss_db = free_space_loss_db(self.frequency_hz, distance_m);
         let power_dbm = self.sensitivity_dbm + FULL_LEVEL_DB + loss_db + self.losses_db - self.gains_dbi;
         RadioFigures { power_dbm, ..self }
     }
 
-    /// Returns the signal level of a margin: 0 at the sensitivity, 1 from [`FULL_LEVEL_DB`] above it on, linear in dB between.
+    /// Returns the signal level of a margin: 0 at the sensitivity, 1 from [`FULL_LEVEL_DB`] above it on, linear in dB in between.
     pub fn signal_level(&self, margin_db: f64) -> f64 {
         ((margin_db + self.fade_margin_db) / FULL_LEVEL_DB).clamp(0.0, 1.0)
     }
@@ -81,7 +81,7 @@ impl RadioFigures {
         (free_db + edge_db).max(reflected_db)
     }
 
-    /// Returns the margin between two antennas, dB: [`RadioFigures::margin_db`] of what [`RadioFigures::loss_db`] leaves.
+    /// Returns the margin between two antennas, dB: [`RadioFigures::margin_db`] after the loss of [`RadioFigures::loss_db`].
     pub fn predicted_margin_db(&self, from: &Antenna, to: &Antenna, elevation_m_at: impl Fn(Position) -> f64) -> f64 {
         self.margin_db(self.received_dbm(self.loss_db(from, to, elevation_m_at)))
     }

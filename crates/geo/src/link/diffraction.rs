@@ -26,7 +26,8 @@ pub fn knife_edge_nu(height_m: f64, before_m: f64, behind_m: f64, wavelength_m: 
     height_m * sqrt(2.0 / wavelength_m * (1.0 / before_m + 1.0 / behind_m))
 }
 
-/// Loss at a knife edge, dB: `J = 6.9 + 20 log10(sqrt((nu - 0.1)^2 + 1) + nu - 0.1)` above nu = -0.78, else 0. Never negative.
+/// Returns the loss at a knife edge, dB: `J = 6.9 + 20 log10(sqrt((nu - 0.1)^2 + 1) + nu - 0.1)` above nu = -0.78, otherwise 0. Never
+/// negative.
 pub fn knife_edge_loss_db(nu: f64) -> f64 {
     if nu <= NU_CLEAR {
         return 0.0;

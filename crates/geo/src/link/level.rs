@@ -1,7 +1,7 @@
-//! Signal level of a ground radio at a place: falls with distance, less inside of shadows.
+//! Signal level of a ground radio at a place: it falls with distance, and further inside of shadows.
 //!
-//! A level is 0 (nothing) to 1 (full). The simulated world and the planner's assumption are two values of one type: what the world has and
-//! the mission does not state is learned in flight.
+//! A level is 0 (no signal) to 1 (full). The simulated world and the planner's assumption are two values of the same type: the flight
+//! learns the levels of the world that the mission does not state.
 //! Bound: O(shadows x corners) per level.
 
 use super::budget::FULL_LEVEL_DB;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// Path-loss exponent of a radio over open ground: 2 is free space, 4 flat earth (Rappaport, "Wireless Communications", 4.9).
 pub const EXPONENT: f64 = 2.4;
-/// Carrier frequency of the modem of the paper, Hz: how much a ridge weakens depends on it.
+/// Carrier frequency of the paper's modem, Hz, which determines the loss at a ridge.
 const FREQUENCY_HZ: f64 = 915e6;
 
 /// Law by which a level falls with the distance from the station.
@@ -116,7 +116,7 @@ pub struct LevelModel {
     pub station_altitude_m: f64,
     /// Fall of the level with distance.
     pub law: LevelLaw,
-    /// Areas in which it is weakened.
+    /// Areas with a weakened signal.
     pub shadows: Vec<Shadow>,
 }
 
@@ -162,7 +162,7 @@ impl LevelModel {
         }
     }
 
-    /// Loss at a ridge between the station and a place, dB; 0 where the line of sight does not cross it.
+    /// Returns the loss at a ridge between the station and a place, dB; 0 if the line of sight does not cross it.
     fn ridge_db(&self, ends: (Position, Position), top_m: f64, here: Position, altitude_m: f64) -> f64 {
         let Some(station) = self.station else { return 0.0 };
         let plane = Plane::new(station);

@@ -1,4 +1,4 @@
-//! Loss with distance: free space, and reflection from the ground below low antennas.
+//! Loss by distance: free space, and reflection from the ground below low antennas.
 
 use libm::{log10, pow};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Reference figures of link budgets, and laws that every budget keeps.
+//! Reference figures of link budgets, and properties of every budget.
 
 use super::*;
 use crate::geodesy::{self, Position, destination};
@@ -87,7 +87,7 @@ fn a_ridge_across_the_path_costs_what_its_edge_costs() {
     let station = Position::new(47.0, -114.0);
     let aircraft = destination(station, 70.0, 2_000.0);
     let (low, high) = (antenna(station, 100.0), antenna(aircraft, 100.0));
-    // One sample in the middle is 20 m above the line, less the bulge of 6 cm; the ground lies deep below.
+    // One sample in the middle is 20 m above the line, less the bulge of 6 cm; the ground is far below.
     let ridge = |position: Position| {
         let along_m = geodesy::distance_m(station, position);
         if (along_m - 1_000.0).abs() < 1.0 { 120.0 } else { -1_000.0 }

@@ -1,7 +1,7 @@
-//! The air that a leg is flown through: wind at one altitude, cut at the instants at which it changes.
+//! The air along a leg: wind at one altitude, divided at the instants at which it changes.
 //!
-//! Between two changes the wind of a place stays as it is, so that progress along a leg can be followed exactly, forwards
-//! and backwards. Bound: O(layers) for a ground speed, O(1) where the wind is the same everywhere.
+//! Between two changes the wind at a place is constant, so that progress along a leg can be computed exactly, forwards and backwards.
+//! Bound: O(layers) for a ground speed, O(1) if the wind is the same everywhere.
 
 use crate::direction::Direction;
 use crate::wind::{self, GROUND_SPEED_MPS_MIN, Wind};
@@ -24,7 +24,7 @@ enum Blows {
     ByArea(WindField, f64),
 }
 
-/// The wind at one altitude, for flying at one speed.
+/// The wind at one altitude, for flight at one airspeed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
     altitude_m: f64,
@@ -87,7 +87,7 @@ impl Air {
         self.spans.len()
     }
 
-    /// Returns the span in which `time_s` lies; a change belongs to the span that it begins.
+    /// Returns the interval that contains `time_s`; a change belongs to the interval that it begins.
     pub(crate) fn span_at(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
@@ -119,7 +119,7 @@ impl Air {
         (wind.east_mps, wind.north_mps)
     }
 
-    /// Returns the speed over ground in `span` along the track of `step`, or backwards; `None` if it cannot be flown.
+    /// Returns the speed over ground in `span` along the track of `step`, or backwards; `None` if the step cannot be flown.
     pub(crate) fn speed_mps(&self, span: usize, step: &WindStep, backwards: bool) -> Option<f64> {
         let wind = match self.spans.get(span)? {
             Blows::Everywhere(wind) => *wind,
@@ -130,7 +130,7 @@ impl Air {
         wind::ground_speed_mps(track, self.true_airspeed_mps, wind)
     }
 
-    /// Like [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
+    /// Like [`Air::speed_mps`], with a very low speed where the step cannot be flown: such intervals are closed to legs by other means.
     pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &WindStep, backwards: bool) -> f64 {
         self.speed_mps(span, step, backwards).unwrap_or(GROUND_SPEED_MPS_MIN)
     }

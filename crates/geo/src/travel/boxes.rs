@@ -1,4 +1,4 @@
-//! Boxes in a tree, to find those that a leg meets.
+//! A tree of boxes, to find those that a leg meets.
 //!
 //! Bound: building O(n log n); a question O(log n + boxes met).
 
@@ -17,7 +17,7 @@ struct Box2 {
 enum BoxNode {
     /// Items `from..until` of the order.
     Leaf { bounds: Box2, from: usize, until: usize },
-    /// The node after this one, and this one.
+    /// A node whose children are the next node and the one at index `right`.
     Fork { bounds: Box2, right: usize },
 }
 
@@ -40,7 +40,7 @@ impl Boxes {
         Boxes { nodes, order }
     }
 
-    /// Calls `found` with the number of each box that the leg may meet, until it answers true; returns whether it did.
+    /// Calls `found` with the number of each box that the leg may meet, until it returns true; returns true if it did.
     pub(crate) fn any(&self, a: Point, b: Point, mut found: impl FnMut(usize) -> bool) -> bool {
         let mut open = vec![0];
         while let Some(index) = open.pop() {

@@ -1,35 +1,34 @@
-//! Circling over ground: from somewhere on a circle around one place to a circle around another, or to a pose.
+//! Circling over ground: from a point on a circle around one place to a circle around another, or to a pose.
 //!
-//! A vehicle that observes a place and cannot stop there circles around it, and may be anywhere on the circle when the
-//! observation ends. Everything is flown over ground on arcs of one radius and straight lines; it is wide enough for
-//! the strongest wind ([`radius`]), so wind only changes the times of arcs and lines. A flight leaves by its circle or
-//! by the opposite turn, flies a line that touches both circles, and arrives where it touches the other one. The
-//! greatest time of leaving ([`Rounds::worst`]) is searched for between bounds: from each point of a circle the vehicle
-//! may first fly to the next of [`POINTS`], so that no point between them is missed.
+//! A vehicle that observes a place and cannot stop there circles around it, and may be anywhere on the circle when the observation ends.
+//! Everything is flown over ground on arcs of one radius and straight lines. The radius is sufficient for the strongest wind
+//! ([`radius`]), so wind changes only the times of arcs and lines. A flight leaves by its circle or by the opposite turn, flies a line
+//! that touches both circles, and arrives where it touches the other one. The greatest time of leaving ([`Rounds::worst`]) is bounded:
+//! from each point of a circle the vehicle may first fly to the next of [`POINTS`], so that no point between them is missed.
 //! Bound: [`POINTS`] points of the circle and four words each, mostly some tens.
 
 use super::dubins::{angle, left, turned, unit};
 use crate::plane::Point;
 use std::f64::consts::TAU;
 
-/// Pieces of a full circle over which the time of a turn is summed.
+/// Number of pieces of a full circle over which the time of a turn is summed.
 const PIECES: usize = 120;
-/// Points of a circle at which leaving it is evaluated, and the step between them at first.
+/// Number of points of a circle at which leaving it is evaluated, and the initial step between them.
 const POINTS: usize = 192;
 const APART: usize = 32;
-/// A turn nearer than this to a full circle is none.
+/// A turn nearer than this to a full circle counts as no turn.
 const NO_TURN_RAD: f64 = 1e-9;
 /// Directions that are tried where a circle is met from a place that is left in any.
 const TRACKS: usize = 16;
 
-/// Returns the radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the
-/// highest speed: with the wind the heading turns fastest, namely by the square of that speed over radius and airspeed.
+/// Returns the radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the highest
+/// speed: with a tail wind the heading turns fastest, at the square of that speed divided by radius and airspeed.
 pub(super) fn radius(turn_radius: f64, true_airspeed_mps: f64, ground_speed_mps_max: f64) -> f64 {
     let quicker = ground_speed_mps_max / true_airspeed_mps;
     turn_radius * quicker * quicker
 }
 
-/// On a circle: around where, to the left (1) or to the right (-1), in which direction over ground just now.
+/// A state on a circle: its centre, its sense (left 1, right -1), and the present direction over ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct On {
     pub(super) centre: Point,
@@ -48,7 +47,7 @@ pub(super) enum End {
     Place(Point),
 }
 
-/// A flight from circle to end: on along the circle, a turn to leave it, a line and perhaps a turn.
+/// A flight from circle to end: a part of the circle, a turn to leave it, a line and perhaps a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Passage {
     pub(super) time_s: f64,
@@ -56,7 +55,7 @@ pub(super) struct Passage {
     first: (On, f64),
     /// End of the line.
     line: Point,
-    /// On the end's circle, and how far around it.
+    /// On the circle at the end: the final state, and the flown angle.
     last: Option<(On, f64)>,
 }
 
@@ -139,8 +138,8 @@ impl Rounds {
         (On { track_rad: on.track_rad + on.sense * low, ..on }, circles * TAU + low)
     }
 
-    /// Returns the fastest flight from a point of a circle, along which the vehicle may first continue; with the
-    /// opposite turn too if there is space for it. `None` if the end lies inside the turns.
+    /// Returns the fastest flight from a point of a circle, along which the vehicle may first continue; including the opposite turn if
+    /// there is space for it. `None` if the end is inside the turns.
     pub(super) fn passage(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let share = on.sense * on.track_rad / TAU;
         let first = (share - libm::floor(share)) * POINTS as f64;
@@ -154,7 +153,7 @@ impl Rounds {
         all.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
     }
 
-    /// Returns the same for a vehicle that leaves the circle at once.
+    /// Returns the fastest flight of a vehicle that leaves the circle at once.
     fn leaving(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let other = On {
             centre: on.centre.plus(-2.0 * on.sense * self.radius, left(on.track_rad)),
@@ -201,7 +200,7 @@ impl Rounds {
             return None;
         }
         let length = libm::sqrt(squared);
-        // One is on the circle already where both are one.
+        // If both circles are the same, the vehicle is on the final circle already.
         let same = distance <= NO_TURN_RAD * self.radius;
         let line_rad = if same { first.track_rad } else { angle(apart) + libm::atan2(beside, length) };
         let last = On { centre, sense, track_rad: line_rad };
@@ -225,8 +224,8 @@ impl Rounds {
         Passage { time_s, along: (first, 0.0), first: (first, by_rad), line, last }
     }
 
-    /// Returns the greatest time of the fastest flight from a point of the circle around `centre`, in either sense, to
-    /// its end; `None` if the end cannot be reached from some point.
+    /// Returns the greatest time, over all points of the circle around `centre` in either sense, of the fastest flight to its end; `None`
+    /// if the end cannot be reached from some point.
     pub(super) fn worst(&self, centre: Point, end: End, opposite: bool) -> Option<f64> {
         if end == End::Circle(centre) {
             return Some(0.0);
@@ -246,7 +245,8 @@ impl Rounds {
         loop {
             // Backwards around the circle, twice: from each point at once, or from the next.
             let mut best_s: Vec<f64> = known.iter().map(|(_, time_s)| *time_s).collect();
-            // The interval from whose beginning, and from just past it, it takes longest; times follow.
+            // The interval with the greatest time from its beginning, and the one with the greatest time from just past it; then the
+            // times.
             let (mut from_worst, mut past_worst) = (((0, 0), 0.0), ((0, 0), 0.0));
             for round in 0..2 {
                 for (index, (from, _)) in known.iter().enumerate().rev() {
@@ -274,7 +274,7 @@ impl Rounds {
         }
     }
 
-    /// Returns the passage over ground as points, never farther from it than `tolerance`.
+    /// Returns the passage over ground as points that deviate by at most `tolerance`.
     pub(super) fn points(&self, passage: &Passage, tolerance: f64) -> Vec<Point> {
         let mut points = self.arc(passage.along.0, passage.along.1, tolerance);
         points.extend(self.arc(passage.first.0, passage.first.1, tolerance));
@@ -305,7 +305,7 @@ fn point(centre: Point, sense: f64, number: usize) -> On {
 }
 
 impl Passage {
-    /// Returns its end on its circle; `None` if it ends at a place or a pose.
+    /// Returns the final state on the circle at the end; `None` if it ends at a place or a pose.
     pub(super) fn end(&self) -> Option<On> {
         self.last.map(|(on, by_rad)| On { track_rad: on.track_rad + on.sense * by_rad, ..on })
     }

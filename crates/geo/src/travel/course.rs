@@ -1,7 +1,7 @@
-//! A straight leg flown through changing wind: position of the vehicle by time.
+//! A straight leg flown through changing wind: the position of the vehicle by time.
 //!
-//! Progress is followed exactly: in each step the ground speed holds from one change of the wind to the next, also when a
-//! change comes in the middle of a step. Two vehicles on one leg therefore never pass each other (first in, first out).
+//! Progress is computed exactly: in each step the ground speed is constant from one change of the wind to the next, also if a change
+//! occurs within a step. Two vehicles on one leg therefore never overtake each other (first in, first out).
 //! Bound: O(1) between changes once a leg is known, O(steps) across a change.
 
 use super::air::{Air, WindStep};
@@ -10,7 +10,7 @@ use crate::direction::{ARC_RAD_MAX, Direction};
 use crate::plane::Point;
 use crate::wind::{LEG_STEP_M, LEG_STEPS_MAX};
 
-/// A leg cut into steps of one length.
+/// A leg divided into steps of equal length.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Course {
     length: f64,
@@ -20,9 +20,9 @@ pub(crate) struct Course {
 /// Known times of a leg in one of its two directions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Timing {
-    /// For each span of the air the time for the leg; not a number where it has not been asked for.
+    /// For each interval of the air the time for the leg; NaN where it has not been computed.
     totals_s: Vec<f64>,
-    /// Departures at which the leg cannot be flown, once they are known: open spans, sorted.
+    /// Departures at which the leg cannot be flown, once computed: open intervals, sorted.
     closed: Option<Vec<Span>>,
 }
 
@@ -31,11 +31,11 @@ pub(crate) struct Timing {
 pub(crate) struct Block {
     /// Part, as shares of the length.
     pub(crate) part: Span,
-    /// Span of time; infinite if it has no end.
+    /// Interval of time; infinite if it has no end.
     pub(crate) time_s: Span,
 }
 
-/// Put on a departure after a closure, so that rounding does not bring the vehicle there too early.
+/// Added to a departure after a closure, so that rounding does not let the vehicle arrive too early.
 const LATE_S: f64 = 1e-6;
 
 impl Course {
@@ -62,7 +62,7 @@ impl Course {
         Some(Course { length, steps: (0..count).map(step).collect() })
     }
 
-    /// Returns the straight course across the plane, where wind is the same everywhere.
+    /// Returns the straight course on the plane, where wind is the same everywhere.
     pub(crate) fn on_plane(from: Point, to: Point) -> Option<Course> {
         let along = to.minus(from);
         let length = along.length();
@@ -129,7 +129,7 @@ impl Course {
         now_s
     }
 
-    /// Visits the steps up to `share` of the leg, each with the length of it that counts.
+    /// Visits the steps up to `share` of the leg, each with its counted length.
     fn walk(&self, share: f64, mut visit: impl FnMut(usize, f64)) {
         let step_length = self.step_length();
         let mut left = share.clamp(0.0, 1.0) * self.length;
@@ -144,7 +144,7 @@ impl Course {
         }
     }
 
-    /// Like [`Course::advance`] to the end of the leg, remembering what a flight between two changes takes.
+    /// Like [`Course::advance`] to the end of the leg; stores the time of a flight between two changes.
     pub(crate) fn arrive(&self, air: &Air, backwards: bool, timing: &mut Timing, depart_s: f64) -> f64 {
         let span = air.span_at(depart_s);
         if timing.totals_s.is_empty() {
@@ -160,7 +160,7 @@ impl Course {
         if arrive_s <= air.span_ends_s(span).1 { arrive_s } else { self.advance(air, backwards, depart_s, 1.0) }
     }
 
-    /// Departures at which the leg cannot be flown, because the vehicle would be in a block while it is shut.
+    /// Returns the departures at which the leg cannot be flown, because the vehicle would be in a block while it is closed.
     pub(crate) fn closed<'a>(
         &self,
         air: &Air,
@@ -180,8 +180,8 @@ impl Course {
         })
     }
 
-    /// Returns the departures that a block closes: one after the first is not through when the block begins, one before the second arrives
-    /// before it ends.
+    /// Returns the open interval of departures that a block closes: a departure after its beginning is not through when the block begins,
+    /// one before its end arrives before the block ends.
     fn closed_by(&self, air: &Air, backwards: bool, block: &Block) -> Span {
         let ((from, until), (shut_s, open_s)) = (block.part, block.time_s);
         let first_s = if shut_s.is_finite() { self.retreat(air, backwards, shut_s, until) } else { shut_s };

@@ -1,25 +1,24 @@
 //! Turn-limited paths: the fastest path from one pose to another for a vehicle with a least turn radius, in a steady
 //! wind.
 //!
-//! Without wind such a path is a turn, a straight line or an opposite turn, and a turn (Dubins 1957). A wind that is
-//! the same everywhere carries the air with everything in it: seen from the air the end moves against the wind, and the
-//! solution is the first instant at which a path of just that duration reaches it (McGee, Spry and Hedrick 2005; Techy
-//! and Woolsey 2009). This instant is found for each path type separately, beginning with the arrival of a straight
-//! flight. A track that is not given is free: then the turn at that end is left out.
+//! Without wind such a path is a turn, a straight line or an opposite turn, and a turn (Dubins 1957). A wind that is the same everywhere
+//! moves the air as a whole: seen from the air the end moves against the wind, and the solution is the first instant at which a path of
+//! exactly that duration reaches it (McGee, Spry and Hedrick 2005; Techy and Woolsey 2009). This instant is searched for each path type
+//! separately, beginning with the arrival of a straight flight. A track that is not given is free: the turn at that end is then left out.
 //! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
 
 use crate::plane::Point;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Instants that are tried in the time of a full circle, and in all; halvings between two of them.
+/// Instants examined within the time of a full circle, and in total; bisection steps between two of them.
 const INSTANTS_PER_CIRCLE: f64 = 48.0;
 const INSTANTS_MAX: f64 = 2_000.0;
 const HALVINGS: usize = 52;
 /// The instant is known to this share of the time.
 const EXACT: f64 = 1e-9;
-/// A turn that is nearer than this to a full circle is none.
+/// A turn that is nearer than this to a full circle counts as no turn.
 const NO_TURN_RAD: f64 = 1e-9;
-/// Tracks that are tried where one is free and the two places are nearer than turns without one can serve.
+/// Number of tracks that are examined if one is free and the two places are too near for a path without a turn there.
 const TRACKS: usize = 16;
 
 /// A place with a direction over ground, counter-clockwise from the x axis; none is free.
@@ -38,11 +37,11 @@ pub struct Flyer {
     pub true_airspeed_mps: f64,
     /// Least radius of a turn through the air.
     pub turn_radius_m: f64,
-    /// The wind: where the air goes.
+    /// Velocity of the wind (direction in which the air moves).
     pub wind_mps: Point,
 }
 
-/// A turn to the left (1), to the right (-1) or none (0), and how long it is through the air.
+/// A turn to the left (1), to the right (-1) or none (0), and its length through the air.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
     /// Sense.
@@ -63,7 +62,7 @@ pub struct TurnPath {
     pub time_s: f64,
 }
 
-/// Returns the least radius of a level turn at `true_airspeed_mps` with a roll angle of `roll_rad`: weight and lift in balance.
+/// Returns the least radius of a level turn at `true_airspeed_mps` with a roll angle of `roll_rad`, from the balance of weight and lift.
 pub fn turn_radius_m(true_airspeed_mps: f64, roll_rad: f64) -> f64 {
     const GRAVITY_MPS2: f64 = 9.806_65;
     true_airspeed_mps * true_airspeed_mps / (GRAVITY_MPS2 * libm::tan(roll_rad))
@@ -90,7 +89,7 @@ pub(super) fn turned(turn: f64, by_rad: f64) -> f64 {
 }
 
 impl Flyer {
-    /// Returns the heading that makes the track, where the wind allows it.
+    /// Returns the heading that gives the track; `None` if the wind does not permit it.
     pub fn heading_rad(&self, track_rad: f64) -> Option<f64> {
         let across = self.wind_mps.dot(left(track_rad)) / self.true_airspeed_mps;
         let along = self.wind_mps.dot(unit(track_rad));
@@ -102,15 +101,16 @@ impl Flyer {
         (ahead_mps > 0.0).then_some(heading_rad)
     }
 
-    /// Returns all paths from one pose to the other, each the fastest of its type, fastest first; empty if the wind is
-    /// too strong for a pose, or stronger than the vehicle is fast.
+    /// Returns all paths from one pose to the other, each the fastest of its type, fastest first; empty if the wind is too strong for a
+    /// pose, or faster than the vehicle.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
         let Some((start, end)) = self.headings(from, to) else { return Vec::new() };
         let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
             .filter_map(|word| self.path(word, (from, start), (to, end), f64::INFINITY))
             .collect();
         if found.is_empty() {
-            // Too near for turns at one end only: every eighth of a right angle is tried at the other.
+            // The places are too near for a turn at one end only: directions at intervals of a full circle over [`TRACKS`] are examined
+            // at the other.
             let tracks = (0..TRACKS).map(|index| Some(index as f64 * TAU / TRACKS as f64));
             for track_rad in tracks.filter(|_| start.is_none() || end.is_none()) {
                 let from = Pose { track_rad: from.track_rad.or(track_rad), ..from };
@@ -137,7 +137,7 @@ impl Flyer {
         best.or_else(|| self.paths(from, to).first().copied())
     }
 
-    /// Headings at both ends, where tracks are stated; none where the wind allows no path.
+    /// Returns the headings at both ends, for stated tracks; `None` if the wind permits no path.
     fn headings(&self, from: Pose, to: Pose) -> Option<(Option<f64>, Option<f64>)> {
         let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
         if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
@@ -150,9 +150,9 @@ impl Flyer {
         }
     }
 
-    /// Returns the first instant found at which a path of this word and just that duration is at its end. No path is shorter than the
-    /// straight one; from its duration on instants are tried in sequence, and where the length jumps between two of them, because a turn
-    /// shrinks to none or has become a full circle, both sides of the jump. Instants that begin after `until_s` are not tried.
+    /// Returns the first instant found at which a path of this type and exactly that duration reaches its end. No path is shorter than
+    /// the straight one; from its duration on instants are examined in sequence. If the length jumps between two of them, because a turn
+    /// vanishes or becomes a full circle, both sides of the jump are examined. Instants after `until_s` are not examined.
     fn path(
         &self,
         word: PathType,
@@ -197,7 +197,7 @@ impl Flyer {
                 break;
             }
             let now = look(now_s);
-            // Where the word begins or ceases to lead from here to there, as much of the time as it does.
+            // If the path type exists only in a part of the interval, that part is searched.
             let since = match (before, now) {
                 (None, Some(now)) => Some((outermost(now, now_s - lasts_s / count, &look), now)),
                 (Some(before), None) => Some((before, outermost(before, now_s, &look))),
@@ -224,7 +224,7 @@ impl Flyer {
     }
 }
 
-/// A word for an end as it is at some instant.
+/// A path type with its length at some instant.
 #[derive(Clone, Copy, Debug)]
 struct PathCandidate {
     time_s: f64,
@@ -235,14 +235,14 @@ struct PathCandidate {
 }
 
 impl PathCandidate {
-    /// Returns true if a turn has become a full circle, or none, between this and the other.
+    /// Returns true if a turn has become a full circle, or vanished, between this and the other.
     fn jumps_to(&self, other: &PathCandidate, radius: f64) -> bool {
         let pairs = self.parts.iter().zip(&other.parts);
         pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)
     }
 }
 
-/// Returns the look farthest from `known` towards `until_s`, at which there is none.
+/// Returns the candidate farthest from `known` towards `until_s`, where none exists.
 fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
     for _ in 0..HALVINGS {
         let middle_s = 0.5 * (known.time_s + until_s);
@@ -254,7 +254,7 @@ fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> O
     known
 }
 
-/// Returns the span between two candidates, in two parts where the length jumps within it.
+/// Returns the interval between two candidates, in two parts if the length jumps within it.
 fn parted(
     early: PathCandidate,
     late: PathCandidate,
@@ -268,8 +268,7 @@ fn parted(
     vec![(early, left), (right, late)]
 }
 
-/// Returns the last instant at which a condition holds, and the first at which it does not, between two instants between which that
-/// changes.
+/// Returns the last instant at which a condition holds, and the first at which it does not, between two instants with different results.
 fn narrowed(
     mut low: PathCandidate,
     mut high: PathCandidate,
@@ -292,7 +291,7 @@ fn narrowed(
     (low, high)
 }
 
-/// Senses of the turns at both ends and of one between; which of the two places the turn between has.
+/// Senses of the turns at both ends and of one in between, and which of two possible centres that one has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PathType {
     first: f64,
@@ -319,7 +318,7 @@ struct PathEnds {
     end: Option<f64>,
     /// Centre of the first turn.
     first: Point,
-    /// Centre of the last turn, as seen from the end.
+    /// Centre of the last turn, relative to the end.
     last: Point,
 }
 
@@ -331,7 +330,7 @@ impl PathEnds {
 }
 
 impl PathType {
-    /// Returns the parts from one pose of the air to another, with the heading at the beginning.
+    /// Returns the parts from one pose in the air to another, with the heading at the beginning.
     fn parts(self, ends: &PathEnds, to: Point) -> Option<(f64, [Part; 3])> {
         let PathEnds { radius, start, end, first, .. } = *ends;
         let last = to.plus(radius * self.last, ends.last);
@@ -345,7 +344,7 @@ impl PathType {
             parts
         };
         if self.between == 0.0 {
-            // The line touches both circles: it lies next to their centres by the difference of the senses.
+            // The line touches both circles: its offset from their centres is the difference of the senses.
             let beside = radius * (self.first - self.last);
             let squared = distance * distance - beside * beside;
             if squared < 0.0 {
@@ -364,7 +363,7 @@ impl PathType {
         }
         let up = Point { x: -apart.y / distance, y: apart.x / distance };
         let between = first.plus(0.5, apart).plus(self.side * libm::sqrt(high), up);
-        // Where two circles touch, the centre lies to the left of a vehicle that turns left.
+        // Where two circles touch, the centre is to the left of a vehicle that turns left.
         let heading_at = |centre: Point| angle(between.minus(centre)) + self.first * FRAC_PI_2;
         let (into, out) = (heading_at(first), heading_at(last));
         let turns = [turned(self.first, into - start), turned(self.between, out - into), turned(self.last, end - out)];
@@ -392,7 +391,7 @@ impl TurnPath {
         (point, heading_rad)
     }
 
-    /// Returns the path over ground as points from beginning to end, never farther than `tolerance_m` from what is flown.
+    /// Returns the path over ground as points from beginning to end, with a deviation of at most `tolerance_m`.
     pub fn points(&self, tolerance_m: f64) -> Vec<Point> {
         let speed_mps = self.flyer.true_airspeed_mps;
         // A chord is off by at most an eighth of the acceleration times the time squared.

@@ -7,25 +7,25 @@ use std::fmt;
 pub enum TravelError {
     /// Inside this restricted zone.
     Inside(String),
-    /// Every way leads through restricted zones; the straight one through this.
+    /// Every path crosses restricted zones; the straight one this zone.
     Crosses(String),
-    /// The leg itself leads through this restricted zone while it is active, or closer to it than the margin.
+    /// The leg itself crosses this restricted zone while it is active, or comes closer to it than the margin.
     LegCrosses(String),
     /// The leg itself leaves the permitted zones.
     LegLeavesPermitted,
     /// Outside every permitted zone.
     Outside,
-    /// No way stays inside the permitted zones.
+    /// No path stays inside the permitted zones.
     LeavesPermitted,
     /// Not on the map, or farther away than the projection reaches.
     TooFar,
     /// Too far from every emergency landing place; the nearest is this far, infinite where there is none.
     NoLandingPlace(f64),
-    /// Every way leads too far from emergency landing places, of which one must be within this distance.
+    /// Every path is too far from emergency landing places, of which one must be within this distance.
     LeavesReach(f64),
-    /// Around the ways there is no space for turns as wide as they must be.
+    /// There is not enough space for the required turns along the paths.
     NoRoomToTurn,
-    /// The way is shut at every time at which it could still be flown.
+    /// The path is closed at every time at which it could still be flown.
     Shut,
 }
 

@@ -1,5 +1,4 @@
-//! Ground that may be flown over, by time: zones, corridors and the reach of landing places, queried for places and
-//! legs.
+//! Permitted positions and legs, by time: zones, corridors and the reach of landing places.
 //!
 //! Bound: a leg asks the zones whose boxes it meets, O(corners) each.
 
@@ -16,7 +15,7 @@ use apex_model::problem::Position;
 
 /// All of time.
 const ALWAYS: Span = (f64::NEG_INFINITY, f64::INFINITY);
-/// Margins are asked for less this share: who touches them keeps them.
+/// Relative tolerance of margins: a path that touches a margin keeps it.
 const TOUCH: f64 = 1e-9;
 
 /// A zone on the plane.
@@ -52,7 +51,7 @@ pub(crate) struct PreparedPoint {
     close: Vec<(usize, f64)>,
     /// Bend of paths here; `None` if they may come and go in every direction.
     bend: Option<PathVertex>,
-    /// A place to go to, not only to pass.
+    /// True for a destination, false for a point that is only passed.
     is_place: bool,
 }
 
@@ -63,12 +62,12 @@ impl PreparedPoint {
     }
 }
 
-/// Everything that ways must obey.
+/// All constraints of paths.
 #[derive(Clone, Debug)]
 pub(crate) struct PathConstraints {
     zones: Vec<Zone>,
     tree: Boxes,
-    /// The zones to stay in: for each span of time those that are active.
+    /// The permitted zones: for each interval of time the active ones.
     corridors: Vec<(Span, Vec<usize>)>,
     reach: Option<Reach>,
     plane: Option<Plane>,
@@ -83,8 +82,8 @@ impl PathConstraints {
         (begin_s, end_s): Span,
     ) -> PathConstraints {
         let boxes = zones.iter().map(|zone| {
-            // What is kept in is asked by every leg, not found by boxes.
-            // Chords of turns keep a little more than the margin ([`PathConstraints::blocks_wider`]).
+            // Permitted zones are checked for every leg, without boxes. Chords of turns keep slightly more than the margin
+            // ([`PathConstraints::blocks_wider`]).
             let margin = zone.margin + 2.0 * super::turns::TOLERANCE_SHARE * zone.bend_radius;
             let margin = if zone.keep_in { f64::NEG_INFINITY } else { margin };
             let by = Point { x: margin, y: margin };
@@ -108,7 +107,7 @@ impl PathConstraints {
         PathConstraints { zones, tree, corridors, reach, plane }
     }
 
-    /// Instants at which something opens or shuts, in order.
+    /// Returns the instants at which something opens or closes, in order.
     pub(crate) fn changes_s(&self) -> Vec<f64> {
         let ends = self.zones.iter().flat_map(|zone| &zone.active_s).flat_map(|(from_s, until_s)| [*from_s, *until_s]);
         let mut changes_s: Vec<f64> = ends.filter(|time_s| time_s.is_finite()).collect();
@@ -207,7 +206,7 @@ impl PathConstraints {
         gaps(ALWAYS, &merged(shut, 0.0))
     }
 
-    /// Returns a point of a leg's turns made ready: near zones it need not keep more than the leg's ends do.
+    /// Returns a prepared point of a leg's turns: near zones it need not keep more distance than the leg's ends.
     pub(crate) fn between(
         &self,
         (from, to): (&PreparedPoint, &PreparedPoint),
@@ -229,7 +228,7 @@ impl PathConstraints {
         Some(PreparedPoint { position, direction, point, close, bend: None, is_place: false })
     }
 
-    /// Returns the obstacle at `spot` at some time of `time_s`; `None` if it is allowed at all times of it.
+    /// Returns the obstacle at `spot` at some time of `time_s`; `None` if flight is permitted there at all times of it.
     pub(crate) fn place_trouble(&self, spot: &PreparedPoint, (from_s, until_s): Span) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut inside = None;
@@ -307,9 +306,9 @@ impl PathConstraints {
         reach.map_or(Ok(blocks), |reach| Err(TravelError::LeavesReach(reach.distance_m_max())))
     }
 
-    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `slack`, at all times,
-    /// however close its ends are. False if permitted zones share the leg, or landing places limit it: these are
-    /// evaluated for lines only.
+    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `slack`, at all times, however close its
+    /// ends are. False if several permitted zones contain parts of the leg, or landing places limit it: these are evaluated for lines
+    /// only.
     pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, slack): (f64, f64)) -> bool {
         let (a, b) = (from.point, to.point);
         let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
@@ -326,7 +325,7 @@ impl PathConstraints {
             })
     }
 
-    /// Returns the obstacle of a leg at some time of `time_s`, whatever paths lead around; `None` if it is allowed.
+    /// Returns the obstacle of a leg at some time of `time_s`, whatever paths lead around it; `None` if the leg is permitted.
     pub(crate) fn leg_trouble(
         &self,
         from: &PreparedPoint,
@@ -367,7 +366,7 @@ impl PathConstraints {
         solids.any(|solid| crate::plane::inside(point, solid.corners()) || solid.distance(point) <= solid.tolerance)
     }
 
-    /// Returns the parts of the leg that lie in none of the zones `among` which it must stay in.
+    /// Returns the parts of the leg that are in none of the permitted zones `among`.
     fn outside(&self, a: Point, b: Point, among: &[usize]) -> Vec<Span> {
         let along = b.minus(a);
         let solids = || among.iter().filter_map(|number| self.zones.get(*number)).map(|zone| &zone.solid);

@@ -1,11 +1,11 @@
-//! Travel: how long from one place to another, around what and through which wind.
+//! Travel: times and paths between places, around zones and through wind.
 //!
-//! [`Network`] is made once for a set of zones and a wind. It answers [`Network::trip`] (when to leave, when one is there,
-//! by which way) for any departure, and [`Network::matrix`] for many places at once. Ways keep out of restricted zones
-//! while these are active, inside permitted ones, and within reach of emergency landing places. Not symmetric under wind.
+//! A [`Network`] is made once for a set of zones and a wind. [`Network::trip`] returns departure, arrival and path for any departure,
+//! [`Network::matrix`] those between many places. Paths avoid restricted zones while these are active, and stay inside permitted ones and
+//! within reach of emergency landing places. Times are asymmetric under wind.
 //!
-//! What is exact: which parts of a leg a zone shuts and at which departures; progress through wind that changes in time;
-//! ways without wind and margins are the shortest there are (decision 0036 says what is not exact).
+//! Exact are: the parts of a leg that a zone closes, and the departures; progress through wind that changes with time; paths without wind
+//! and margins, which are the shortest (decision 0036 states what is not exact).
 
 mod air;
 mod boxes;

@@ -1,8 +1,7 @@
 //! The network of legs between places and bends, made once for a set of zones.
 //!
-//! Legs between bends are found when the network is made, those of a place on its first use. A leg is kept if it is not
-//! shut forever; the times at which it is shut are part of it. Bound: O(n^2) queries of the ground for n bends; a place
-//! adds n.
+//! Legs between bends are found when the network is made, those of a place on its first use. A leg is kept if it is not closed forever;
+//! the times at which it is closed are part of it. Bound: O(n^2) queries of the ground for n bends; a place adds n.
 
 use super::air::Air;
 use super::circles;
@@ -15,8 +14,8 @@ use crate::plane::Point;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
 
-/// Bends of one network: two hundred zones of five corners with two bends each. Further ones are left out, which can make
-/// ways longer and never lets them cross a zone.
+/// Maximum number of bends of one network: two hundred zones of five corners with two bends each. Further ones are left out, which can
+/// make paths longer but never lets them cross a zone.
 pub const BENDS_MAX: usize = 2_000;
 
 /// The number of a place of a network.
@@ -57,18 +56,18 @@ pub(super) struct Endpoint {
     pub(super) spot: PreparedPoint,
     /// Times at which the place is allowed.
     pub(super) open_s: Vec<Span>,
-    /// In which direction it is left and reached, clockwise from north; none is any.
+    /// Direction in which it is left and reached, clockwise from north; `None` for any.
     pub(super) track_rad: Option<f64>,
-    /// True if it is circled around instead of flown over.
+    /// True if the vehicle circles around it instead of flying over it.
     pub(super) is_circled: bool,
-    /// Rides to bends, once they are known.
+    /// Legs to bends, once they are known.
     joins: Option<Vec<ArrivalTurn>>,
 }
 
 /// Turns of the vehicle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns {
-    /// Least radius of turns; 0 if they take no time and no space.
+    /// Least radius of turns; 0 if they take neither time nor space.
     pub(super) radius: f64,
     /// Radius of the circles over ground around places; 0 where none is circled around.
     pub(super) circle_radius: f64,
@@ -80,7 +79,7 @@ impl Turns {
         Turns { radius, circle_radius: if circling && radius > 0.0 { circle } else { 0.0 } }
     }
 
-    /// Returns the greatest distance of its circles and turns from a straight path.
+    /// Returns the greatest distance of circles and turns from a straight path.
     pub(super) fn room(self) -> f64 {
         3.0 * self.circle_radius
     }
@@ -97,12 +96,12 @@ pub struct Network {
     pub(super) on_plane: bool,
     pub(super) turns: Turns,
     path_vertices: Vec<PreparedPoint>,
-    /// For each bend when it is allowed to be there.
+    /// For each bend the times at which flight is permitted there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
     /// For each bend the rides to other bends.
     joins: Vec<Vec<ArrivalTurn>>,
     pub(super) places: Vec<Endpoint>,
-    /// Legs between places, the one of the lower number first; an error if it is shut forever.
+    /// Legs between places, the one with the lower number first; an error if the leg is closed forever.
     direct: BTreeMap<(usize, usize), Result<usize, TravelError>>,
     legs: Vec<Leg>,
     pub(super) found: super::ways::FoundPaths,
@@ -132,7 +131,7 @@ impl Network {
         Network::circling_on_plane(zones, (margin, turn_radius), air, time_s, false)
     }
 
-    /// Returns the same, with places that are circled around.
+    /// Returns a network on a plane whose places the vehicle may circle.
     pub(super) fn circling_on_plane(
         zones: &[PlaneZone],
         (margin, turn_radius): (f64, f64),
@@ -195,7 +194,7 @@ impl Network {
     /// Adds a place.
     ///
     /// # Errors
-    /// It is not on the map.
+    /// If the position is not on the plane.
     pub fn add(&mut self, position: Position) -> Result<EndpointId, TravelError> {
         let spot = if self.on_plane { Err(TravelError::TooFar) } else { self.ground.spot(position) };
         spot.map(|spot| self.admit(spot))
@@ -215,8 +214,8 @@ impl Network {
         EndpointId(self.places.len() - 1)
     }
 
-    /// Says in which direction a place is left and reached, clockwise from north. Only counts where turns are limited, and only
-    /// for ways that are asked for later.
+    /// Sets the direction in which a place is left and reached, clockwise from north. It counts only if turns are limited, and only for
+    /// paths that are requested later.
     pub fn head(&mut self, place: EndpointId, track_rad: Option<f64>) {
         if let Some(place) = self.places.get_mut(place.0) {
             place.track_rad = track_rad.filter(|track_rad| track_rad.is_finite());
@@ -228,16 +227,16 @@ impl Network {
         self.turns.circle_radius
     }
 
-    /// Says that a place is circled around: a way to it ends on the circle, and one from it begins anywhere on the circle, so that
-    /// it takes what it takes from the worst point. Only counts in a [`Setting::circling`] with a turn radius, and only for ways
-    /// that are asked for later.
+    /// Marks a place as circled: a path to it ends on the circle, and one from it begins anywhere on the circle, so that it takes the
+    /// time from the worst point. It counts only in a [`Setting::circling`] with a turn radius, and only for paths that are requested
+    /// later.
     pub fn circle(&mut self, place: EndpointId) {
         if let Some(place) = self.places.get_mut(place.0) {
             place.is_circled = self.turns.circle_radius > 0.0;
         }
     }
 
-    /// Returns the obstacle at `place` at some time of `time_s`; `None` if it is allowed at all times of it.
+    /// Returns the obstacle at `place` at some time of `time_s`; `None` if flight is permitted there at all times of it.
     pub fn place_trouble(&self, place: EndpointId, time_s: Span) -> Option<TravelError> {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
@@ -256,7 +255,7 @@ impl Network {
         }
     }
 
-    /// Returns the ride between two bends or a place and a bend, if it is of use to a shortest way.
+    /// Returns the leg between two bends or a place and a bend, if it can be part of a shortest path.
     fn tangent(&mut self, from: &PreparedPoint, to: &PreparedPoint) -> Option<DirectedLeg> {
         let along = to.point.minus(from.point);
         if !from.takes(along) || !to.takes(along) {
@@ -282,7 +281,7 @@ impl Network {
     /// Returns the straight ride between two places.
     ///
     /// # Errors
-    /// The obstacle that shuts it forever.
+    /// The obstacle that closes the leg forever.
     pub(super) fn direct(&mut self, from: EndpointId, to: EndpointId) -> Result<DirectedLeg, TravelError> {
         let key = (from.0.min(to.0), from.0.max(to.0));
         let backwards = from.0 > to.0;
@@ -356,7 +355,7 @@ impl Network {
     }
 }
 
-/// Returns the ride the other way.
+/// Returns the leg in the opposite direction.
 pub(super) fn reversed(join: &ArrivalTurn) -> DirectedLeg {
     join.ride.reversed()
 }

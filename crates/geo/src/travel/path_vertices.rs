@@ -1,17 +1,17 @@
-//! Bends of paths: at corners of zones, on outlines that keep the margin.
+//! Bends of paths: at corners of zones, on outlines at the distance of the margin.
 //!
-//! A shortest way among polygons bends only at corners that stick out into the space to be flown, and only so that the
-//! zone lies inside the bend ([`PathVertex::takes`]). With a margin the outline around a corner is an arc; the bends are the
-//! corners of the polygon around that arc, so that no leg between them cuts into the margin (decision 0036).
+//! A shortest path among polygons bends only at convex corners, and only so that the zone is inside the bend ([`PathVertex::takes`]).
+//! With a margin the outline around a corner is an arc; the bends are the corners of the polygon around that arc, so that no leg between
+//! them cuts into the margin (decision 0036).
 
 use super::solid::Solid;
 use crate::plane::{self, Point};
 
-/// Each bend turns no more than this: a polygon around the arc is then at most 5.5 % longer than the arc.
+/// Greatest turn of a bend: a polygon around the arc is then at most 5.5 % longer than the arc.
 pub(crate) const TURN_RAD_MAX: f64 = std::f64::consts::FRAC_PI_4;
-/// Bends keep this share more than the margin, so that rounding does not put a leg between two of them inside it.
+/// Relative amount by which bends keep more than the margin, so that rounding does not put a leg between two of them inside it.
 const BLUR: f64 = 1e-9;
-/// A neighbour whose direction differs less than this from the leg's lies on the leg's line.
+/// Angle below which a neighbour counts as lying on the leg's line.
 const ALONG_RAD: f64 = 1e-9;
 
 /// A corner of an outline.
@@ -26,8 +26,8 @@ pub(crate) struct PathVertex {
 }
 
 impl PathVertex {
-    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends here: only if both neighbours lie
-    /// on the same side of the leg's line.
+    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends here: only if both neighbours
+    /// are on the same side of the leg's line.
     pub(crate) fn takes(&self, along: Point) -> bool {
         let Some(unit) = along.unit() else { return false };
         let (before, after) = (unit.cross(self.before), unit.cross(self.after));
@@ -35,7 +35,7 @@ impl PathVertex {
     }
 }
 
-/// Returns the bends around `solid`, or along its inside where it is to be kept in, at `margin` from its edges.
+/// Returns the bends around `solid`, or along its inside if it is a permitted zone, at `margin` from its edges.
 pub(crate) fn path_vertices(solid: &Solid, keep_in: bool, margin: f64) -> Vec<PathVertex> {
     let corners = solid.corners();
     let reversed: Vec<Point> = corners.iter().rev().copied().collect();
@@ -64,7 +64,7 @@ fn along(walk: &[Point], margin: f64) -> Vec<PathVertex> {
 
 fn around(corner: Point, into: Point, out: Point, margin: f64, found: &mut Vec<PathVertex>) {
     let turn_rad = libm::atan2(into.cross(out), into.dot(out));
-    // An edge that runs straight back on itself turns by half a circle, whichever sign rounding gives it.
+    // An edge that reverses exactly turns by half a circle, whichever sign rounding gives.
     let back = turn_rad.abs() > std::f64::consts::PI - 1e-9;
     if turn_rad <= 1e-12 && !back {
         return;

@@ -1,7 +1,7 @@
-//! Earliest arrivals: a search over bends that follows time.
+//! Earliest arrivals: a time-dependent search over bends.
 //!
-//! A label is a bend in one of the spans in which it is allowed to be there; arriving earlier in a span is never worse,
-//! because one can hold there. Bound: O(legs log bends) for each search, times the spans of a bend.
+//! A label is a bend in one of the intervals in which flight is permitted there. Arriving earlier in an interval is never worse, because
+//! the vehicle can hold there. Bound: O(legs log bends) for each search, times the intervals of a bend.
 
 use super::network::{ArrivalTurn, DirectedLeg, EndpointId, Network, reversed};
 use super::spans::Span;
@@ -32,7 +32,7 @@ impl Ord for TimeKey {
     }
 }
 
-/// The earliest arrival at a bend in one of its spans.
+/// The earliest arrival at a bend in one of its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ArrivalLabel {
     arrive_s: f64,
@@ -40,7 +40,7 @@ struct ArrivalLabel {
     before: Option<(Option<usize>, DirectedLeg)>,
 }
 
-/// The earliest arrivals at all bends after leaving one place at one time.
+/// The earliest arrivals at all bends for one departure.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     /// The first label of each bend; its spans follow.
@@ -97,7 +97,7 @@ impl Network {
             let bend = tree.bend_of(label);
             let span = tree.firsts.get(bend).and_then(|first| self.bends_open_s.get(bend)?.get(label - first));
             let Some((_, until_s)) = span.copied() else { continue };
-            // The joins are lent out, because relaxing remembers what legs take.
+            // The legs are moved out temporarily, because relaxing stores their times.
             for index in 0..self.joins_of_bend(bend).len() {
                 let Some(join) = self.joins_of_bend(bend).get(index).copied() else { continue };
                 self.relax(&mut tree, &mut open, (Some(label), now_s, until_s), &join);
@@ -106,7 +106,7 @@ impl Network {
         tree
     }
 
-    /// Returns the instant until which a vehicle at a place may stay; `None` if it is not allowed there now.
+    /// Returns the instant until which a vehicle may hold at a place; `None` if it is not permitted there now.
     pub(super) fn may_hold_until_s(&self, place: EndpointId, now_s: f64) -> Option<f64> {
         let open_s = &self.places.get(place.0)?.open_s;
         open_s.iter().find(|(from_s, until_s)| *from_s <= now_s && now_s <= *until_s).map(|(_, until_s)| *until_s)

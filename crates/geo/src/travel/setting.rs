@@ -13,17 +13,17 @@ use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
 pub struct Setting<'a> {
     /// Zones of airspace.
     pub zones: &'a [AirspaceZone],
-    /// Distance kept from the edges of restricted zones, where the ends of a leg keep it.
+    /// Distance kept from the edges of restricted zones, if the ends of a leg keep it.
     pub margin_m: f64,
-    /// The vehicle cannot turn more tightly than this: ways bend around corners of zones on arcs of at least this radius.
+    /// Least turn radius of the vehicle: paths bend around corners of zones on arcs of at least this radius.
     pub turn_radius_m: f64,
     /// Are places circled around ([`super::Network::circle`])? Ways then keep space for circles next to the margin.
     pub circling: bool,
     /// Emergency landing places.
     pub landing_places: &'a [LandingPlace],
-    /// Never farther than this from the nearest of them; `None`: no limit.
+    /// Greatest distance to the nearest of them; `None`: no limit.
     pub landing_distance_m_max: Option<f64>,
-    /// Positions in whose middle the projection is centred.
+    /// Positions around whose centre the projection is placed.
     pub around: &'a [Position],
     /// Lowest and highest altitude of the flight above mean sea level: zones above and below play no part.
     pub altitudes_m: (f64, f64),
@@ -36,7 +36,7 @@ pub struct Setting<'a> {
 pub struct PlaneZone {
     /// Its name.
     pub name: String,
-    /// True: stay inside (one of these); false: keep out.
+    /// True for a permitted zone, false for a restricted one.
     pub keep_in: bool,
     /// Corners in order, either sense, not closed.
     pub corners: Vec<Point>,
@@ -120,7 +120,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     Ok(flat)
 }
 
-/// Returns the zone with its times inside `time_s`; `None` if it is never active then.
+/// Returns the zone with its times within `time_s`; `None` if it is never active then.
 fn made(zone: &PlaneZone, (margin, turn_radius): (f64, f64), stretch: f64, time_s: Span) -> Option<Zone> {
     let (begin_s, end_s) = time_s;
     let inside = |(from_s, until_s): &(f64, f64)| {

@@ -1,7 +1,7 @@
-//! A polygon on the plane, asked by legs: which spans of a leg lie inside, or closer than a margin.
+//! A polygon on the plane: computes the parts of a leg inside it, or closer than a margin.
 //!
-//! Touching is not entering: a leg along an edge or through a corner stays outside. What is within [`Solid::tolerance`]
-//! of an edge counts as on it. Any list of corners is a solid; edges that cross each other enclose by the even-odd rule.
+//! Touching does not count as entering: a leg along an edge or through a corner is outside. A point within [`Solid::tolerance`] of an
+//! edge counts as on it. Any list of corners is a solid; the even-odd rule applies to edges that cross each other.
 //! Bound: O(corners) for each question.
 
 use super::spans::{Span, merged};
@@ -23,7 +23,7 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// Returns the polygon with these corners, repeated ones left out; `None` if fewer than three are left or one is not finite.
+    /// Returns the polygon with these corners without repeated ones; `None` if fewer than three remain or one is not finite.
     pub(crate) fn new(corners: &[Point]) -> Option<Solid> {
         let mut low = Point { x: f64::INFINITY, y: f64::INFINITY };
         let mut high = Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY };
@@ -106,11 +106,11 @@ impl Solid {
         {
             return true;
         }
-        // Without a margin the leg may touch: only what lies inside counts.
+        // Without a margin the leg may touch: only its inside parts count.
         !self.inside(a, b).is_empty()
     }
 
-    /// Returns the leg cut at every edge and corner that it meets: shares of its length, in order, without slivers.
+    /// Returns the leg divided at every edge and corner that it meets: shares of its length, in order, without very short pieces.
     pub(crate) fn pieces(&self, a: Point, b: Point) -> Vec<Span> {
         let along = b.minus(a);
         let length = along.length();
@@ -229,7 +229,7 @@ mod tests {
     }
 
     proptest! {
-        // The naive twin: walk along the leg and ask each point.
+        // The naive twin: samples the leg point by point.
         #[test]
         fn spans_are_where_points_are_near(
             corners in prop::collection::vec((-5i32..6, -5i32..6), 3..9), ends in (-8i32..9, -8i32..9, -8i32..9, -8i32..9),

@@ -1,9 +1,9 @@
-//! Spans of a leg or of time: sorted, merged, without overlaps.
+//! Intervals of a leg or of time: sorted, merged, without overlaps.
 
 /// From where until where; of a leg in shares of its length, of time in seconds.
 pub(crate) type Span = (f64, f64);
 
-/// Sorts `spans` and joins those that overlap or touch within `gap`; spans without length are dropped.
+/// Sorts `spans` and merges those that overlap or touch within `gap`; empty intervals are dropped.
 pub(crate) fn merged(mut spans: Vec<Span>, gap: f64) -> Vec<Span> {
     spans.retain(|(from, until)| until > from);
     spans.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

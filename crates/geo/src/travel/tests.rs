@@ -19,7 +19,7 @@ fn square(x: f64, y: f64, side: f64) -> PlaneZone {
     zone("square", &[(x, y), (x + side, y), (x + side, y + side), (x, y + side)])
 }
 
-/// Returns a network where lengths are times: one unit a second.
+/// Returns a network in which lengths are times: one unit a second.
 fn still(zones: &[PlaneZone], margin: f64) -> Network {
     Network::on_plane(zones, (margin, 0.0), Air::still(1.0), ALL_DAY).unwrap()
 }
@@ -120,7 +120,7 @@ mod random {
                 active_s: active.map(|(from, lasts)| (f64::from(from), f64::from(from + lasts))).into_iter().collect(),
                 ..zone("z", &corners)
             });
-            // No two corners at one place, no polygon that crosses itself: such zones are refused before.
+            // No two corners at one place and no self-crossing polygon: such zones are rejected earlier.
             let zones = zones.filter(|zone| {
                 Solid::new(&zone.corners).is_some_and(|solid| solid.corners().len() == zone.corners.len())
                     && crossing(&zone.corners).is_none()
@@ -176,7 +176,7 @@ mod random {
         points.extend(world.zones.iter().flat_map(|zone| zone.corners.iter().copied()));
         let clear = |a: Point, b: Point| {
             solids.iter().all(|solid| {
-                // Cut at every crossing with every edge, found one at a time, and test the middles.
+                // Divides the leg at every crossing with every edge, found one at a time, and tests the midpoints.
                 let along = b.minus(a);
                 let mut cuts = vec![0.0, 1.0];
                 for (c, d) in plane::edges(solid.corners()) {
@@ -236,7 +236,7 @@ mod random {
                 for to in &places {
                     let Ok(trip) = network.trip(*from, *to, depart_s) else { continue };
                     prop_assert!(trip.depart_s >= depart_s && trip.arrive_s >= trip.depart_s);
-                    // Ends closer than the margin keep what they have.
+                    // Ends closer than the margin keep their distance.
                     let ends = [*from, *to].map(|place| world.places[place.0]);
                     let nearest = world.zones.iter().flat_map(|zone| {
                         ends.map(|end| plane::segment_to_edges(end, end, &zone.corners))
@@ -266,7 +266,7 @@ mod random {
                     let Ok(trip) = network.trip(*from, *to, depart_s) else { continue };
                     let points = network.path_points(trip.way, trip.depart_s);
                     prop_assert!(points.first() == Some(&world.places[from.0]) && points.last() == Some(&world.places[to.0]));
-                    // Where it begins and ends in its direction, as far as a chord of a turn shows it.
+                    // The path begins and ends in the required direction, within the precision of a chord of a turn.
                     let off = |along: Point, place: &EndpointId| {
                         let bearing = libm::atan2(along.x, along.y);
                         tracks[place.0].filter(|_| along.length() > 0.0).map_or(0.0, |track| {
@@ -284,7 +284,7 @@ mod random {
                         ends.map(|end| plane::segment_to_edges(end, end, &zone.corners))
                     });
                     let margin = nearest.fold(margin, f64::min);
-                    // When it is where is not asked: zones with times count as long as the flight lasts.
+                    // The time of passage is ignored: zones with times count during the whole flight.
                     let during = |zone: &&PlaneZone| {
                         let meets = |(shut_s, open_s): &(f64, f64)| *shut_s + 1e-4 < trip.depart_s && trip.arrive_s + 1e-4 < *open_s;
                         zone.active_s.is_empty() || zone.active_s.iter().any(meets)
@@ -337,8 +337,7 @@ mod random {
             let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             let mut departs = departs;
             departs.sort_by(f64::total_cmp);
-            // A place that is shut at some time does not allow holding: a vehicle that leaves later may come from
-            // elsewhere.
+            // A place that is closed at some time does not permit holding: a vehicle that leaves later may arrive from elsewhere.
             let outside = |place: &Point| world.zones.iter().all(|zone| !plane::inside(*place, &zone.corners));
             if !outside(&world.places[0]) {
                 return Ok(());
@@ -410,7 +409,7 @@ fn who_turns_wide_bends_farther_out_and_can_fly_every_bend() {
             let (into, out) = (points[at].minus(points[at - 1]), points[at + 1].minus(points[at]));
             libm::atan2(into.cross(out), into.dot(out)).abs()
         };
-        // An arc of the radius touches both legs of a bend this far from it.
+        // An arc of the radius touches both legs of a bend at this distance from it.
         let taken = |at: usize| {
             let inner = (1..points.len() - 1).contains(&at);
             if inner { turn_radius * libm::tan(0.5 * turn(at)) } else { 0.0 }

@@ -1,12 +1,11 @@
-//! Paths of a vehicle that turns along arcs: turns at both ends and at every bend, in the wind that blows there.
+//! Paths with turns along arcs: at both ends and at every bend, in the local wind.
 //!
-//! A path is flown through its bends, each in the direction halfway between its legs, so that around a zone it swings
-//! to the outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the average wind of that piece;
-//! directions at its ends are those of their places, if they have one, else free. Of the path types the fastest is
-//! taken that avoids all that is shut forever. The time of turns beyond the straight path is the same at every
-//! departure, namely that in the worst of the winds of the considered time, so that no vehicle that leaves later
-//! arrives earlier. From a place that is circled around, a path takes its time from the worst point of the circle, and
-//! to one it ends on the circle ([`super::circles`]).
+//! A path passes each of its bends in the direction halfway between its legs, so that around a zone it swings to the outside. Between
+//! bends it is a turn-limited path ([`super::dubins`]) in the average wind of that piece; directions at its ends are those of their
+//! places, if they have one, otherwise free. Of the path types the fastest is chosen that avoids everything that is closed forever. The
+//! time of turns beyond the straight path is the same at every departure: that in the worst wind of the considered time, so that a later
+//! departure never arrives earlier. From a circled place, a path takes its time from the worst point of the circle, and to one it ends on
+//! the circle ([`super::circles`]).
 //! Bound: eight words for each piece and wind, a question to the ground for each chord of some.
 
 use super::circles::{End, On, Passage, Rounds};
@@ -20,11 +19,11 @@ use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position};
 use crate::plane::Point;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Drawn paths are never farther than this share of the radius from what is flown: 3 m of 3 km.
+/// Greatest deviation of drawn paths from the flown one, as a share of the radius: 3 m of 3 km.
 pub const TOLERANCE_SHARE: f64 = 1e-3;
 /// Places of a piece where its wind is taken.
 const WIND_SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Directions of a place that are tried, where one is free.
+/// Number of directions examined at a place whose direction is free.
 const TRACKS: usize = 32;
 /// Work of one piece in one wind, in examined legs.
 const LOOKS_PER_PIECE: u64 = 20;
@@ -57,13 +56,13 @@ pub struct Circling {
 pub(super) struct Turned {
     /// Time in addition to the straight legs.
     pub(super) extra_s: f64,
-    /// Departures at which something is shut next to the legs.
+    /// Departures at which something next to the legs is closed.
     pub(super) closed_s: Vec<Span>,
     /// For each span of the air the path over ground.
     spots: Vec<Drawn>,
 }
 
-/// From one bend to the next: along the x axis of a local plane.
+/// A piece from one bend to the next, along the x axis of a local plane.
 struct TurnLeg<'a> {
     from: &'a PreparedPoint,
     to: &'a PreparedPoint,
@@ -77,7 +76,7 @@ struct TurnLeg<'a> {
 enum Frame {
     /// On the map: the directions of its axes.
     Plane(Point, Point),
-    /// On the Earth: up, along and to the left where it begins, and radians for a metre.
+    /// On the Earth: the directions up, along and to the left at its beginning, and radians per metre.
     Earth([Direction; 3], f64),
 }
 
@@ -92,7 +91,7 @@ impl TurnLeg<'_> {
             return TurnLeg { from, to, length: apart.length(), frame, bearings_rad: (bearing_rad, bearing_rad) };
         }
         let up = from.direction;
-        // Between two places that are one, any line will do.
+        // Between two identical places any line will do.
         let beside = Direction::of(geodesy::destination(from.position, 90.0, 1_000.0));
         let near = up.quarter_turn_to(to.direction).is_none();
         let along = up.quarter_turn_to(if near { beside } else { to.direction }).unwrap_or(beside);
@@ -123,7 +122,7 @@ impl TurnLeg<'_> {
         }
     }
 
-    /// Returns the mean wind of a span of the air, along the piece and to its left.
+    /// Returns the mean wind of an interval of the air, along the piece and to its left.
     fn wind(&self, network: &Network, span: usize) -> Point {
         let mut mean = Point::default();
         for share in WIND_SHARES {
@@ -194,7 +193,7 @@ fn turn_rad(angle_rad: f64) -> f64 {
 }
 
 impl Network {
-    /// Returns the effect of turns on a path; `None` if there is no space for them. Only called if turns are limited.
+    /// Returns the effect of turns on a path; `None` if there is no space for them. Called only if turns are limited.
     pub(super) fn turn(&mut self, way: PathId) -> Option<Turned> {
         let (spots, ends) = self.ends_and_bends(way)?;
         let (pieces, at) = self.pieces(&spots, ends);
@@ -234,17 +233,18 @@ impl Network {
                 (flown, lasts_s) = (true, lasts_s.max(total_s));
                 turned.extra_s = turned.extra_s.max(extra_s);
             }
-            // Between circles what is flown depends on where the one before was left.
+            // Between circles, the flown path depends on where the previous circle was left.
             turned.spots.push(if circled { Vec::new() } else { path });
         }
-        // Who leaves before a zone shuts must be through, wherever on the way it lies; winds between two pieces count too.
+        // A vehicle that leaves before a zone closes must be through in time, wherever on the path the zone is; winds between two pieces
+        // count too.
         let longest_s = 2.0 * lasts_s + turned.extra_s;
         turned.closed_s.extend(shut.into_iter().map(|(shut_s, open_s): Span| (shut_s - longest_s, open_s)));
         flown.then_some(turned)
     }
 
-    /// Returns the fastest path over a piece that avoids what is shut forever, as points over ground, and the times at
-    /// which zones that it meets are shut.
+    /// Returns the fastest path over a piece that avoids everything that is closed forever, as points over ground, and the times at which
+    /// zones that it meets are closed.
     fn free_path(
         &self,
         piece: &TurnLeg<'_>,
@@ -272,7 +272,7 @@ impl Network {
         })
     }
 
-    /// Returns the pieces of a path, and the directions over the places between them: halfway between two legs.
+    /// Returns the pieces of a path, and the directions at the places between them: halfway between two legs.
     fn pieces<'a>(&self, spots: &'a [PreparedPoint], ends: (At, At)) -> (Vec<TurnLeg<'a>>, Vec<At>) {
         let pairs = spots.iter().zip(spots.iter().skip(1));
         let pieces: Vec<TurnLeg<'a>> = pairs.map(|(from, to)| TurnLeg::of(from, to, self.on_plane)).collect();
@@ -285,7 +285,7 @@ impl Network {
         (pieces, at)
     }
 
-    /// Returns the greatest time of a piece with a circle at one end or both; `None` without space for it.
+    /// Returns the greatest time of a piece with a circle at one or both ends; `None` if there is no space for it.
     fn circled_s(&self, piece: &TurnLeg<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
         let rounds = self.rounds(wind_mps)?;
         if ends.0 != At::Circle {
@@ -315,8 +315,8 @@ impl Network {
         }
     }
 
-    /// Returns the fastest flight over a piece that has a circle at one end or both, from `on` if it begins on one,
-    /// else from the best point of the circle.
+    /// Returns the fastest flight over a piece with a circle at one or both ends, from `on` if it begins on a circle, otherwise from the
+    /// best point of the circle.
     fn passage(&self, piece: &TurnLeg<'_>, rounds: &Rounds, ends: (At, At), on: Option<On>) -> Option<Passage> {
         if ends.0 != At::Circle {
             let wide = (2.0 * self.turns.circle_radius, self.turns.room());
@@ -341,9 +341,9 @@ impl Network {
         targets.into_iter().find_map(quickest)
     }
 
-    /// Returns the flight along a path with a circle at one end or both, by a vehicle that leaves the first from `from`
-    /// (`None`: from the best point), as points within [`TOLERANCE_SHARE`] of the radius of it; and the position on the
-    /// circle at its end. Empty if there is no space.
+    /// Returns the flight along a path with a circle at one or both ends, for a vehicle that leaves the first circle at `from` (`None`:
+    /// at the best point), as points within [`TOLERANCE_SHARE`] of the radius; and the position on the circle at its end. Empty if the
+    /// space does not suffice.
     pub fn circling_path(
         &mut self,
         way: PathId,
@@ -404,7 +404,7 @@ impl Network {
         let rounds = self.rounds(piece.wind(self, self.air.span_at(begin_s)))?;
         let on = piece.on(from);
         let (after, by_rad) = rounds.after(on, lasts_s);
-        // Many rounds are drawn as one and the remainder.
+        // Many rounds are drawn as one round and the remainder.
         let shown_rad = if by_rad > TAU { TAU + by_rad % TAU } else { by_rad };
         let points = rounds.arc(on, shown_rad, TOLERANCE_SHARE * self.turns.radius);
         Some((points.into_iter().map(|point| piece.shown(point)).collect(), piece.circling(after)))
@@ -422,13 +422,13 @@ impl Network {
         self.turned(way).map_or(0.0, |turned| turned.extra_s)
     }
 
-    /// Returns the path over ground of a trip, turns included: points never farther than [`TOLERANCE_SHARE`] of the radius from it.
-    /// Without limits of turns, the ends and bends.
+    /// Returns the path over ground of a trip, turns included, as points within [`TOLERANCE_SHARE`] of the radius. Without limits of
+    /// turns, the ends and bends.
     pub fn path(&mut self, way: PathId, depart_s: f64) -> Vec<Position> {
         self.path_spots(way, depart_s).into_iter().map(|(position, _)| position).collect()
     }
 
-    /// Returns the same on the plane.
+    /// Returns the path on the plane.
     pub fn path_points(&mut self, way: PathId, depart_s: f64) -> Vec<Point> {
         self.path_spots(way, depart_s).into_iter().map(|(_, point)| point).collect()
     }
@@ -442,7 +442,7 @@ impl Network {
     }
 }
 
-/// Returns the time of the straight line; `None` if the wind does not allow it.
+/// Returns the time of the straight line; `None` if the wind does not permit it.
 fn straight_s(flyer: &Flyer, length: f64) -> Option<f64> {
     let heading_rad = flyer.heading_rad(0.0)?;
     let speed_mps = flyer.true_airspeed_mps * libm::cos(heading_rad) + flyer.wind_mps.x;

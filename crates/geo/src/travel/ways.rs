@@ -1,9 +1,9 @@
-//! Ways between places, and when they arrive.
+//! Paths between places, and their arrivals.
 //!
-//! Between two places the straight leg is flown if it is never shut. Otherwise a set of paths is found once, each the
-//! best for leaving at some instant (the beginning, and whenever zones or the wind change); from then on the pair's
-//! arrival is that of the best of them, holding at the departure if needed. On one path no vehicle overtakes another,
-//! so that leaving later never means arriving earlier. Bound of a query: O(paths x legs), mostly O(1).
+//! Between two places the straight leg is flown if it is never closed. Otherwise a set of paths is found once, each the best for
+//! departing at some instant (the beginning, and every change of zones or wind); from then on the pair's arrival is that of the best of
+//! them, after a hold at the departure if needed. On one path no vehicle overtakes another, so that a later departure never means an
+//! earlier arrival. Bound of a query: O(paths x legs), mostly O(1).
 
 use super::course::first_open;
 use super::error::TravelError;
@@ -26,7 +26,7 @@ pub struct PathId(usize);
 /// Departure and arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trip {
-    /// Later than asked for where it is better to hold first.
+    /// Departure; later than requested if holding first is better.
     pub depart_s: f64,
     /// At the end.
     pub arrive_s: f64,
@@ -42,7 +42,7 @@ struct TravelPath {
     rides: Vec<DirectedLeg>,
     /// Departures at which some part is shut: open spans, sorted.
     closed_s: Vec<Span>,
-    /// Effect of turns, once it was requested; `None` inside if there is no space for them.
+    /// Effect of turns, once it was computed; the inner `None` if there is no space for them.
     turned: Option<Option<Turned>>,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct FoundPaths {
     /// Numbers of sets of ways.
     between: BTreeMap<(usize, usize), Result<usize, TravelError>>,
     sets: Vec<Vec<PathId>>,
-    /// Straight ways, and whether they are never shut.
+    /// Straight paths; true if a path is never closed.
     straight: BTreeMap<(usize, usize), Result<(PathId, bool), TravelError>>,
     trees: BTreeMap<usize, Vec<Tree>>,
     instants_s: Option<Vec<f64>>,
@@ -63,7 +63,7 @@ impl Network {
     /// Returns the first arrival at `to` of a vehicle that is at `from` at `ready_s`.
     ///
     /// # Errors
-    /// What blocks the way.
+    /// The obstacle that blocks the path.
     pub fn trip(&mut self, from: EndpointId, to: EndpointId, ready_s: f64) -> Result<Trip, TravelError> {
         let key = (from.0, to.0);
         let set = match self.found.between.get(&key) {
@@ -95,8 +95,7 @@ impl Network {
         best.ok_or(TravelError::Shut)
     }
 
-    /// Returns the first arrival by one path; `None` if it is shut or the vehicle must not hold at `from` for that
-    /// time.
+    /// Returns the first arrival by one path; `None` if it is closed, or the vehicle must not hold at `from` for that time.
     fn trip_by(&mut self, number: PathId, ready_s: f64) -> Option<Trip> {
         let extra_s = if self.turns.radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
         let way = self.found.ways.get(number.0)?;
@@ -154,7 +153,7 @@ impl Network {
         self.spots(way).into_iter().map(|(position, _)| position).collect()
     }
 
-    /// Returns the same on the plane.
+    /// Returns the positions of the path on the plane.
     pub fn points(&self, way: PathId) -> Vec<Point> {
         self.spots(way).into_iter().map(|(_, point)| point).collect()
     }
@@ -172,8 +171,8 @@ impl Network {
         self.found.ways.get(way.0).map_or(f64::INFINITY, |way| way.rides.iter().map(|ride| self.length(*ride)).sum())
     }
 
-    /// Returns the trips from every place to every place of a vehicle that is ready at `ready_s`: a row for each place
-    /// of departure. A place to itself takes no time.
+    /// Returns the trips between all places for a vehicle that is ready at `ready_s`: a row for each place of departure. A trip from a
+    /// place to itself takes no time.
     pub fn matrix(&mut self, from: &[EndpointId], to: &[EndpointId], ready_s: f64) -> Vec<Vec<Option<Trip>>> {
         let row = |here: &EndpointId| {
             let mut tree = None;
@@ -182,7 +181,7 @@ impl Network {
         from.iter().map(row).collect()
     }
 
-    /// Like [`Network::trip`], by the way that is best for leaving at `ready_s`.
+    /// Like [`Network::trip`], by the path that is best for departing at `ready_s`.
     fn trip_now(&mut self, from: EndpointId, to: EndpointId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
         let straight = self.straight_way(from, to).ok();
         let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));
@@ -203,7 +202,7 @@ impl Network {
         }
     }
 
-    /// Returns the straight path, and whether it is never shut.
+    /// Returns the straight path, and true if it is never closed.
     fn straight_way(&mut self, from: EndpointId, to: EndpointId) -> Result<(PathId, bool), TravelError> {
         if let Some(known) = self.found.straight.get(&(from.0, to.0)) {
             return known.clone();
@@ -271,7 +270,7 @@ impl Network {
         chosen
     }
 
-    /// Remembers a way, with the departures at which some part of it is shut.
+    /// Stores a path, with the departures at which some part of it is closed.
     fn keep(&mut self, from: EndpointId, to: EndpointId, found: FoundPath) -> PathId {
         let mut closed_s: Vec<Span> = Vec::new();
         for (number, ride) in found.rides.iter().enumerate() {

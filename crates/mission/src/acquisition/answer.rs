@@ -1,4 +1,4 @@
-//! The answer to a data-acquisition goal: a typed procedure that is printed as PDL, or the reason why no manoeuvre meets the goal.
+//! The answer to a data-acquisition goal: a typed procedure that is printed as PDL, or the reason for which no manoeuvre meets the goal.
 
 use super::form::form_of;
 use super::goal::AcquisitionGoal;
@@ -58,7 +58,7 @@ fn answer(mission: &Mission, goal: &Value, start: Start, number: u32) -> SolverA
 /// Returns the manoeuvres that meet a goal, best first, as one line of text each; for displays and measurements.
 ///
 /// # Errors
-/// As in flight: the fault of the goal, or the manoeuvre that comes closest to meeting it.
+/// As in flight: the error in the goal, or the manoeuvre that comes closest to meeting it.
 pub fn synthesised(mission: &Mission, goal: &Value, from_s: f64) -> Result<Vec<String>, String> {
     let wanted = AcquisitionGoal::read(mission, goal)?;
     let energy = energy(mission, &Situation::default());

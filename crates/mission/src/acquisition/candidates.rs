@@ -1,4 +1,4 @@
-//! Candidates: heights x directions x patterns for a goal, each a manoeuvre that vehicle and sensor may fly.
+//! Candidates for a goal: combinations of heights, directions and patterns, each a manoeuvre that vehicle and sensor can fly.
 //!
 //! Bound: [`CANDIDATES_MAX`].
 
@@ -23,7 +23,7 @@ pub(super) const CANDIDATES_MAX: usize = 160;
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 20.0);
 /// Height kept from faces of zones.
 const FACE_M: f64 = 30.0;
-/// Heights nearer than this share are one.
+/// Relative difference below which two heights count as equal.
 const APART_SHARE: f64 = 0.08;
 /// Look angles to try, degrees.
 const LOOK_ANGLES_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
@@ -38,7 +38,7 @@ pub(crate) struct ManoeuvreCandidate {
     pub(crate) sensor: String,
     pub(crate) instrument: Instrument,
     pub(crate) height_m: f64,
-    /// Speed as PDL states it: airspeed of a fixed wing, ground speed of a rotorcraft.
+    /// Speed in the terms of PDL: airspeed of a fixed wing, ground speed of a rotorcraft.
     pub(crate) speed_mps: f64,
     /// Distance between pictures.
     pub(crate) every_m: f64,
@@ -47,7 +47,7 @@ pub(crate) struct ManoeuvreCandidate {
 /// Returns the sensors that may record the product.
 ///
 /// # Errors
-/// The vehicle carries none: what it carries.
+/// If the vehicle carries no such sensor: the sensors that it carries.
 pub(super) fn sensors(mission: &Mission, goal: &AcquisitionGoal) -> Result<Vec<(String, Instrument)>, String> {
     let model = &mission.model;
     let cameras = camera_names(model)
@@ -110,7 +110,7 @@ pub(crate) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
     found
 }
 
-/// Returns the lowest height above the target: the height that the mission requires over ground, or else the one that the vehicle keeps.
+/// Returns the lowest height above the target: the clearance that the mission requires, otherwise the least height of the vehicle.
 pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     let least_m = match mission.model.airframe {
         Airframe::FixedWing => HEIGHT_M_MIN.0,
@@ -122,7 +122,7 @@ pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     required_m + 3.0 + (ground_m - goal.target.elevation_m).max(0.0)
 }
 
-/// All candidates of one sensor at one height.
+/// Returns all candidates of one sensor at one height.
 pub(crate) fn at_height(
     (mission, goal): (&Mission, &AcquisitionGoal),
     (sensor, instrument): (&str, &Instrument),
@@ -132,7 +132,7 @@ pub(crate) fn at_height(
     let hovers = mission.model.airframe == Airframe::Rotorcraft;
     let field_wind = wind::at(&mission.forecast, goal.position, goal.target.elevation_m + height_m, at_s);
     let wind_mps = libm::hypot(field_wind.east_mps, field_wind.north_mps);
-    // Into the wind, else straight on from where the vehicle comes from.
+    // Into the wind, otherwise in the direction from which the vehicle arrives.
     let track_deg = match wind_mps > 1.0 {
         true => libm::atan2(-field_wind.east_mps, -field_wind.north_mps) / RAD_PER_DEG,
         false => geodesy::azimuth_deg(here, goal.position),
@@ -216,7 +216,7 @@ impl Setting<'_> {
         LOOK_ANGLES_DEG.into_iter().filter(fits).chain(middle)
     }
 
-    /// Lines: over the target, aside of it, and sweeps of what is wider than a footprint.
+    /// Adds lines: over the target, to its side, and sweeps of areas wider than a footprint.
     fn lines(&self, made: &mut Vec<ManoeuvreCandidate>) {
         let (height_m, speed_mps) = (self.height_m, self.speed_mps(self.height_m));
         let across_m = self.instrument.swath_m(height_m, self.goal.resolution_m);

@@ -1,4 +1,4 @@
-//! Manoeuvres as PDL writes them: `(orbit :radius 60m :height 40m :turns 1)`.
+//! Manoeuvres in PDL notation: `(orbit :radius 60m :height 40m :turns 1)`.
 
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
@@ -22,7 +22,7 @@ impl<'a> Form<'a> {
     /// Reads a list; `what` names it in errors.
     ///
     /// # Errors
-    /// It is not a list of a name and keywords with values.
+    /// If it is not a list of a name and keywords with values.
     pub(crate) fn read(value: &'a Value, what: &str) -> Result<Form<'a>, String> {
         let items = value.as_list().ok_or_else(|| format!("{what} {value} is not a list"))?;
         let (head, rest) = items.split_first().ok_or_else(|| format!("{what} is empty"))?;
@@ -60,7 +60,7 @@ impl<'a> Form<'a> {
         self.need(key, Dimension::SPEED, 1.0)
     }
 
-    /// Returns an angle in degrees; `default` where it is not given.
+    /// Returns an angle in degrees; `default` if it is not stated.
     fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
         let found = self.number(key, Dimension::ANGLE, 1.0 / DEG_PER_RAD)?.map(|rad| rad * DEG_PER_RAD);
         found.or(default).ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
@@ -76,7 +76,7 @@ impl<'a> Form<'a> {
         Some(value.to_string().to_lowercase())
     }
 
-    /// Reads one of two words; returns true for the second, false for the first, which is the default.
+    /// Reads one of two words; returns true for the second, false for the first or without a word.
     fn is(&mut self, key: &'static str, [usual, other]: [&str; 2]) -> Result<bool, String> {
         match self.word(key).as_deref() {
             None => Ok(false),
@@ -86,7 +86,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// Refuses a keyword that was not asked for.
+    /// Rejects keywords that were not read.
     fn finish(&self) -> Result<(), String> {
         let stray = self.fields.iter().find(|(key, _)| !self.used.contains(&key.as_str()));
         stray.map_or(Ok(()), |(key, _)| {
@@ -118,7 +118,7 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
 /// Reads a flight path. Sweeps are read where their area is known.
 ///
 /// # Errors
-/// What is missing, unknown or of the wrong kind.
+/// The missing, unknown or wrongly typed argument.
 pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
     let mut form = Form::read(value, "the manoeuvre")?;
     let path = match form.name() {
@@ -223,7 +223,7 @@ fn arc_of(form: &mut Form<'_>) -> Result<Arc, String> {
     })
 }
 
-/// Returns a flight path as PDL writes it; of a sweep the lines are printed instead.
+/// Returns a flight path in PDL notation; `None` for a sweep, whose lines are printed instead.
 pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     let mut items = vec![Value::symbol(path.name())];
     let mut put = |key: &str, value: Value| items.extend([Value::symbol(&format!(":{key}")), value]);
@@ -367,7 +367,7 @@ mod tests {
         for written in all {
             let path = path_of(&written).unwrap();
             let printed = form_of(&path).unwrap_or_else(Value::nil);
-            // Angles pass through radians, so the last digit may change; the form that is printed again is the same.
+            // Angles pass through radians, so the last digit may change; printing again gives the same form.
             let again = path_of(&printed).ok().and_then(|path| form_of(&path)).map(|form| form.to_string());
             assert_eq!(again, Some(printed.to_string()), "{written} printed as {printed}");
         }

@@ -25,7 +25,7 @@ pub(super) const PERFECT_POINTS: f64 = 100.0;
 pub(crate) enum ProductKind {
     /// Whatever serves.
     Any,
-    /// Pictures one by one.
+    /// Single pictures.
     Stills,
     /// Video.
     Video,
@@ -36,9 +36,9 @@ pub(crate) enum ProductKind {
 /// Goal of an acquisition.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AcquisitionGoal {
-    /// The target as the goal names it: an id, or a location.
+    /// The target as named in the goal: an id, or a location.
     pub(crate) named: Value,
-    /// Its ground, with one wanted look.
+    /// The target's geometry, with one wanted look.
     pub(crate) target: ObservedTarget,
     /// Its ground in cells.
     pub(crate) grid: Arc<TargetGrid>,
@@ -48,7 +48,7 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) radius_m: f64,
     /// Kind of recording.
     pub(crate) product: ProductKind,
-    /// Wanted metres per pixel; infinite: any.
+    /// Wanted metres per pixel; infinite if any resolution suffices.
     pub(crate) resolution_m: f64,
     /// Least share of the ground.
     pub(crate) coverage_min: f64,
@@ -72,7 +72,7 @@ pub(crate) fn is_goal(goal: &Value) -> bool {
     head.is_some_and(|head| head.is("acquire"))
 }
 
-/// A value of a keyword with what it should be.
+/// The value of a keyword, with a description of the expected type.
 struct Field<'a> {
     key: &'static str,
     value: Option<&'a Value>,
@@ -126,7 +126,7 @@ impl AcquisitionGoal {
     /// Reads a goal.
     ///
     /// # Errors
-    /// The keyword that is unknown or has a value of the wrong kind, with what to write; a target that is not known.
+    /// The unknown or wrongly typed keyword with the correct form, or the unknown target.
     pub(crate) fn read(mission: &Mission, goal: &Value) -> Result<AcquisitionGoal, String> {
         let items = goal.as_list().unwrap_or_default();
         let [_, named, rest @ ..] = items else {

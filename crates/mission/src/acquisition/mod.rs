@@ -1,5 +1,5 @@
-//! Data acquisition: manoeuvres for the mission's vehicle and targets as PDL writes and flies them, and their synthesis from
-//! goals `(acquire TARGET ..)`.
+//! Data acquisition: manoeuvres for the mission's vehicle and targets in PDL notation, and their synthesis from goals `(acquire TARGET
+//! ..)`.
 //!
 //! Predictions come from `apex_observation::manoeuvres`; a goal is answered with a typed procedure (docs/reference/manoeuvres.md).
 
@@ -24,5 +24,5 @@ pub use predicted::{PerformedManoeuvre, forecast};
 pub(crate) use solve::{closed_by, sun_miss};
 pub(crate) use vehicle::{craft_of, scene_of};
 
-/// The planner of acquisition goals, as missions name it.
+/// Name of the planner of acquisition goals in missions.
 pub(crate) const SOLVER: &str = "acquisition";

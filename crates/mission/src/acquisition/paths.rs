@@ -1,6 +1,6 @@
-//! The function by which PDL gets the points of a manoeuvre: `(manoeuvre-path FORM TARGET CAMERA SPEED MET)`.
+//! The function that returns the points of a manoeuvre to PDL: `(manoeuvre-path FORM TARGET CAMERA SPEED MET)`.
 //!
-//! It depends on its arguments and the mission's data only, so a replay gets the same answers. Bound: O(points).
+//! Its result depends only on its arguments and the mission's data, so a replay gets the same result. Bound: O(points).
 
 use super::form::path_of;
 use super::vehicle::{craft_of, instrument_of, scene_of};
@@ -44,7 +44,7 @@ pub(crate) fn manoeuvre_of(path: FlightPath, speed_mps: Option<f64>, craft_hover
     Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store }
 }
 
-/// Registers the function of a mission in place of the one without.
+/// Registers the function with the mission's data, in place of the one without.
 pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
     let targets = mission.targets.iter();
     let places = Arc::new(Places {
@@ -60,9 +60,9 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
 }
 
 impl Places {
-    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes, the ground speed at each (nil for a fixed wing),
-    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for the aim of the camera, pairs of a
-    /// heading and a place for the camera to point at from a hover, and the time for each.
+    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes; the ground speed at each (nil for a fixed wing); the
+    /// airspeed; `hover` or `line` as the kind of beginning; `down` or the target as the aim of the camera; pairs of a heading and a
+    /// place for the camera to point at from a hover; and the time for each.
     fn points(&self, arguments: &[Value]) -> Result<Value, String> {
         let [form, target, camera, speed, met] = arguments else {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));

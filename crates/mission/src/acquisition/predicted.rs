@@ -1,4 +1,4 @@
-//! Predicted yield in a mission of a manoeuvre that PDL writes.
+//! Predicted yield of a manoeuvre in PDL notation in a mission.
 
 use super::form::path_of;
 use super::paths::{height_m, manoeuvre_of};
@@ -15,14 +15,14 @@ use apex_observation::predict::PredictionContext;
 use apex_observation::target::ObservedTarget;
 use std::collections::BTreeMap;
 
-/// A manoeuvre as a PDL program asks for it.
+/// A manoeuvre requested by a PDL program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerformedManoeuvre<'a> {
     /// The form, for example `(orbit :radius 60m :height 40m)`.
     pub form: &'a Value,
     /// The target's id.
     pub target: &'a str,
-    /// The camera, or `scanner`; none: what the vehicle looks with.
+    /// The camera, or `scanner`; `None` for the vehicle's default sensor.
     pub sensor: Option<&'a str>,
     /// Airspeed of a fixed wing, ground speed of a rotorcraft; none: that of the sharpest pictures.
     pub speed_mps: Option<f64>,
@@ -35,7 +35,7 @@ pub struct PerformedManoeuvre<'a> {
 /// Predicts the looks of the manoeuvre at its target and its cost.
 ///
 /// # Errors
-/// An error message: the form is wrong, the mission has no such target or sensor, or a limit of vehicle, sensor or wind.
+/// An error message: the form is invalid, the mission has no such target or sensor, or a limit of vehicle, sensor or wind is exceeded.
 pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
     let path = path_of(wanted.form)?;
     let target = target_of(mission, wanted.target)?;
@@ -64,7 +64,7 @@ pub(super) fn scene(
     scene_of(place, &mission.forecast, height_m(path), approach, from_s)
 }
 
-/// The forecast of a manoeuvre in the mission's air; with the causes of its losses where they are asked for.
+/// Returns the forecast of a manoeuvre in the mission's air; with the causes of its losses if requested.
 pub(crate) fn forecast_of(
     mission: &Mission,
     manoeuvre: &Manoeuvre,

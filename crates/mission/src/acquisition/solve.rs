@@ -1,5 +1,5 @@
-//! Synthesis: candidates for a goal, predicted, filtered by what is required and by Pareto dominance, one chosen by worth and
-//! time. A candidate that is dropped keeps its reason; an empty answer names the nearest miss.
+//! Synthesis: predicts the candidates for a goal, filters them by the requirements and by Pareto dominance, and chooses one by value and
+//! time. A dropped candidate keeps its reason; an empty answer names the nearest miss.
 //!
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
@@ -20,7 +20,7 @@ use apex_requirements::margin::sensor::ViewDirection;
 
 /// Candidates that are handed on at most.
 const ANSWERS_MAX: usize = 8;
-/// Least mean factor of resolution: nearly all of the wanted ground is at least as fine as wanted.
+/// Least mean factor of resolution: nearly all of the ground has at least the wanted resolution.
 const RESOLUTION_MIN: f64 = 0.9;
 /// Candidates worth this share of the best are as good: time decides.
 const AS_GOOD: f64 = 0.99;
@@ -36,7 +36,7 @@ pub(crate) struct Start {
     pub(crate) endurance_s: f64,
 }
 
-/// A candidate with what it is predicted to give.
+/// A candidate with its predicted result.
 #[derive(Clone, Debug)]
 pub(crate) struct Predicted {
     pub(super) candidate: ManoeuvreCandidate,
@@ -46,7 +46,7 @@ pub(crate) struct Predicted {
     pub(super) travel_s: f64,
 }
 
-/// A candidate that was left out: how far it is from what works, as a share, and the reason.
+/// A rejected candidate: its relative distance from meeting the goal, and the reason.
 #[derive(Clone, Debug, PartialEq)]
 struct Miss {
     by: f64,
@@ -177,7 +177,7 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
     Err(format!("{whose}, with the sun {side} at {limit:.0} degrees; it is at {sun_deg:.0} degrees{later}"))
 }
 
-/// Predicts a candidate and holds it against the goal.
+/// Predicts a candidate and compares it with the goal.
 fn judged(
     mission: &Mission,
     goal: &AcquisitionGoal,
@@ -196,7 +196,7 @@ fn judged(
         .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
     let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
     let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
-    // All that it lacks: it is as far from the goal as the worst of them.
+    // The distance of a candidate from the goal is that of its worst deficit.
     let mut misses = Vec::new();
     if let Some(zone) = closed_by(mission, &forecast, &scene, Some(start.at_s + travel_s)) {
         let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
@@ -258,7 +258,7 @@ fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str
     short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
 }
 
-/// The excess of a camera that is kept on the target and comes too near to the sun, as a share, with the reason.
+/// Returns the excess of a camera that is kept on the target and points too near to the sun, as a share, with the reason.
 pub(crate) fn sun_miss(mission: &Mission, camera: &str, forecast: &Forecast, scene: &Scene) -> Option<(f64, String)> {
     let margin_deg = |pose: &PathPose| {
         let position = scene.position(pose.point);
@@ -274,7 +274,8 @@ pub(crate) fn sun_miss(mission: &Mission, camera: &str, forecast: &Forecast, sce
     Some((-least_deg / 180.0, why))
 }
 
-/// The restricted zone that the manoeuvre enters when it is flown at `from_s`; without an instant one that is always active.
+/// Returns the restricted zone that the manoeuvre enters when it is flown at `from_s`; without an instant, only zones that are always
+/// active count.
 pub(crate) fn closed_by<'a>(
     mission: &'a Mission,
     forecast: &Forecast,
@@ -298,7 +299,7 @@ pub(crate) fn closed_by<'a>(
     })
 }
 
-/// Returns the Pareto front of worth, time, energy and turns; the chosen one first.
+/// Returns the Pareto front of value, time, energy and turns; the chosen manoeuvre first.
 fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
     let figures = |one: &Predicted| {
         let forecast = &one.forecast;

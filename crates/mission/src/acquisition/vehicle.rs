@@ -8,8 +8,8 @@ use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::manoeuvres::{Craft, DrainTable, Instrument, Scene};
 
-/// Maximum rearward and sideways airspeed of a rotorcraft, m/s; vehicle files do not state it. Assumption: small helicopters
-/// reach 5 to 10 m/s.
+/// Maximum rearward and sideways airspeed of a rotorcraft, m/s, which vehicle files do not state. Assumption: small helicopters reach 5
+/// to 10 m/s.
 const ASIDE_MPS_MAX: f64 = 10.0;
 /// Time of straight flight of a fixed wing before it begins a line.
 const SETTLE_S: f64 = 5.0;
@@ -52,10 +52,10 @@ pub(crate) fn craft_of(model: &VehicleModel, altitude_m: f64) -> Craft {
     }
 }
 
-/// Returns the sensor called `name`: `scanner` or a camera. Without a name: the first camera, or else the scanner.
+/// Returns the sensor called `name`: `scanner` or a camera. Without a name: the first camera, otherwise the scanner.
 ///
 /// # Errors
-/// The names of the sensors on board if the vehicle does not carry this one.
+/// The names of the sensors on board if the vehicle does not carry the requested one.
 pub(crate) fn instrument_of(model: &VehicleModel, name: Option<&str>) -> Result<Instrument, String> {
     let scanner = || scanner_of(model).map(Instrument::Scanner);
     let found = match name {

@@ -1,8 +1,8 @@
-//! The plan in execution when the mission plans again: planners begin with it.
+//! The plan in execution when the mission plans again: planners start from it.
 //!
-//! It is the last plan that the executive adopted; an answer that was not adopted does not count. Before the first, it is the stored
-//! procedure that was chosen for the goal, as `apex plan --format pdl` prints one: its steps are read back, others of its
-//! steps do not count.
+//! It is the last plan that the executive adopted; an answer that was not adopted does not count. Before the first adoption, it is the
+//! stored procedure chosen for the goal, in the form that `apex plan --format pdl` prints: its known steps are read back, and its other
+//! steps are ignored.
 
 use crate::Mission;
 use crate::situation::{MadePlan, Situation};
@@ -20,7 +20,7 @@ use apex_model::value::Value;
 
 /// Solver name of a plan that is read from a stored procedure.
 const STORED: &str = "stored";
-/// Visits of such a plan at most.
+/// Maximum number of visits of such a plan.
 const VISITS_MAX: usize = 10_000;
 
 /// Returns the rest at `at` of the plan in execution for the goal, and its origin as text.
@@ -37,7 +37,8 @@ pub(super) fn current_plan(
     }
 }
 
-/// Returns the rest of a plan `elapsed` after it was made. Problems of surveillance begin at their own now, the others at the mission's.
+/// Returns the remainder of a plan `elapsed` after it was made. Surveillance problems begin at their own present, others at the mission's
+/// beginning.
 fn ahead(plan: Plan, elapsed: Duration) -> Plan {
     match plan {
         Plan::SingleVisit(plan) => Plan::SingleVisit(plan),
@@ -82,7 +83,7 @@ fn visit(activity: &Activity) -> Option<PlannedActivity> {
     activity.target().is_some().then_some(activity)
 }
 
-/// Returns the visits from `done` on with their times from now on, until the horizon where they are repeated.
+/// Returns the visits from `done` on with their times counted from now, up to the horizon if they are repeated.
 fn watched(
     problem: &SurveillanceProblem,
     steps: &[PlannedActivity],
@@ -124,7 +125,7 @@ fn watched(
     })
 }
 
-/// Returns the observations, each in the manoeuvre whose lines the step flies, when the step expects it.
+/// Returns the observations at their expected times, each by the manoeuvre whose lines the step flies.
 fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<SingleVisitPlan> {
     let mut visits = Vec::new();
     let mut ready_s = problem.start_s;
@@ -181,7 +182,7 @@ fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<Si
     })
 }
 
-/// Returns the lines that an observation flies, as its step states them: rounded to about a metre.
+/// Returns the lines that an observation flies, as stated in its step: rounded to about a metre.
 pub(super) fn observed_lines(manoeuvre: &Manoeuvre) -> Vec<(Location, Location)> {
     let end = |position| Location { position, altitude_m: manoeuvre.altitude_m };
     manoeuvre.lines.iter().map(|(from, to)| (rounded(end(*from)), rounded(end(*to)))).collect()

@@ -1,5 +1,5 @@
-//! Drafts of plans: an order of visits that an operator proposes, planned and checked from the situation of an instant as
-//! the flight would plan it. Nothing is recorded and nothing is flown.
+//! Drafts of plans: an order of visits that an operator proposes, planned and checked from the situation at an instant as the flight
+//! would plan it. Nothing is recorded or flown.
 
 use super::operator_plan::{HUMAN, means};
 use super::{BUDGET_DEFAULT, Deliberation, PlanningResources, SolveOptions, solve};
@@ -13,8 +13,8 @@ use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_runtime::record::RecordReader;
 
-/// Plans `visits` in this order from the situation of the recorded flight at `at`. The inner error says which visit cannot
-/// be made and why, or why nothing can be planned.
+/// Plans `visits` in this order from the situation of the recorded flight at `at`. The inner error names the visit that is impossible and
+/// the reason, or the reason for which nothing can be planned.
 ///
 /// # Errors
 /// A record that cannot be read.

@@ -35,11 +35,11 @@ use steps::nothing_more;
 /// Deliberation time if neither the mission nor the request states one.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Plans for one mission, from its situation.
+/// Planning for one mission, from its situation.
 pub struct MissionDeliberator {
     mission: Arc<Mission>,
     situation: Situation,
-    /// Observations until now; `None` if no single visits are wanted, an error if the targets are invalid.
+    /// Observations until now; `None` without single-visit targets, an error if the targets are invalid.
     flown: Result<Option<FlownScore>, String>,
     means: PlanningResources,
     /// Segments of lines that lost their data.
@@ -67,12 +67,12 @@ impl MissionDeliberator {
         &self.situation
     }
 
-    /// Returns the wall time that planners took so far.
+    /// Returns the total wall time of planning so far.
     pub fn planned_for(&self) -> std::time::Duration {
         self.invocations.lock().unwrap_or_else(PoisonError::into_inner).worked()
     }
 
-    /// Returns the report of a flight that ended so.
+    /// Returns the report of a flight with this end.
     pub fn report(&self, end: (Time, String)) -> Report {
         report(&self.mission, &self.situation, told(&self.flown), end)
     }
@@ -123,9 +123,9 @@ impl Deliberator for MissionDeliberator {
     }
 }
 
-/// Everything on which the answer to one request depends, except the planners.
+/// Everything except the planners on which the answer to one request depends.
 struct Question {
-    /// The mission with the updates so far.
+    /// The mission as updated so far.
     believed: Mission,
     problem: Result<Problem, NoPlan>,
     /// Plan from which planners begin, with its origin.
@@ -138,17 +138,17 @@ struct Question {
     seed: u64,
     /// The vehicle's position and the instant of the request.
     from: (Position, Time),
-    /// At least one observation has ended: if nothing more can be visited, the mission is done.
+    /// True if an observation has ended: if nothing more can be visited, the mission is then complete.
     has_observed: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
-    /// A plan is imposed: if it cannot be flown, that is a failure and not the end of the mission.
+    /// True if a plan is imposed: if it cannot be flown, planning fails, and the mission does not end.
     is_imposed: bool,
     /// Numbers the plans of a flight.
     number: u32,
 }
 
-/// A [`Question`] as the record holds it.
+/// A [`Question`] in its recorded form.
 #[derive(Serialize)]
 struct Shown<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -238,7 +238,7 @@ impl Question {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
             let solved = solve(problem, wish, invocations, cancel)?;
-            // A plan without visits is an answer on the ground; in flight nothing is left to do.
+            // Before the flight, a plan without visits is an answer; in flight, the mission is then complete.
             match solved.plan.targets().is_empty() {
                 true => Err(NoPlan::NothingLeft(solved.plan.summary().to_string())),
                 false => Ok(solved),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Name of the planner that returns the operator's visits.
 pub(crate) const HUMAN: &str = "human";
 
-/// Returns the means with the operator's visits as one more planner, if `solver` asks for it.
+/// Returns the planners extended by one that returns the operator's visits, if `solver` requests it.
 ///
 /// # Errors
 /// An error message if the operator has not named visits.
@@ -31,7 +31,8 @@ pub(super) fn means(
     Ok(means)
 }
 
-/// Returns the first step of a plan for a problem that operators plan better: it sends a message by `library/aerial-observation.pdl`.
+/// Returns the first step of a plan for a problem that operators plan better: it sends a message that `library/aerial-observation.pdl`
+/// handles.
 pub(super) fn step(goal: &Value, summary: &str) -> (Symbol, PlannedActivity) {
     let words = [Value::symbol("say"), Value::symbol("that"), Value::symbol("people"), Value::symbol("plan")];
     let rest = [goal.clone(), Value::symbol("better"), Value::symbol("than"), Value::text(summary)];

@@ -1,4 +1,5 @@
-//! Decision about a segment of a line whose data were lost: fly it again, or keep its time for other targets (paper, section IV, example 1).
+//! Decision about a segment of a line whose data were lost: fly it again, or keep its time for other targets (paper, section IV, example
+//! 1).
 //!
 //! Runs: once for each `(segment-lost TARGET FROM TO END)` that the flying agent says. The gain is what the segment adds to what has
 //! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the difference between
@@ -26,11 +27,11 @@ use apex_observation::predict::{AirConditions, Conditions, PlannedLine, Predicti
 use apex_runtime::ports::Input;
 use apex_solvers::planners::single_visit::{OrderValue, OrderedVisit, order_value};
 
-/// Seconds until the wings are level after a disturbance: segments closer than twice the way flown in them are one.
+/// Seconds until the wings are level after a disturbance: segments closer than twice the distance flown in this time are merged.
 const SETTLE_S: f64 = 5.0;
-/// Time for the turn from one line of the observation to the next, for the instant at which the rest of the plan begins.
+/// Time of the turn between two lines of the observation, for the instant at which the rest of the plan begins.
 const TURN_S: f64 = 100.0;
-/// A segment whose middle is this near to one that was weighed before is the same one.
+/// Distance in metres within which the middles of two weighed segments count as the same segment.
 const SAME_M: f64 = 100.0;
 
 /// A segment that lost its data, and the end of its line.
@@ -44,7 +45,7 @@ struct LostSegment {
     line_end: Location,
 }
 
-/// Segments that lost their data, and the answers so far.
+/// Segments that lost their data, with the answers so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LostSegments {
     /// Segments that are not decided yet, with the instant of the loss.
@@ -62,7 +63,7 @@ pub(super) struct Trade {
     pub(super) price_points: f64,
     /// Time for flying the segment again.
     pub(super) flight_s: f64,
-    /// Targets that are left out for it.
+    /// Targets that would be left out for it.
     pub(super) dropped: Vec<String>,
 }
 
@@ -134,7 +135,7 @@ impl LostSegments {
             let apart_m = geodesy::distance_m(other.until.position, lost.begin.position);
             !is_again && other.target == lost.target && other.line_end == lost.line_end && apart_m <= settle_m
         };
-        // If a segment near this one was left before, both are flown again together.
+        // If a neighbouring segment was left before, both are flown again together.
         let merged = self.weighed.iter().rev().find(near).map(|(other, _)| LostSegment {
             begin: other.begin,
             from: other.from.clone(),
@@ -201,7 +202,7 @@ fn trade(
     let (price_points, dropped) = match &situation.plan {
         Some(made) => match &made.plan {
             Plan::SingleVisit(plan) => {
-                // Only what the plan still visits can be displaced.
+                // Only targets that the plan still visits can be displaced.
                 let is_ahead = |name: &str| visits_ahead(plan, &lost.target).any(|visit| visit.target == name);
                 let delay = (at.seconds(), leaves_s, again.total_s);
                 match single_visits(&believed, (situation, Some(flown), at), (&is_ahead, false)) {
@@ -224,7 +225,7 @@ fn wanted<'a>(mission: &'a Mission, name: &str) -> Option<(&'a Target, &'a Fire)
     })
 }
 
-/// Returns the lines that the observation still has to fly: the rest of this one, and those of which nothing has been seen.
+/// Returns the lines that the observation still has to fly: the rest of the present one, and those that are entirely unseen.
 fn rest_of_lines(situation: &Situation, lost: &LostSegment, here: Position) -> Vec<(Position, Position)> {
     let mut rest = vec![(here, lost.line_end.position)];
     let open = situation.visits.last().filter(|visit| visit.end.is_none() && visit.target == lost.target);
@@ -244,7 +245,7 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
 }
 
-/// Returns the time for these lines and the turns between them.
+/// Returns the time for these lines with the turns between them.
 fn lines_s(mission: &Mission, lines: &[(Position, Position)], altitude_m: f64, from_s: f64) -> f64 {
     let each = lines.iter().map(|line| {
         let line = planned(mission, *line, altitude_m, from_s);
@@ -266,7 +267,7 @@ impl Conditions for PresentAir<'_> {
     }
 }
 
-/// Returns points that the segment adds to what has been seen, and to what the rest of the lines will see.
+/// Returns the points that the segment adds to the ground seen so far and to the ground that the rest of the lines will see.
 fn gain(
     (mission, target, fire): (&Mission, &Target, &Fire),
     situation: &Situation,
@@ -297,7 +298,8 @@ fn gain(
     Ok((with - without).max(0.0))
 }
 
-/// Returns the cost of a delay for the later visits, and the visits that it affects. `delay`: now, the begin without it, and its length.
+/// Returns the cost of a delay to the later visits, and the affected visits. `delay`: now, the beginning without the delay, and its
+/// length.
 fn price(
     problem: &SingleVisitProblem,
     plan: &SingleVisitPlan,
@@ -322,14 +324,13 @@ fn price(
     Ok(((at_once.score - delayed.score).max(0.0), names.collect()))
 }
 
-/// Returns the visits of the plan after the one that is observed; all of them where it is not in the plan.
+/// Returns the visits of the plan after the one in progress; all of them if that is not in the plan.
 fn visits_ahead<'a>(plan: &'a SingleVisitPlan, observed: &str) -> impl Iterator<Item = &'a PlannedVisit> {
     let after = plan.visits.iter().position(|visit| visit.target == observed).map_or(0, |at| at + 1);
     plan.visits.iter().skip(after)
 }
 
-/// Returns the visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to
-/// theirs.
+/// Returns the open visits of the plan after the present one, each with the most similar manoeuvre of the problem.
 fn ahead(problem: &SingleVisitProblem, plan: &SingleVisitPlan, observed: &str) -> Vec<OrderedVisit> {
     let visits = visits_ahead(plan, observed).filter_map(|visit| {
         let target = problem.targets.iter().position(|target| target.name == visit.target)?;

@@ -1,4 +1,4 @@
-//! Solving a posed problem: chooses a planner, runs it contained and within its budget, and checks its plan.
+//! Solves a posed problem: chooses a planner, runs it isolated and within its budget, and checks its plan.
 
 use crate::problem::{NoPlan, survey, trouble};
 use crate::{Mission, Target, TargetKind};
@@ -24,11 +24,11 @@ pub struct Deliberation {
     pub reason: String,
     /// Work units used.
     pub work: u64,
-    /// Processor seconds; none where the system does not tell.
+    /// Processor seconds; `None` if the system does not report them.
     pub cpu_s: Option<f64>,
     /// Position and instant at which the plan begins; `None`: the mission's start.
     pub from: Option<(Position, Time)>,
-    /// True if operators plan such missions better by the profile table.
+    /// True if operators plan such missions better according to the profile table.
     pub people_plan_better: bool,
 }
 
@@ -37,7 +37,7 @@ pub struct Deliberation {
 pub struct PlanningResources {
     /// The planners that there are.
     pub planners: Arc<Registry>,
-    /// By which one is chosen; none is the table that ships.
+    /// Profile table for the choice; `None` for the shipped one.
     pub table: Option<Arc<ProfileTable>>,
     /// Wall time until a solver is abandoned.
     pub timeout: std::time::Duration,
@@ -61,7 +61,7 @@ impl PlanningResources {
 pub struct SolveOptions<'a> {
     /// Planners and their resources.
     pub means: &'a PlanningResources,
-    /// One of them; none lets the profile table choose.
+    /// Name of the planner; `None` lets the profile table choose.
     pub solver: Option<&'a str>,
     /// Time limit.
     pub budget: Duration,
@@ -71,7 +71,7 @@ pub struct SolveOptions<'a> {
     pub previous: Option<Plan>,
 }
 
-/// Chooses a solver (or takes the wanted one), runs it contained and within its budget, and checks its plan.
+/// Chooses a planner (or takes the requested one), runs it isolated and within its budget, and checks its plan.
 ///
 /// # Errors
 /// A message if no solver serves the problem, none finds a plan, or the plan does not pass the checker.
@@ -101,7 +101,7 @@ pub fn solve(
     let problem = Arc::new(problem);
     let limits = SolverLimits { units, timeout: wish.means.timeout, memory_bytes: wish.means.memory_bytes };
     let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, cancel);
-    // Who misbehaves and has no plan does not say that nothing is left.
+    // If a planner misbehaved and has no plan, that does not mean that nothing is left to visit.
     let violation = answer.violation;
     let no_plan = |why| if violation.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
     let mut plan = answer.plan.map_err(no_plan)?;
@@ -110,7 +110,7 @@ pub fn solve(
         reason = format!("{reason}; {violation}, and its best plan until then is used");
     }
     if let Err(contradiction) = apex_solvers::bounds::state(&problem, &mut plan) {
-        // The plan is checked and can be flown; what is said of its bound is not.
+        // The plan passed the check and can be flown; only its bound is wrong.
         reason = format!("{reason}; {contradiction}");
     }
     tell_quality(&problem, &mut plan);
@@ -119,7 +119,7 @@ pub fn solve(
     Ok(Deliberation { problem, plan, reason, work, cpu_s, from: None, people_plan_better })
 }
 
-/// Repeats in the plan what each visit's manoeuvre is predicted to give: the plan is kept, the problem is not.
+/// Copies the predicted quality of each visit's manoeuvre into the plan: the plan is kept, the problem is not.
 fn tell_quality(problem: &Problem, plan: &mut Plan) {
     let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, plan) else { return };
     for visit in &mut plan.visits {
@@ -129,8 +129,8 @@ fn tell_quality(problem: &Problem, plan: &mut Plan) {
     }
 }
 
-/// Visits of a plan that are checked: more than any mission has space for. Without a limit, checking nonsense could take as long
-/// as the caller that made it likes.
+/// Maximum number of visits of a plan that are checked: more than any mission needs. Without a limit, checking an invalid plan could take
+/// arbitrarily long.
 pub const PLAN_VISITS_MAX: usize = 100_000;
 
 /// Returns the verdict of the checker.
@@ -150,7 +150,7 @@ fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
     }
 }
 
-/// Checks the problem: an invalid problem is an error, not a mission with nothing left to visit.
+/// Checks the problem: an invalid problem is an error, and not a mission with nothing left to visit.
 ///
 /// # Errors
 /// A message that names the target and the field.
@@ -161,12 +161,12 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
     }
 }
 
-/// Says of targets left out why: the link is weak there, they lie in a restricted area, or no manoeuvre sees them.
+/// States the reasons of left-out targets: the link is weak there, they are in a restricted area, or no manoeuvre can observe them.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
     name_obstacles_of(mission, solved, &|_| true);
 }
 
-/// As [`name_obstacles`], of the looks that are still open.
+/// Like [`name_obstacles`], for the looks that are still open.
 pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     name_zones(mission, solved);
     name_battery(mission, solved);
@@ -186,7 +186,7 @@ pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is
     }
 }
 
-/// Names the looks that the problem does not have because no manoeuvre sees them, with what comes nearest.
+/// Lists the looks that are not in the problem because no manoeuvre can observe them, with the nearest possibility.
 fn name_unseen(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
     let is_posed = |name: &str| problem.targets.iter().any(|target| target.name == name);

@@ -19,13 +19,13 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::PrintedPlan;
 
-/// An arrival may be earlier than planned by this: with it the mission would still keep its plan (`+max-delay+` in
+/// An arrival may be this many seconds earlier than planned: the mission then still keeps its plan (`+max-delay+` in
 /// library/aerial-observation.pdl).
 const EARLY_S: f64 = 900.0;
-/// Timing factors closer than this are the same.
+/// Timing factors that differ by less are equal.
 const TIMING_TOLERANCE: f64 = 1e-3;
 
-/// A step before it has a line in the procedure's text.
+/// A step before it becomes a line of the procedure's text.
 type NamedActivity = (Symbol, PlannedActivity);
 
 /// Returns the plan as a procedure for `goal`.
@@ -47,7 +47,7 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
     }
 }
 
-/// Returns the plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
+/// Returns the plan of a mission in progress for which nothing more can be planned: the mission ends, and the return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
     let summary = format!("nothing more to visit. {reason}");
     let head = format!("; {summary}\n");
@@ -125,8 +125,8 @@ fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     (Symbol::new(&format!("{verb}-{}", visit.target)), activity)
 }
 
-/// Returns true if the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong light, a
-/// closed window or a lower timing factor.
+/// Returns true if the observation waits for its instant: the plan waits, or an earlier arrival would meet unsuitable light, a closed
+/// window or a lower timing factor.
 fn waits(
     problem: &SingleVisitProblem,
     target: &SingleVisitTarget,
@@ -193,11 +193,11 @@ fn surveillance_steps(
     let mut order: Vec<usize> =
         order.iter().filter_map(|name| sites.iter().position(|(target, _)| target.id == **name)).collect();
     if repeat {
-        // A cycle is flown again from its first site, so the way from the start is better one without bends.
+        // A cycle is repeated from its first site, so a route without bends is preferred for the way from the start.
         let open = order.iter().position(|site| route(None, *site, 0).len() == 2);
         order.rotate_left(open.unwrap_or(0));
     }
-    // Who cannot hover looks from a circle around the site.
+    // A vehicle that cannot hover observes from a circle around the site.
     let circles = mission.model.airframe == Airframe::FixedWing;
     let camera = looks_with(&mission.model).map(|camera| camera.name);
     let mut steps = Vec::new();

@@ -46,7 +46,7 @@ pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<
     })
 }
 
-/// Reads the text of a model file; `file` names it in errors.
+/// Reads the text of a model file; `file` is its name in errors.
 ///
 /// # Errors
 /// Like [`Model::parse`].

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Candidates that are published, the likeliest first.
 const PUBLISHED_MAX: usize = 5;
 
-/// State of the service: the outcomes, from which everything else follows, and what was published of it.
+/// State of the service: the outcomes, from which everything else follows, and the published part of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DiagnosisService {
     outcomes: Vec<Outcome>,
@@ -34,11 +34,11 @@ struct Published {
     outcomes: Vec<Outcome>,
     components: Vec<Health>,
     candidates: Value,
-    /// Unexplained tests, and a set of tests that contradict them.
+    /// Unexplained tests, and the set of tests that contradict them.
     contradiction: Option<(Vec<usize>, Vec<usize>)>,
 }
 
-/// The diagnoser of these outcomes, made again after a snapshot.
+/// The diagnoser of these outcomes; created again after a snapshot is restored.
 #[derive(Clone, Debug, Default)]
 struct DiagnoserCache(Option<Diagnoser>);
 
@@ -64,7 +64,7 @@ impl DiagnosisService {
         &self.outcomes
     }
 
-    /// Observes a step: the messages of its batch, then those that the agent says.
+    /// Observes a step: the messages of its batch, then those that the agent sends.
     pub fn observe(&mut self, model: &Arc<Model>, batch: &Batch, effects: &[Effect]) -> Reported {
         let mut reported = Reported::default();
         self.outcomes.resize(model.tests.len(), Outcome::Unknown);
@@ -93,7 +93,7 @@ impl DiagnosisService {
     }
 }
 
-/// Returns a test's name with its outcome, or with the word that is not one.
+/// Returns a test's name with its outcome, or with the word that is not an outcome.
 fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
     match kind {
         EventKind::Measurement(variable, value) if variable.attribute.is("test-outcome") => {

@@ -1,4 +1,4 @@
-//! Explanation of the health of a component at an instant of a recorded flight by the tests that show it.
+//! Explains the health of a component at an instant of a recorded flight by the outcomes of tests.
 
 use crate::error::MissionResult;
 use crate::recorded::{mission_of, situation_at};
@@ -15,7 +15,7 @@ pub struct ComponentHealth {
     pub json: serde_json::Value,
 }
 
-/// Explains the health of `component` after the last step not later than `at`; `None` if the record's mission has no model with it.
+/// Explains the health of `component` after the last step not later than `at`; `None` if no model of the record's mission contains it.
 ///
 /// # Errors
 /// A record that cannot be read.

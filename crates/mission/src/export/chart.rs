@@ -1,7 +1,6 @@
 //! A plan on the map: everything that a file for other programs needs, with places, altitudes and times.
 //!
-//! Planners know names, times and, where they fly through air, routes. A chart adds where each thing is; formats are written
-//! from it alone.
+//! Plans contain names, times and, for vehicles in the air, routes. A chart adds positions; formats are written from it alone.
 
 use super::watch::VisitFollower;
 use crate::vehicle::Airframe;
@@ -14,7 +13,7 @@ use apex_model::problem::{
 use apex_planning::surveillance::travel::SurveillanceTravel;
 use serde_json::{Map, Value, json};
 
-/// A place, with its altitude above mean sea level where one is known.
+/// A position, with its altitude above mean sea level if known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartPoint {
     /// Position.
@@ -23,7 +22,7 @@ pub struct ChartPoint {
     pub altitude_m: Option<f64>,
 }
 
-/// One observation, with the way to it.
+/// One observation, with the path to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChartVisit {
     /// The target's name.
@@ -42,12 +41,12 @@ pub struct ChartVisit {
     pub end_s: f64,
 }
 
-/// Observation from a circle, as an autopilot needs it to fly it automatically.
+/// Observation from a circle, with the data that an autopilot needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
     /// Around where.
     pub centre: ChartPoint,
-    /// The bends of the way to it.
+    /// The bends of the path to it.
     pub bends: Vec<ChartPoint>,
 }
 
@@ -60,7 +59,7 @@ pub struct ChartTarget {
     pub place: ChartPoint,
     /// Facts about the target and its observation: value, factors, costs.
     pub facts: Map<String, Value>,
-    /// Reason if it is not visited.
+    /// Reason if the target is not visited.
     pub left_out: Option<String>,
 }
 
@@ -85,7 +84,7 @@ pub struct Chart {
     pub base: Option<ChartPoint>,
     /// The observations in order.
     pub visits: Vec<ChartVisit>,
-    /// Number of visits that make one round, if the plan repeats a round.
+    /// Number of visits of one round, if the plan repeats a round.
     pub round: Option<usize>,
     /// Way points from the last observation to the base, both included.
     pub return_way: Vec<ChartPoint>,
@@ -107,7 +106,7 @@ impl Chart {
     }
 }
 
-/// Degrees rounded to a centimetre on the ground: more digits say nothing.
+/// Degrees rounded to a centimetre on the ground.
 pub fn digits(degrees: f64) -> f64 {
     (degrees * 1e7).round() / 1e7
 }
@@ -117,7 +116,7 @@ pub fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e3).round() / 1e3
 }
 
-/// Draws `plan` of `problem`. `start` is where a plan of surveillance begins, which its problem does not say.
+/// Returns the chart of `plan` for `problem`. `start` is the start of a surveillance plan, which its problem does not contain.
 ///
 /// # Errors
 /// A message if the problem has no places.
@@ -163,7 +162,7 @@ fn facts<const N: usize>(facts: [(&str, Value); N]) -> Map<String, Value> {
 }
 
 fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Chart {
-    // Where travel times are given, nothing is known of altitudes.
+    // With given travel times, no altitudes are known.
     let flown = problem.travel.is_none();
     let high = |altitude_m: f64| flown.then_some(altitude_m);
     let start = ChartPoint { position: problem.start, altitude_m: high(problem.start_altitude_m) };
@@ -243,13 +242,13 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
     facts
 }
 
-/// Returns the ways that the times of a mission's problem come from, if its targets are the mission's sites.
+/// Returns the travel computation of a mission's surveillance problem, if its targets are the mission's sites.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<SurveillanceTravel> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     crate::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }
 
-/// Returns the path with its turns where there is one, else the route.
+/// Returns the path with its turns if there is one, otherwise the route.
 fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
     if path.is_empty() { route } else { path }
 }

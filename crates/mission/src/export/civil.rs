@@ -6,7 +6,7 @@ use time::format_description::well_known::Rfc3339;
 /// Returns `at_s` after `zero_unix_s` as RFC 3339 in whole seconds of UTC, for example `2007-09-08T02:30:00Z`.
 pub(super) fn utc(zero_unix_s: Option<f64>, at_s: f64) -> Option<String> {
     let seconds = (zero_unix_s? + at_s).round();
-    // Beyond these bounds (some 30,000 years) no calendar is meant.
+    // Instants beyond these bounds (some 30,000 years) have no civil time.
     let time = (seconds.abs() < 1e12).then_some(seconds as i64)?;
     OffsetDateTime::from_unix_timestamp(time).ok()?.format(&Rfc3339).ok()
 }

@@ -12,7 +12,7 @@ pub fn write(chart: &Chart) -> String {
     features.extend(chart.base.map(|base| place("base", &chart.name, base)));
     features.extend(chart.targets.iter().map(|each| target(chart, each)));
     features.extend(chart.zones.iter().map(zone));
-    // One feature a line: files of two plans can be compared.
+    // One feature per line, so that files of two plans can be compared.
     let lines: Vec<String> = features.iter().map(Value::to_string).collect();
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", lines.join(",\n"))
 }
@@ -25,7 +25,7 @@ fn feature(kind: &str, name: &str, geometry: Value, more: Map<String, Value>) ->
     json!({"type": "Feature", "geometry": geometry, "properties": properties})
 }
 
-/// Returns coordinates as GeoJSON: longitude first, and altitude last where it is known.
+/// Returns coordinates in the order of GeoJSON: longitude first, and altitude last if known.
 fn coordinates(place: &ChartPoint) -> Value {
     let Position { latitude_deg, longitude_deg } = place.position;
     let (east, north) = (digits(longitude_deg), digits(latitude_deg));
@@ -49,7 +49,7 @@ fn path(chart: &Chart) -> Value {
     feature("path", &chart.name, geometry, facts)
 }
 
-/// Returns lines that do not jump from one edge of the map to the other: RFC 7946 wants those that cross the 180th meridian cut.
+/// Returns lines that are cut at the 180th meridian, as RFC 7946 requires.
 fn split_at_the_date_line(path: &[ChartPoint]) -> Vec<Vec<Value>> {
     let mut lines: Vec<Vec<Value>> = Vec::new();
     let mut line: Vec<Value> = path.first().map(coordinates).into_iter().collect();
@@ -79,7 +79,7 @@ fn place(kind: &str, name: &str, place: ChartPoint) -> Value {
     feature(kind, name, json!({"type": "Point", "coordinates": coordinates(&place)}), Map::new())
 }
 
-/// Returns a target with its observations: those of the first are plain members, so that a map's table shows them.
+/// Returns a target with its observations; the first observation's data are direct members, so that the tables of map programs show them.
 fn target(chart: &Chart, target: &ChartTarget) -> Value {
     let mut facts = target.facts.clone();
     let visits = chart.visits.iter().enumerate().filter(|(_, visit)| visit.target == target.name);
@@ -113,7 +113,7 @@ fn zone(zone: &AirspaceZone) -> Value {
     if clockwise(&zone.corners) {
         ring.reverse();
     }
-    // A ring ends where it begins.
+    // A ring ends at its first point.
     ring.extend(ring.first().cloned());
     let mut facts = Map::new();
     facts.insert("altitude_m_min".into(), json!(zone.altitude_m_min));

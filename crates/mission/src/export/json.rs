@@ -36,7 +36,7 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, f
     format!("{answer}\n")
 }
 
-/// Writes the result of the plan's cycle if it is flown forever.
+/// Writes the evaluation of the plan's cycle as an endless flight.
 fn without_end(of: &WithoutEnd) -> serde_json::Value {
     serde_json::json!({
         "cost_per_s": of.cost_per_s,

@@ -109,7 +109,7 @@ fn line(xml: &mut Xml) -> io::Result<()> {
     xml.write_event(Event::Text(BytesText::new("\n")))
 }
 
-/// Returns `text` with a replacement character for each one that XML cannot represent.
+/// Returns `text` with a replacement character for each character that XML cannot represent.
 fn plain(text: &str) -> String {
     let fits = |letter: char| {
         matches!(letter, '\t' | '\n' | '\r') || !(letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}'))
@@ -123,7 +123,7 @@ fn coordinates(place: &ChartPoint) -> String {
     format!("{longitude_deg:.7},{latitude_deg:.7}{altitude}")
 }
 
-/// Altitudes count from mean sea level where they are known.
+/// Writes the altitude mode: above mean sea level if altitudes are known.
 fn altitude_mode(xml: &mut Xml, known: bool) -> io::Result<()> {
     leaf(xml, "altitudeMode", if known { "absolute" } else { "clampToGround" })
 }
@@ -159,7 +159,7 @@ fn path(xml: &mut Xml, chart: &Chart) -> io::Result<()> {
         let known = path.iter().all(|place| place.altitude_m.is_some());
         let points: Vec<String> = path.iter().map(coordinates).collect();
         element(xml, "LineString", |xml| {
-            // On the ground a line follows the terrain instead of cutting through it.
+            // On the ground a line follows the terrain.
             if !known {
                 leaf(xml, "tessellate", "1")?;
             }

@@ -1,7 +1,7 @@
 //! A plan as a `.plan` file of QGroundControl (version 1): mission items for an autopilot, and a fence.
 //!
-//! An autopilot knows neither conditions nor procedures: what the file holds is the plan as made, without watching, replanning
-//! or flying anything again.
+//! An autopilot knows neither conditions nor procedures: the file contains the plan as made, without monitoring, replanning or repeated
+//! lines.
 
 use super::chart::{Chart, ChartPoint, ChartVisit, digits};
 use crate::vehicle::Airframe;
@@ -23,15 +23,15 @@ const GLOBAL_RELATIVE: u8 = 3;
 const MISSION: u8 = 2;
 /// `MAV_AUTOPILOT_GENERIC`: the plan is for whichever autopilot is connected.
 const FIRMWARE: u8 = 0;
-/// Pitch of a fixed wing's take-off in degrees, as QGroundControl proposes it.
+/// Pitch of a fixed wing's take-off in degrees: QGroundControl's default.
 const TAKEOFF_PITCH_DEG: f64 = 15.0;
-/// Speed where none is known, as QGroundControl proposes it; autopilots fly by their own parameters.
+/// Speed if none is known: QGroundControl's default; autopilots use their own parameters.
 const SPEED_MPS_DEFAULT: f64 = 15.0;
 
-/// Returns the chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
+/// Returns the chart as a plan file. Without known altitudes, everything is flown at `height_m` above the start.
 ///
 /// # Errors
-/// A message: the plan visits nothing, or its altitudes are not known and no height is given.
+/// A message if the plan visits nothing, or its altitudes are unknown and no height is given.
 pub fn write(chart: &Chart, height_m: Option<f64>) -> Result<String, String> {
     let path = chart.path();
     let (Some(first), Some(visit)) = (path.iter().find(|place| Some(**place) != chart.start), chart.visits.first())
@@ -155,8 +155,7 @@ impl Items {
     }
 }
 
-/// Adds the visits, rounds as a jump back, and then the flight to the base and the landing, or the return to the place where the flight
-/// began.
+/// Adds the visits, repeated rounds as a jump back, then the flight to the base with the landing, or the return to the start.
 fn fly(items: &mut Items, chart: &Chart) {
     let count = chart.visits.len();
     let (round, rounds) =
@@ -177,8 +176,8 @@ fn fly(items: &mut Items, chart: &Chart) {
     }
 }
 
-/// Zones as fence polygons. A fence knows neither heights nor hours, so zones above, below, before or after the flight are not
-/// in it: they would forbid what the plan may do. Heights above the start cannot be compared; all zones count then.
+/// Returns zones as fence polygons. A fence has neither heights nor times, so zones above, below, before or after the flight are left
+/// out: they would forbid parts of the plan. Heights above the start cannot be compared with those of zones; all zones are then included.
 fn fence(chart: &Chart, relative: bool) -> Vec<Value> {
     let heights: Vec<f64> =
         chart.path().iter().filter(|place| Some(**place) != chart.start).filter_map(|place| place.altitude_m).collect();

@@ -172,7 +172,7 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
     }
 }
 
-/// Writes the difference between added likelihoods and those of first events.
+/// Writes the difference between the expected cost of all events and that of first events only.
 fn write_survival(out: &mut String, added: f64, survival: f64) -> std::fmt::Result {
     let less = if added > 0.0 { 100.0 * (1.0 - survival / added).max(0.0) } else { 0.0 };
     writeln!(out, "  if only the first event after an observation counts: {survival:.4}, {less:.1} % less")
@@ -185,7 +185,7 @@ fn write_turns(out: &mut String, turns: &Turns) -> std::fmt::Result {
     writeln!(out, "  turns of {radius_m:.0} m make {ways} ways {} longer, {each_s:.0} s each", clock(time_s))
 }
 
-/// Writes the result of the cycle if it is flown forever, by the hour.
+/// Writes the cost per hour of the cycle as an endless flight.
 fn write_without_end(out: &mut String, of: &WithoutEnd) -> std::fmt::Result {
     let hourly = |cost_per_s: f64| SECONDS_PER_HOUR * cost_per_s;
     let least = hourly(of.cost_per_s_bound);

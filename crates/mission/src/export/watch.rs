@@ -17,7 +17,7 @@ pub(super) struct VisitFollower {
 }
 
 impl VisitFollower {
-    /// Returns a follower at the start, with the paths if they are known.
+    /// Returns a path builder at the start, with the travel computation if it is known.
     pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> VisitFollower {
         VisitFollower { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }
@@ -41,7 +41,7 @@ impl VisitFollower {
                 let (path, there) = ways.flown((self.from, Some(to)), self.on, self.depart_s);
                 let look = there.map(|there| ways.look(to, there, (visit.arrive_s, visit.end_s)));
                 let (look, after) = look.unzip();
-                // A piece begins where the one before it ended, except for a metre: each is drawn on a separate plane.
+                // A piece begins within a metre of the end of the previous one, because each is computed on its own plane.
                 let joined = usize::from(self.from.is_some());
                 drawn.way = self.before.into_iter().chain(path.into_iter().skip(joined).map(at)).collect();
                 drawn.lines = look.unwrap_or_default().into_iter().skip(1).map(at).collect();
@@ -58,7 +58,7 @@ impl VisitFollower {
         drawn
     }
 
-    /// Returns the way from the last visit to the base; empty if nothing was visited.
+    /// Returns the path from the last visit to the base; empty if nothing was visited.
     pub(super) fn home(&mut self, base: ChartPoint) -> Vec<ChartPoint> {
         let Some(before) = self.before else { return Vec::new() };
         let route = self.ways.as_mut().zip(self.from).map_or_else(Vec::new, |(ways, from)| {

@@ -1,4 +1,4 @@
-//! Outlines that cross themselves: area, inside and grid of such a shape mean nothing.
+//! Detects outlines that cross themselves: area, inside and grid of such a shape are undefined.
 //!
 //! Bound: edges are sorted by longitude and compared with those that overlap in longitude; O(n log n) for outlines of many
 //! short edges, O(n^2) at worst.
@@ -37,7 +37,7 @@ impl RingEdge {
     }
 }
 
-/// Returns the numbers of the corners, from 1, at which two edges of a ring begin that cross; `None` if none do. The ring is given
+/// Returns the numbers of the corners, from 1, at which two crossing edges of a ring begin; `None` if no edges cross. The ring is given
 /// without its closing corner.
 pub(super) fn crossing(ring: &[Position]) -> Option<(usize, usize)> {
     let mut edges = edges(ring);
@@ -77,7 +77,7 @@ mod tests {
         corners.iter().map(|(longitude, latitude)| Position::new(*latitude, *longitude)).collect()
     }
 
-    /// Compares every edge with every other one (naive twin).
+    /// Compares every edge with every other edge (naive twin).
     fn naive(ring: &[Position]) -> bool {
         let edges = edges(ring);
         edges.iter().enumerate().any(|(index, edge)| edges.iter().skip(index + 1).any(|other| edge.crosses(other)))

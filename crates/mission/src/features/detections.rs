@@ -9,11 +9,11 @@ use apex_geo::plane::{Plane, Point};
 use apex_model::problem::Position;
 use geojson::{GeometryValue, JsonObject, JsonValue};
 
-/// Columns by which the table of detections is known from other tables. The brightness has different names: `brightness`
-/// (MODIS), `bright_ti4` (VIIRS).
+/// Columns that distinguish the table of detections from other tables. The brightness has different names: `brightness` (MODIS),
+/// `bright_ti4` (VIIRS).
 const COLUMNS: &[&str] = &["latitude", "longitude", "scan", "track", "acq_date", "acq_time"];
-/// Pixels whose centres are closer than this many pixel sizes belong to one fire: neighbours along a diagonal with one
-/// pixel missing between them.
+/// Distance of the centres, in pixel sizes, below which two pixels belong to one fire: diagonal neighbours with one pixel missing between
+/// them.
 const GAP_PIXELS: f64 = 3.0;
 /// Largest table: detections of a continent in a week are fewer.
 const DETECTIONS_MAX: usize = 50_000;
@@ -27,7 +27,7 @@ struct Pixel {
     /// Sizes of the pixel across and along the satellite's track; the file has no orientation.
     across_m: f64,
     along_m: f64,
-    /// Fire radiative power, where the file has it.
+    /// Fire radiative power, if the file contains it.
     power_mw: Option<f64>,
     /// `acq_date acq_time`.
     seen: String,
@@ -41,8 +41,8 @@ pub(super) fn is_detections(file: &DataFile) -> bool {
     COLUMNS.iter().all(|column| names.contains(column))
 }
 
-/// Reads detections and joins them to fires, numbered by their first rows: `fire-1`, `fire-2`. Properties: `acres` (sum of
-/// the pixels' areas), `frp_mw` (sum), `detections`, `first_seen` and `last_seen` (UTC, as in the file).
+/// Reads detections and merges them into fires, numbered by their first rows: `fire-1`, `fire-2`. Properties: `acres` (sum of the pixels'
+/// areas), `frp_mw` (sum), `detections`, `first_seen` and `last_seen` (UTC, as in the file).
 ///
 /// # Errors
 /// A cell that is not a number or out of its range, more than 50,000 rows.
@@ -80,8 +80,8 @@ fn pixels(file: &DataFile) -> MissionResult<Vec<Pixel>> {
     rows.iter().map(pixel).collect()
 }
 
-/// Groups of pixels, each connected by steps of at most [`GAP_PIXELS`] pixel sizes, in the order of their first rows.
-/// Bound: quadratic in the pixels of one band of latitudes as high as the greatest step.
+/// Returns groups of pixels, each connected by steps of at most [`GAP_PIXELS`] pixel sizes, in the order of their first rows. Bound:
+/// quadratic in the pixels of one band of latitudes as high as the greatest step.
 fn joined(pixels: &[Pixel]) -> Vec<Vec<&Pixel>> {
     let mut order: Vec<usize> = (0..pixels.len()).collect();
     let latitude = |index: usize| pixels.get(index).map_or(0.0, |pixel| pixel.position.latitude_deg);
@@ -114,7 +114,7 @@ fn joined(pixels: &[Pixel]) -> Vec<Vec<&Pixel>> {
 
 const METRES_PER_DEGREE: f64 = 111_195.0;
 
-/// Returns the first pixel of the group of `index`. Leaders have lower numbers than their followers, so this ends.
+/// Returns the first pixel of the group of `index`. The loop ends because leaders have lower numbers than their followers.
 fn root(leader: &[usize], mut index: usize) -> usize {
     while let Some(next) = leader.get(index).copied().filter(|next| *next != index) {
         index = next;

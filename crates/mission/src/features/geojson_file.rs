@@ -18,7 +18,7 @@ pub(super) fn read(file: &DataFile) -> MissionResult<Vec<PlacedFeature>> {
             "export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude, or as .kml, .kmz or .csv",
         )
     };
-    // A key that is given twice would silently lose one of its values.
+    // A repeated key would silently lose one of its values.
     parse_unique_json(&text).map_err(|error| unfit(error.to_string()))?;
     let parsed: GeoJson = text.parse().map_err(|error: geojson::Error| unfit(error.to_string()))?;
     let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {

@@ -18,7 +18,7 @@ type Ring = Vec<geojson::Position>;
 /// Reads a KML document.
 ///
 /// # Errors
-/// Text that is not KML; a link to another document, whose content is not here; coordinates that cannot be read as numbers.
+/// Text that is not KML, a link to another document (whose content is missing), or coordinates that are not numbers.
 pub(super) fn read(place: &str, bytes: &[u8]) -> MissionResult<Vec<PlacedFeature>> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         MissionError::data(format!("{place} is not a KML document"))
@@ -31,10 +31,10 @@ pub(super) fn read(place: &str, bytes: &[u8]) -> MissionResult<Vec<PlacedFeature
     Ok(document.found)
 }
 
-/// Reads the first KML document of a KMZ archive, which is the main one by the standard.
+/// Reads the first KML document of a KMZ archive, which the standard defines as the main one.
 ///
 /// # Errors
-/// Bytes that are not an archive, an archive without a document or with one of more than 64 MiB, and what [`read`] refuses.
+/// Bytes that are not an archive, an archive without a document or with one of more than 64 MiB, and every error of [`read`].
 pub(super) fn read_archive(place: &str, bytes: &[u8]) -> MissionResult<Vec<PlacedFeature>> {
     let broken = |error: zip::result::ZipError| {
         MissionError::data(format!("{place} is not a KMZ archive"))
@@ -61,7 +61,7 @@ pub(super) fn read_archive(place: &str, bytes: &[u8]) -> MissionResult<Vec<Place
     read(&format!("{place}/{name}"), &text)
 }
 
-/// A placemark while it is read.
+/// State of a placemark while it is read.
 #[derive(Default)]
 struct Mark {
     line: usize,
@@ -169,7 +169,7 @@ impl Document<'_> {
         Ok(self.path.len() == 1 && self.path.first().is_some_and(|root| root == "kml"))
     }
 
-    /// Closes an element and uses what it held.
+    /// Ends an element and uses its content.
     fn end(&mut self, offset: usize) -> MissionResult {
         let name = self.path.pop().unwrap_or_default();
         let text = std::mem::take(&mut self.text).trim().to_string();

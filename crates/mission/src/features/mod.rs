@@ -1,7 +1,7 @@
 //! Files with places and their properties: GeoJSON, KML, KMZ, tables of places, and tables of fire detections (FIRMS).
 //!
-//! Each reader makes features with properties, as GeoJSON has them, so that one set of rules holds for all formats. Every
-//! error names file, feature and property.
+//! Each reader makes features with properties in the form of GeoJSON, so that one set of rules applies to all formats. Every error names
+//! file, feature and property.
 
 mod crossing;
 mod detections;
@@ -22,17 +22,17 @@ use placed::PlacedFeature;
 /// One feature of a file.
 #[derive(Debug)]
 pub(crate) struct NamedFeature {
-    /// File and place in it, for errors.
+    /// File, and the feature in it, for errors.
     place: String,
     feature: Feature,
-    /// The property `id`, or else `name`.
+    /// The property `id`, otherwise `name`.
     pub id: String,
-    /// The property `name`, or else `id`.
+    /// The property `name`, otherwise `id`.
     pub name: String,
 }
 
-/// Reads the features of a file. Their ids are unique. The end of the file's name says the format: `.kml`, `.kmz`, `.csv`;
-/// any other name is GeoJSON.
+/// Reads the features of a file, whose ids must be unique. The file name's extension determines the format: `.kml`, `.kmz`, `.csv`; any
+/// other name is GeoJSON.
 ///
 /// # Errors
 /// A file of another format, a feature without id and name, an id given twice, no features.
@@ -82,10 +82,11 @@ impl NamedFeature {
         MissionError::data(what.to_string()).at(format!("{}{which}", self.place))
     }
 
-    /// Returns the elevation of the ground: the property `elevation_m`, that of the terrain if the mission has one, or 0.
+    /// Returns the elevation of the ground: the property `elevation_m`; without it that of the terrain if the mission has one; otherwise
+    /// 0.
     ///
     /// # Errors
-    /// An elevation that is not one of the Earth or not that of the terrain; a place that the terrain does not cover.
+    /// An elevation that is impossible on Earth or contradicts the terrain; a position outside of the terrain.
     pub(crate) fn elevation_m(&self, terrain: Option<&Terrain>) -> MissionResult<f64> {
         let stated_m = self.number("elevation_m", -500.0, 9_000.0)?;
         let Some(terrain) = terrain else { return Ok(stated_m.unwrap_or(0.0)) };
@@ -96,7 +97,7 @@ impl NamedFeature {
         Ok(ground_m)
     }
 
-    /// Checks that all of these places lie on the terrain, if the mission has one.
+    /// Checks that all of these positions are on the terrain, if the mission has one.
     ///
     /// # Errors
     /// The first that does not.
@@ -181,7 +182,7 @@ impl NamedFeature {
         items.iter().map(|item| pair(item).ok_or_else(|| wrong(value))).collect()
     }
 
-    /// Reads one pair of numbers, `[first, second]`, the second not less than the first; `None` if it is absent.
+    /// Reads a pair of numbers, `[first, second]`, the second not less than the first; `None` if it is absent.
     pub(crate) fn pair(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<(f64, f64)>> {
         let Some(value) = self.property(key) else { return Ok(None) };
         let wrong = |what: String| {
@@ -208,8 +209,8 @@ impl NamedFeature {
         }
     }
 
-    /// Returns the property `key` as a separate feature, whose properties are those of the object there. `known` are those that it
-    /// may have.
+    /// Returns the object in property `key` as a separate feature, whose properties are those of the object. `known` are the permitted
+    /// properties.
     pub(crate) fn object(&self, key: &str, known: &[&str]) -> MissionResult<NamedFeature> {
         let value = self.property(key).unwrap_or(&JsonValue::Null);
         let own = value.as_object().ok_or_else(|| self.trouble(format!("`{key}` is {value}, not an object")))?;
@@ -224,8 +225,8 @@ impl NamedFeature {
         Ok(NamedFeature { place, feature, id, name })
     }
 
-    /// Returns the objects of a list of objects, each as a separate feature: of the same place, with the object's properties,
-    /// where it has none those of this feature, and with the id `ID/OWN`. `known` are the properties that an object may have.
+    /// Returns the objects in a list as separate features: at the same place, with the object's properties, which default to those of
+    /// this feature, and with the id `ID/OWN`. `known` are the permitted properties of an object.
     pub(crate) fn parts(&self, key: &str, known: &[&str]) -> MissionResult<Vec<NamedFeature>> {
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
         let wrong = |what: String| {
@@ -295,7 +296,7 @@ impl NamedFeature {
         }
     }
 
-    /// Returns the positions of a LineString; empty for other geometries. It has a length.
+    /// Returns the positions of a LineString, whose length must not be zero; empty for other geometries.
     pub(crate) fn line(&self) -> MissionResult<Vec<Position>> {
         let Some(GeometryValue::LineString { coordinates }) = self.geometry() else { return Ok(Vec::new()) };
         let places = coordinates.iter().map(|place| self.checked(place.as_slice()));

@@ -10,8 +10,8 @@ pub(super) fn feature(geometry: GeometryValue, properties: JsonObject) -> Featur
     Feature { geometry: Some(geometry.into()), properties: Some(properties), ..Feature::default() }
 }
 
-/// Returns the value of a property written as text: JSON where it is a number, a list or a truth value. Names stay texts: a fire
-/// may be called 12.
+/// Returns the value of a property given as text: JSON if it is a number, a list or a truth value. Names remain text, because a fire may
+/// be called 12.
 pub(super) fn typed(name: &str, text: &str) -> JsonValue {
     let as_text = || JsonValue::String(text.to_string());
     if matches!(name, "id" | "name") {

@@ -1,4 +1,4 @@
-//! Places of a CSV table: one row, one Point. Columns are properties with the names of docs/reference/mission-data.md.
+//! Reads the places of a CSV table: each row is a Point. Columns are properties with the names of docs/reference/mission-data.md.
 
 use super::placed::{PlacedFeature, feature, typed};
 use crate::error::{MissionError, MissionResult};
@@ -6,12 +6,12 @@ use crate::sources::DataFile;
 use crate::tables::rows;
 use geojson::{GeometryValue, JsonObject};
 
-/// Names of the two columns of a position, as tables of several programs have them.
+/// Names of the position columns in the tables of several programs.
 const LATITUDE: &[&str] = &["latitude_deg", "latitude", "lat"];
 const LONGITUDE: &[&str] = &["longitude_deg", "longitude", "lon", "lng"];
 
-/// Reads a table with a header. Empty cells are properties left out. A cell that is JSON (a number, `true`, a list) is
-/// that value, any other cell is text.
+/// Reads a table with a header. An empty cell is a missing property. A cell that contains JSON (a number, `true`, a list) has that value;
+/// any other cell is text.
 ///
 /// # Errors
 /// Text that is not a table, no columns of a position, a position that is not a number.

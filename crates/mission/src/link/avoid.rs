@@ -1,4 +1,4 @@
-//! Avoidance of weak links: targets whose link is known or predicted to be weak, and areas where it is, as restricted zones.
+//! Avoidance of weak links: leaves out targets whose link is known or predicted to be weak, and makes weak areas restricted zones.
 //!
 //! Bound: O(cells + targets x losses); at most [`ZONES_MAX`] zones for each link.
 
@@ -12,13 +12,13 @@ use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 use apex_model::time::Time;
 use std::collections::BTreeSet;
 
-/// Zones of one link at most; the largest count.
+/// Maximum number of zones for one link; the largest are kept.
 const ZONES_MAX: usize = 40;
 /// Steps of the grid on which stated shadows are looked for, across the area of the mission.
 const GRID_STEPS: i32 = 40;
 /// Height over a place where the link is weak that is avoided, too, m.
 const ABOVE_M: f64 = 50.0;
-/// Weak cells count from so many circles, and so far, away from the vehicle and the base, so that both can be left.
+/// Distance from the vehicle and the base, in circle radii, within which weak cells are ignored, so that the vehicle can leave both.
 const CIRCLES: f64 = 2.5;
 const ROOM_M: f64 = 20.0;
 
@@ -28,7 +28,7 @@ type Block = (i32, i32, i32, i32, i32);
 /// Learned properties of a link, by its name.
 pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<&'a Learned>;
 
-/// Returns the mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+/// Returns the mission adapted to the weak links that are known when the vehicle is `here`: zones are added, targets are left out.
 pub(super) fn without_weak_links(mut mission: Mission, learned: Lookup<'_>, here: Position) -> Mission {
     let (mut zones, mut weak) = (Vec::new(), Vec::new());
     for link in &mission.link_map {
@@ -47,7 +47,7 @@ pub(super) fn without_weak_links(mut mission: Mission, learned: Lookup<'_>, here
     mission
 }
 
-/// Returns the reason for which a target is left out; `None` if its link is not known to be weak for longer than allowed.
+/// Returns the reason for which a target is left out; `None` if its link is not known to be weak for longer than permitted.
 fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<String> {
     let (name, nominal) = (beliefs.name, beliefs.lost.nominal);
     let altitude_m = altitude_m(mission, target);
@@ -71,7 +71,7 @@ fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<S
             ),
         });
     }
-    // What led to a loss is not tried again, unless the link was good there since.
+    // A flight that led to a loss is not repeated, unless the link has been good there since.
     let is_good = matches!(beliefs.at(target.position, altitude_m), Some(Belief::Measured(level)) if level >= nominal);
     let losses = beliefs.learned.map_or(&[][..], |learned| &learned.losses);
     let on_the_way = |goal: Position| geodesy::distance_m(goal, target.position) <= radius_m + beliefs.cells.side_m;
@@ -84,7 +84,7 @@ fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<S
     ))
 }
 
-/// Returns the time for which the vehicle stays at the target: a look and the path across a cell.
+/// Returns the time for which the vehicle is at the target: the observation, and the path across a cell.
 fn exposure_s(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> f64 {
     let across_s = beliefs.cells.side_m / mission.model.true_airspeed_m_s_cruise;
     match &target.kind {
@@ -100,7 +100,7 @@ fn altitude_m(mission: &Mission, target: &Target) -> f64 {
     }
 }
 
-/// Areas where the links are weak as far as the mission's data and the flight tell: what ways in flight avoid.
+/// Returns the areas of weak links according to the mission's data and the flight, which flown paths avoid.
 pub(super) fn weak_areas(mission: &Mission, learned: Lookup<'_>) -> Vec<AirspaceZone> {
     let beliefs = mission.link_map.iter().map(|link| Beliefs::new(mission, link, learned(&link.name)));
     beliefs.flat_map(|beliefs| areas(mission, &beliefs, &[])).collect()

@@ -1,5 +1,5 @@
-//! The level that is assumed at a place: measured there, else that of a shadow that was found next to it or above it, else as stated and
-//! corrected, else fitted to what was measured.
+//! The assumed link level at a place, from the first available source: measured there; a shadow found next to it or above it; stated and
+//! corrected; fitted to the measurements.
 //!
 //! Bound: O(cells x losses) once for each plan, O(log cells + shadows) per place.
 
@@ -17,21 +17,21 @@ const SAMPLES_MIN: u32 = 2;
 /// Cells from which a level is corrected, and to which a law is fitted, at least.
 const CORRECTED_MIN: usize = 3;
 const FITTED_MIN: usize = 6;
-/// Measured levels correct the stated ones by this at most: more is another radio.
+/// Greatest correction of stated levels by measured ones: a greater difference means another radio.
 const CORRECTION_MAX: f64 = 0.3;
 /// Distances of a fit must differ by this factor (decimal logarithm).
 const SPREAD_MIN: f64 = 0.1;
-/// A shadow is assumed to reach at most so many cells beyond what was measured of it.
+/// Number of cells by which a shadow is assumed to extend beyond its measurements, at most.
 const SHADOW_STEPS_MAX: i32 = 4;
 /// Near full level the law is not seen.
 const SATURATED: f64 = 0.97;
 
-/// A level and how it is known.
+/// A level with its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Belief {
     /// Mean of the samples in the cell.
     Measured(f64),
-    /// Next to, or below, a place where this level was measured and no law explains it: a shadow has an extent.
+    /// Next to, or below, a place with this measured level that no law explains: a shadow has an extent.
     Shadow(f64),
     /// By the stated law and shadows, or a law fitted to the samples; at this distance from the station, m.
     Predicted(f64, f64),
@@ -60,7 +60,7 @@ pub(crate) struct Beliefs<'a> {
     shadow: BTreeMap<(i32, i32), Shade>,
 }
 
-/// A column of cells that is in a shadow up to a band, with the level that was measured nearest to it.
+/// A column of cells in a shadow up to a band of altitude, with the nearest measured level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shade {
     pub(crate) top: i32,
@@ -113,8 +113,8 @@ impl<'a> Beliefs<'a> {
         beliefs
     }
 
-    /// Returns the columns in shadows that only measurements know. Where one was found, its edge is not: it is assumed a cell farther on
-    /// all sides, and a cell more for each further loss near it, except where the link was good.
+    /// Returns the columns in shadows that are known only from measurements. The edge of such a shadow is unknown: it is assumed one cell
+    /// farther on all sides, and a further cell for each loss near it, except where the link was good.
     fn shadows(&self) -> BTreeMap<(i32, i32), Shade> {
         let mut shadow: BTreeMap<(i32, i32), Shade> = BTreeMap::new();
         let Some(learned) = self.learned else { return shadow };
@@ -168,7 +168,7 @@ impl<'a> Beliefs<'a> {
         Some((predicted.clamp(0.0, 1.0), distance_m))
     }
 
-    /// Returns the level at a place; `None` if nothing is known of it.
+    /// Returns the level at a place; `None` if it is unknown.
     pub(crate) fn at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
         let cell = self.cells.of(place, altitude_m);
         let measured = self.learned.and_then(|learned| learned.cells().get(&cell));
@@ -187,7 +187,7 @@ impl<'a> Beliefs<'a> {
     }
 }
 
-/// Returns the line of least squares; `None` for too few points, all at about one distance, or a level that rises with it.
+/// Returns the least-squares line; `None` if there are too few points, all at about one distance, or the level rises with distance.
 fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
     if points.len() < FITTED_MIN || high - low < SPREAD_MIN {

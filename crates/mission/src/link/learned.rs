@@ -1,6 +1,6 @@
 //! Measured properties of a link: level by cell, the last place with a good level, and the places of losses.
 //!
-//! Folded from `(signal-level MODEM)` and the locations of the record alone. Bound: O(log cells) per sample; memory is bounded by
+//! Computed only from `(signal-level MODEM)` and the locations in the record. Bound: O(log cells) per sample; memory is bounded by
 //! [`CELLS_MAX`] cells, of which the oldest is dropped, and [`LOSSES_MAX`] losses.
 
 use crate::lost_link::{LostDefault, LostLink};
@@ -10,11 +10,11 @@ use apex_model::problem::Position;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Cells of one link at most: at 200 m more than a day of flight of a small aircraft.
+/// Maximum number of cells of one link: with cells of 200 m, more than a day of flight of a small aircraft.
 const CELLS_MAX: usize = 4_096;
 /// Cells that are looked for at once when the oldest are dropped.
 const OLDEST_KEPT: usize = 512;
-/// Losses that are remembered: more than any flight has, since many end it.
+/// Remembered losses: more than any flight has, because repeated losses end a flight.
 const LOSSES_MAX: usize = 64;
 /// Least length of a cell's side, m (correlation of shadows: tens to hundreds of metres).
 const CELL_M_MIN: f64 = 200.0;
@@ -22,9 +22,9 @@ const CELL_M_MIN: f64 = 200.0;
 const CELL_S: f64 = 10.0;
 /// Height of a cell, m.
 pub(crate) const BAND_M: f64 = 100.0;
-/// Time constant of the level that decides whether a link is good: fading is faster, s.
+/// Time constant in seconds of the smoothed level that decides whether a link is good: fading is faster.
 const SMOOTHING_S: f64 = 4.0;
-/// A place counts as good only after the link has stayed good for this long behind it, s: not at the edge of the signal.
+/// Seconds for which the link must stay good after a place before that place counts as good: this excludes the edge of the signal.
 const STAYED_S: f64 = 5.0;
 /// Places behind the vehicle that are kept for that.
 const TRAIL_MAX: usize = 32;
@@ -123,7 +123,7 @@ pub(crate) struct Loss {
 pub(crate) struct Learned {
     cells: BTreeMap<LinkCell, Measured>,
     pub(crate) losses: Vec<Loss>,
-    /// Number of losses, also of those that are forgotten.
+    /// Number of losses, including those no longer remembered.
     pub(crate) losses_count: u32,
     /// The smoothed level and its instant.
     smoothed: Option<(f64, f64)>,
@@ -136,7 +136,7 @@ pub(crate) struct Learned {
     oldest: Oldest,
 }
 
-/// The cells that were visited longest ago, the oldest last, as they were when this was filled: a cache, and so no part of what is known.
+/// The cells visited longest ago, the oldest last, as of the last refill: a cache, and not part of the state.
 #[derive(Clone, Debug, Default)]
 struct Oldest(Vec<(f64, LinkCell)>);
 
@@ -147,7 +147,7 @@ impl PartialEq for Oldest {
 }
 
 impl Oldest {
-    /// Returns the cell that was visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
+    /// Returns the cell visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
     fn take(&mut self, cells: &BTreeMap<LinkCell, Measured>) -> Option<LinkCell> {
         loop {
             while let Some((last_s, cell)) = self.0.pop() {
@@ -213,7 +213,7 @@ impl Learned {
         self.losses_count = self.losses_count.saturating_add(1);
     }
 
-    /// Returns the response after the last loss if no instruction comes: the flight does not try the same again.
+    /// Returns the response after the last loss if no instruction arrives; a response that failed before is not repeated.
     pub(crate) fn default_of(&self, lost: &LostLink, cells: &Cells) -> LostDefault {
         let is_again = self.losses.split_last().is_some_and(|(last, before)| {
             let near = |goal: Position| {
@@ -253,7 +253,7 @@ mod tests {
             learned.measure(&lost, &cells(), (at_s, place(10.0 * at_s)), level);
         }
         let good = learned.good_place.map(|good| geodesy::distance_m(place(0.0).position, good.position));
-        // Good at least until 5 s before the edge; smoothing takes some seconds to see it.
+        // The place is at least 5 s before the edge; smoothing delays the detection by some seconds.
         assert!(good.is_some_and(|metres| (330.0..=390.0).contains(&metres)), "{good:?}");
     }
 

@@ -1,8 +1,8 @@
-//! The links of a flight as the situation remembers them, and what it publishes of them.
+//! The links of a flight as remembered by the situation, and the measurements published about them.
 //!
-//! Published as inputs of the next batch, so that the record holds them: `(good-link-place MODEM)` as the vehicle moves on, and
-//! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost, and `(weak-link-areas AIRCRAFT)` when it is lost or
-//! regained: ways in flight go around these areas.
+//! Published as inputs of the next batch, so that the record contains them: `(good-link-place MODEM)` as the vehicle moves;
+//! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost; `(weak-link-areas AIRCRAFT)` when it is lost or
+//! regained. Flown paths avoid these areas.
 
 use super::avoid;
 use super::belief::Beliefs;
@@ -21,7 +21,7 @@ use apex_runtime::ports::Input;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A good place is published when it has moved by this flight time at cruise, or at least so far.
+/// A good place is published when it has moved by this many seconds of flight at cruise, or by at least this distance.
 const MOVED_S: f64 = 2.0;
 const MOVED_M_MIN: f64 = 50.0;
 /// Links that are remembered at most.
@@ -35,7 +35,7 @@ pub struct LinkMemory {
     links: BTreeMap<String, Link>,
     here: Option<Location>,
     is_on_ground: bool,
-    /// The flight command that was sent last, and where it leads.
+    /// The last flight command, and its goal.
     goal: Option<(CommandId, Position)>,
     /// The areas that were published last.
     areas: Vec<AirspaceZone>,
@@ -51,7 +51,7 @@ pub(crate) struct Link {
 }
 
 impl LinkMemory {
-    /// Observes a step of the agent that flies; returns what enters the next batch.
+    /// Observes a step of the agent that flies; returns the inputs for the next batch.
     pub(crate) fn observe(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) -> Vec<Input> {
         let mut inputs = Vec::new();
         for event in &batch.events {
@@ -153,7 +153,7 @@ impl LinkMemory {
         }
     }
 
-    /// Returns the mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+    /// Returns the mission adapted to the weak links that are known when the vehicle is `here`: zones are added, targets are left out.
     pub(crate) fn without_weak_links(&self, mission: Mission, here: Position) -> Mission {
         avoid::without_weak_links(mission, &|name| self.link(name), here)
     }
@@ -164,7 +164,7 @@ impl LinkMemory {
     }
 }
 
-/// True if two places are at least `least_m` apart. The chart decides where it can, since geodesics are expensive.
+/// Returns true if two places are at least `least_m` apart. A plane chart decides clear cases, because geodesics are expensive.
 fn is_as_far(from: Position, to: Position, least_m: f64) -> bool {
     const DEGREE_M: f64 = 111_195.0;
     let north_m = (to.latitude_deg - from.latitude_deg) * DEGREE_M;
@@ -179,8 +179,8 @@ fn is_as_far(from: Position, to: Position, least_m: f64) -> bool {
     }
 }
 
-/// The place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
-/// mission started.
+/// Returns the place of `:contingency`; without one the nearest landing place whose link is not known to be weak, then the nearest
+/// landing place, then the start of the mission.
 fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Location) -> Value {
     if let Some(place) = &mission.lost_link.contingency {
         return place.clone();

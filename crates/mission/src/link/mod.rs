@@ -1,4 +1,4 @@
-//! Radio links: what is learned of them in flight, and what plans avoid.
+//! Radio links: learning in flight, and avoidance in plans.
 
 mod avoid;
 pub(crate) mod belief;

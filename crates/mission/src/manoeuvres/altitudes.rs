@@ -1,6 +1,5 @@
-//! Altitudes to try for lines of a scanner over a target: where the useful swath is widest, where pixels
-//! are just fine enough or the scan rate just fast enough, where the air is calmest, just above and below zones, and as
-//! high as the vehicle flies.
+//! Candidate altitudes for lines of a scanner over a target: where the useful swath is widest, where pixels are just fine enough or the
+//! scan rate just fast enough, where the air is calmest, just above and below zones, and the vehicle's greatest altitude.
 
 use super::wish::Wish;
 use apex_geo::geodesy;
@@ -8,7 +7,7 @@ use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 use apex_observation::sensor::ScannerMode;
 use std::f64::consts::FRAC_PI_4;
 
-/// Altitudes closer than this are one.
+/// Altitudes that differ by less count as equal.
 const APART_M: f64 = 50.0;
 /// Height kept from the upper and lower faces of zones, at least.
 const ZONE_HEIGHT_M: f64 = 150.0;
@@ -18,13 +17,13 @@ const LEVEL_M: f64 = 10.0;
 /// Returns the altitudes to try, rising, above mean sea level.
 ///
 /// # Errors
-/// None is possible: what is needed, and what stands against it.
+/// If no altitude is possible: the required altitude, and the obstacle.
 pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String> {
     let Wish { mission, look, .. } = wish;
     let model = &mission.model;
     let ground_m = wish.target.elevation_m;
     let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
-    // Pixels that are too large are worth nothing: no higher than this.
+    // Above this altitude pixels are too large to have any value.
     let highest_m = ground_m + look.resolution.zero_multiple * look.resolution.wanted_m / mode.pixel_rad();
     let scan_m = ground_m + mode.height_m_min_any(model.true_airspeed_m_s_cruise);
     let clear_m = mission.clear_altitude_m(wish.target.position, wish.fire.radius_m).map(|clear_m| clear_m + LEVEL_M);
@@ -60,7 +59,7 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     }
     let bands = permitted_bands(wish, face_m);
     found.extend(bands.iter().flat_map(|(low_m, high_m)| [*low_m, *high_m]));
-    // At the ground nothing is seen, and the least height may be 0 where no scan rate is known.
+    // At ground level nothing is seen, and the least height may be 0 if no scan rate is known.
     found.retain(|altitude_m| *altitude_m >= lowest_m && *altitude_m <= top_m && *altitude_m > ground_m + APART_M);
     if let Some((low_m, high_m)) = bands.first() {
         found.retain(|altitude_m| bands.iter().any(|(low_m, high_m)| (*low_m..=*high_m).contains(altitude_m)));
@@ -78,14 +77,15 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     }
 }
 
-/// Returns the height that lines keep from the faces of zones: what the flight must keep, and what an aircraft may be off its altitude.
+/// Returns the distance that lines keep from the faces of zones: the distance that the flight must keep, plus the altitude error of the
+/// vehicle.
 fn face_height_m(wish: &Wish<'_>) -> f64 {
     let required_m = wish.mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
     ZONE_HEIGHT_M.max(required_m + LEVEL_M)
 }
 
-/// Returns the altitudes that permitted zones around the target leave. Empty where none is around it: then everything is permitted, or
-/// the planner finds that the target lies outside.
+/// Returns the altitude bands of the permitted zones around the target. Empty if there are none: then everything is permitted, or the
+/// planner reports that the target is outside.
 pub(super) fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
     let here = wish.mission.zones.iter().filter(|zone| {
         zone.kind == ZoneKind::Permitted
@@ -115,7 +115,7 @@ fn distance_m(zone: &AirspaceZone, position: Position) -> f64 {
     if plane::inside(here, &flat) { 0.0 } else { plane::segment_to_edges(here, here, &flat) }
 }
 
-/// Returns the zone that closes `lines` at `altitude_m` for all of the rest of the mission, if there is one.
+/// Returns the zone that closes `lines` at `altitude_m` for the whole rest of the mission, if there is one.
 pub(super) fn closed_by<'a>(
     wish: &'a Wish<'_>,
     lines: &[(Position, Position)],

@@ -11,7 +11,7 @@ use apex_observation::timing::sun::solar_position;
 /// Returns the manoeuvres with their predicted quality.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(super) fn ways(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let camera = camera(wish)?;
     light(wish, &camera)?;

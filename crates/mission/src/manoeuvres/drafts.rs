@@ -19,12 +19,12 @@ pub(super) struct Draft {
     pub(super) entry: Option<Position>,
     pub(super) duration_s: f64,
     pub(super) length_m: f64,
-    /// Pictures, one list for each separate chance.
+    /// Planned pictures, one list for each independent attempt.
     pub(super) passes: Vec<Vec<PlannedPicture>>,
     pub(super) work: PictureWork,
 }
 
-/// Returns the draft with its predicted factors; `None` if it is worth nothing.
+/// Returns the draft with its predicted factors; `None` if it has no value.
 pub(super) fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
     let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
     let air = ForecastAir::new(wish.mission);

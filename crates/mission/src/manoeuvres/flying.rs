@@ -1,5 +1,5 @@
-//! Time and distance of flying lines in sequence: legs through wind, turns between them as tight as the vehicle
-//! plans them, and a straight piece before each line on which the wings come level.
+//! Time and distance of lines flown in sequence: legs through wind, turns between them with the planned radius, and a straight lead-in
+//! before each line for levelling the wings.
 
 use crate::vehicle::{Airframe, VehicleModel, turn_radius_m};
 use crate::ways::lead_in_s;
@@ -29,7 +29,7 @@ pub(super) struct FlownLines {
     pub(super) length_m: f64,
 }
 
-/// Flies `lines` in order at `altitude_m` from `start_s` on; on the lines at `line_airspeed_mps`, else at cruise.
+/// Flies `lines` in order at `altitude_m` from `start_s` on: on the lines at `line_airspeed_mps`, otherwise at cruise speed.
 ///
 /// # Errors
 /// A line cannot be flown against the wind.
@@ -79,8 +79,8 @@ pub(super) fn fly(
     Ok(flown)
 }
 
-/// Returns the time and distance from the end of one line to the beginning of the next, the lead-in included; before the first line
-/// the lead-in alone. `None` if the wind is too strong.
+/// Returns the time and distance from the end of one line to the beginning of the next, including the lead-in; before the first line only
+/// the lead-in. `None` if the wind is too strong.
 fn join(
     (before, (from, to)): (Option<(Position, Position)>, (Position, Position)),
     altitude_m: f64,
@@ -92,7 +92,7 @@ fn join(
     let airspeed_mps = model.true_airspeed_m_s_cruise;
     let wind = wind::at(field, from, altitude_m, now_s);
     if model.airframe == Airframe::Rotorcraft {
-        // It hangs still where a line begins, and overshoots its end.
+        // A rotorcraft stops at the beginning of a line, and overshoots its end.
         let Some((_, exit)) = before else { return Some((arrival_s(model), 0.0)) };
         let leg_m = geodesy::distance_m(exit, from);
         let leg_s = wind::leg_time_s(exit, from, altitude_m, airspeed_mps, field, now_s)?;
@@ -121,12 +121,12 @@ fn join(
     Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
 }
 
-/// Returns the length of the lead-in of a fixed wing: as ways in flight end before a line, so that plan and flight agree.
+/// Returns the length of a fixed wing's lead-in. Flown paths end at its beginning too, so that plan and flight agree.
 fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
     lead_in_s(model) * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
 }
 
-/// Returns the time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.
+/// Returns the time beyond the flight at cruise speed that a rotorcraft needs to start from a hover, stop again and settle.
 pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
     let speed_mps = model.true_airspeed_m_s_cruise;
     let accelerate_s = 0.5 * speed_mps / model.acceleration_m_s2_max;
@@ -138,7 +138,7 @@ pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
     accelerate_s + brake_s + HANG_S
 }
 
-/// Share of the time of a full stop that it takes to turn from the end of a line to the next one.
+/// Time of a turn between two lines as a share of the time of a full stop.
 const TURN_SHARE: f64 = 0.5;
 /// Time in which the last metres are flown, s.
 const HANG_S: f64 = 3.0;

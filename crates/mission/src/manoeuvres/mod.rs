@@ -1,4 +1,4 @@
-//! Ways to observe a wanted look, each with what it is predicted to give: the planner chooses among them.
+//! Ways to observe a wanted look, each with its predicted result: the planner chooses among them.
 
 mod altitudes;
 mod camera;
@@ -16,13 +16,13 @@ pub(crate) use wish::Wish;
 use crate::observing::carries_scanner;
 use apex_model::problem::Manoeuvre;
 
-/// Ways that planners are given at most.
+/// Maximum number of ways for planners.
 const MANOEUVRES_MAX: usize = 8;
 
-/// Ways to observe the look, none of which is beaten by another in worth and time at once, best worth first.
+/// Returns the ways to observe the look that no other way exceeds in both value and time, the highest value first.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let model = &wish.mission.model;
     match &wish.fire.pictures.camera {
@@ -49,7 +49,7 @@ fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// Returns the front of worth against time, best worth first; evenly thinned where it is long.
+/// Returns the Pareto front of value and time, the highest value first; a long front is thinned evenly.
 fn best<T>(mut made: Vec<T>, manoeuvre: impl Fn(&T) -> &Manoeuvre) -> Vec<T> {
     made.sort_by(|a, b| {
         let (a, b) = (manoeuvre(a), manoeuvre(b));

@@ -1,21 +1,21 @@
-//! Heights from which a camera looks: as low as the mission permits, as high as the wanted pixels allow, and between.
+//! Heights for pictures: the lowest that the mission permits, the highest that the wanted pixels permit, and some between.
 
 use super::altitudes::{permitted_bands, zones_near};
 use super::wish::Wish;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_observation::sensor::CameraSetting;
 
-/// Height by which a vehicle may leave its altitude, in addition to what it must keep from ground and zones.
+/// Altitude error of a vehicle in metres, in addition to the distance to keep from ground and zones.
 const LEVEL_M: f64 = 3.0;
-/// Heights closer than this share are one.
+/// Relative difference below which two heights count as equal.
 const APART_SHARE: f64 = 0.04;
-/// A picture at the height at which pixels are worth nothing is not planned; this share of it is.
+/// Greatest planned height, as a share of the height at which pixels lose all value.
 const WORTH_SHARE: f64 = 0.95;
 
-/// Returns the altitudes to try above mean sea level, rising, for pictures taken at this angle off the vertical.
+/// Returns the candidate altitudes above mean sea level, ascending, for pictures at this angle off the vertical.
 ///
 /// # Errors
-/// None is possible: what is needed, what stands against it, and what would do.
+/// If none is possible: the required altitude, the obstacle, and a remedy.
 pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -> Result<Vec<f64>, String> {
     let Wish { mission, look, .. } = wish;
     let (model, ground_m, seen_m) = (&mission.model, wish.target.elevation_m, wish.fire.wanted.elevation_m);

@@ -21,11 +21,11 @@ use apex_observation::target::TargetArea;
 
 /// Least speed over ground on a line, m/s.
 const GROUND_SPEED_M_S_MIN: f64 = 1.0;
-/// Interval between pictures is planned longer than the least one of the camera by this.
+/// Planned interval between pictures as a multiple of the camera's least interval.
 const INTERVAL_MARGIN: f64 = 1.1;
-/// A fixed wing turns for this time after the last line, until the camera rests and the next way is known.
+/// Time in seconds for which a fixed wing turns after the last line, until the camera is at rest and the next path is known.
 const LEAVE_S: f64 = 5.0;
-/// Pictures of one way at most: beyond, a target is split.
+/// Maximum number of pictures of one way; a larger target must be split.
 const PICTURES_MAX: f64 = 20_000.0;
 /// The line across a point is as long as this many pictures.
 const PASS_PICTURES: f64 = 2.0;
@@ -33,7 +33,7 @@ const PASS_PICTURES: f64 = 2.0;
 /// Strips along a line, or sweeps of an area.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeuvre>, String> {
     runs(wish, camera, |altitude_m| match &wish.fire.wanted.area {
         TargetArea::Line(places) => Ok(along(places, wish.approach)),
@@ -41,10 +41,10 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeu
     })
 }
 
-/// Returns lines across a point, for a vehicle that cannot hover: along the way on which it comes.
+/// Returns lines across a point, for a vehicle that cannot hover: in the direction of its arrival.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(super) fn passes(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> Result<Vec<Manoeuvre>, String> {
     runs(wish, camera, |altitude_m| {
         let (_, along_m) = camera.footprint_m(altitude_m - wish.fire.wanted.elevation_m);
@@ -177,8 +177,8 @@ fn rounded(number: f64) -> f64 {
     (number * 10.0).round() / 10.0
 }
 
-/// Returns the airspeed on the lines, and the greatest ground speed that it gives: no faster than the camera takes pictures and than
-/// smear allows, no slower than the vehicle flies.
+/// Returns the airspeed on the lines, and the resulting greatest ground speed: limited by the picture interval and smear of the camera,
+/// and by the least speed of the vehicle.
 fn airspeed(
     wish: &Wish<'_>,
     camera: &CameraSetting,
@@ -209,7 +209,7 @@ fn airspeed(
         airspeed_mps = (airspeed_mps - (fastest_mps - limit_mps)).max(slowest_mps);
     }
     airspeed_mps = rounded(airspeed_mps);
-    // Against the wind it must still come forward.
+    // Against the wind the vehicle must still make progress.
     while speeds(airspeed_mps).is_none_or(|(least_mps, _)| least_mps < GROUND_SPEED_M_S_MIN) {
         airspeed_mps = rounded(airspeed_mps + 0.5);
         if airspeed_mps > model.true_airspeed_m_s_max {

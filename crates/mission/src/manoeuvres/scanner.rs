@@ -1,5 +1,5 @@
-//! Sweeps by a line scanner: parallel lines over the ground, or lines along its perimeter, at the altitudes and spacings
-//! to try, each with its predicted factors.
+//! Sweeps by a line scanner: parallel lines over the ground, or lines along its perimeter, at candidate altitudes and spacings, each with
+//! its predicted factors.
 
 use super::altitudes::{self, closed_by};
 use super::flying::{FlownLines, fly};
@@ -29,7 +29,7 @@ struct SweepDraft {
 /// Returns the sweeps with the points that they are predicted to add.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
     let Some(scanner) = scanner_of(&wish.mission.model) else {
         return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
@@ -45,7 +45,7 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
                 Ok(draft) => match closed_by(wish, &draft.lines, altitude_m) {
                     None => drafts.push(draft),
                     Some(zone) => {
-                        // Of closed altitudes the lowest comes nearest to a lower face, the highest to an upper one.
+                        // Of the closed altitudes, the lowest is nearest to a lower face, the highest to an upper one.
                         closed = Some((altitude_m, zone));
                     }
                 },
@@ -67,7 +67,7 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
     Ok(made)
 }
 
-/// Returns names and swaths for which lines are spaced: the useful one, and the whole one, which needs fewer lines.
+/// Returns names and swaths by which lines are spaced: the useful swath, and the whole swath, which needs fewer lines.
 fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(&'static str, f64)> {
     let whole_m = scanner.setting.mode.swath_m(height_m, 0.0);
     let useful_m = scanner.setting.mode.useful_swath_m(height_m, wish.look.resolution.wanted_m);
@@ -78,7 +78,7 @@ fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(
     }
 }
 
-/// Returns the lines at one altitude, flown.
+/// Returns the lines at one altitude with their flight.
 fn draft(
     wish: &Wish<'_>,
     scanner: &PredictedScanner,
@@ -91,7 +91,7 @@ fn draft(
     // The strip wanders by as much as the wings may roll on a valid line.
     let roll_rad = scanner.setting.roll.map_or(0.0, |roll| roll.valid_deg) * RAD_PER_DEG;
     let overlap = (2.0 * height_m * libm::tan(roll_rad) / swath_m).min(0.5);
-    // Crabbed lines are skewed: they begin and end later by this on one side.
+    // Scan lines of a crabbing vehicle are skewed: they begin and end later by this distance on one side.
     let crab = (libm::hypot(wind.east_mps, wind.north_mps) / mission.model.true_airspeed_m_s_cruise).min(1.0);
     let settings = SweepSettings { swath_m, overlap, track_deg: None, run_in_m: 0.5 * swath_m * crab };
     let flown =
@@ -100,7 +100,7 @@ fn draft(
     let (mut lines, mut along) = (Vec::new(), false);
     for ground in grounds(&fire.wanted) {
         let swept = sweep_lines(&ground, &settings, entry)?;
-        // Where the outline is all that is wanted, flying along it may be faster than sweeping what it encloses.
+        // If only the outline is wanted, flying along it may be faster than sweeping its inside.
         let around = match (&fire.wanted.area, &ground) {
             (TargetArea::Perimeter { .. }, CoverageArea::Polygon(corners)) => {
                 perimeter_lines(corners, swath_m, entry).ok()
@@ -152,7 +152,7 @@ fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
 
 /// A sweep with its predicted factors.
 pub(super) struct Sweep {
-    /// The sweep as planners see it; the causes of its losses are stated by [`Sweep::explained`].
+    /// The sweep in the form of planners; [`Sweep::explained`] adds the causes of its losses.
     pub(super) manoeuvre: Manoeuvre,
     lines: Vec<PlannedLine>,
     scanner: PredictedScanner,

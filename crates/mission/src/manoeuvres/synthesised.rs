@@ -21,7 +21,7 @@ use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use std::sync::Arc;
 
-/// Candidates of one look that are predicted.
+/// Maximum number of predicted candidates for one look.
 const ALTERNATIVES_MAX: usize = 24;
 /// Chords by which a path is described to planners.
 const CHORDS_MAX: usize = 48;
@@ -32,7 +32,7 @@ const SLEW_DEG: f64 = 90.0;
 /// Items of `(perform FORM at PLACE for TARGET with CAMERA at SPEED every DISTANCE due DUE)`.
 const PERFORM_ITEMS: usize = 14;
 
-/// True if the mission's program can fly a planned manoeuvre: it uses library "manoeuvres".
+/// Returns true if the mission's program can fly a planned manoeuvre: it uses library "manoeuvres".
 pub(super) fn are_flown(mission: &Mission) -> bool {
     mission.library.procedures.iter().any(|procedure| match &procedure.index {
         Pattern::List(items) if items.len() == PERFORM_ITEMS => {
@@ -42,10 +42,10 @@ pub(super) fn are_flown(mission: &Mission) -> bool {
     })
 }
 
-/// Orbits, spirals, arcs and lines aside that see the look with the camera, each with what it is predicted to give.
+/// Returns orbits, spirals, arcs and offset lines from which the camera sees the look, each with its predicted result.
 ///
 /// # Errors
-/// Why there is none: what comes nearest.
+/// If there is none: the nearest possibility.
 pub(super) fn alternatives(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeuvre>, String> {
     let goal = goal_of(wish, camera);
     let instrument = Instrument::Camera(camera.clone());
@@ -111,7 +111,8 @@ fn goal_of(wish: &Wish<'_>, camera: &CameraSetting) -> AcquisitionGoal {
     }
 }
 
-/// The candidate as a way to observe; none where it is worth nothing. The error says how far it is from what works, as a share.
+/// Returns the candidate as a way to observe; `None` if it has no value. The error contains the relative distance from meeting the
+/// limits.
 fn way(
     wish: &Wish<'_>,
     goal: &AcquisitionGoal,

@@ -1,4 +1,4 @@
-//! Pictures of a point: a rotorcraft hovers over it or aside of it; a fixed wing flies across it.
+//! Pictures of a point: a rotorcraft hovers over it or to its side; a fixed wing flies across it.
 
 use super::altitudes::closed_by;
 use super::drafts::{Draft, predicted};
@@ -18,28 +18,28 @@ use apex_observation::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use apex_observation::target::LookAngles;
 use apex_requirements::margin::sensor::ViewDirection;
 
-/// Look angles to try where overflight is closed or not wanted, degrees off the vertical.
+/// Candidate look angles if overflight is closed or not wanted, degrees off the vertical.
 const ASIDE_DEG: [f64; 4] = [20.0, 35.0, 50.0, 65.0];
-/// Directions to stand aside, from the one the vehicle comes from.
+/// Number of candidate directions for a hover to the side of the point, beginning with the direction of arrival.
 const AZIMUTHS: u32 = 8;
-/// Distance kept from zones, as a multiple of what the mission demands: corners of zones are nearer than their edges.
+/// Distance kept from zones as a multiple of the required one, because corners of zones are nearer than their edges.
 const ZONE_MARGIN: f64 = 1.1;
-/// Look angles are planned inside the wanted ones by this, degrees.
+/// Margin of planned look angles inside the wanted range, degrees.
 const INSIDE_DEG: f64 = 2.0;
-/// Chance that one of the pictures at least is valid, by which their number is chosen; and most pictures.
+/// Required probability that at least one picture is valid, which determines their number; and the greatest number of pictures.
 const VALID_CHANCE: f64 = 0.98;
 const PICTURES_MAX: u32 = 10;
 /// The mount slews this far on average, degrees.
 const SLEW_DEG: f64 = 90.0;
-/// The nose turns this far for a mount that only tilts, degrees.
+/// Greatest turn of the nose for a mount that only tilts, degrees.
 const NOSE_DEG: f64 = 150.0;
-/// From the command to the next one: acknowledgements and the steps of the procedure, s.
+/// Time from one command to the next, including acknowledgements and the steps of the procedure, s.
 const STEPS_S: f64 = 0.4;
 
 /// Returns the ways to take pictures of the point.
 ///
 /// # Errors
-/// Why there is none, with what comes nearest.
+/// If there is none: the reason, with the nearest possibility.
 pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> Result<Vec<Manoeuvre>, String> {
     if wish.mission.model.airframe == Airframe::FixedWing {
         return runs::passes(wish, camera, place);
@@ -88,7 +88,7 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
         ));
     }
     let between = ASIDE_DEG.into_iter().filter(|angle_deg| (from_deg..=to_deg).contains(angle_deg));
-    // Not at the very edge of what is wanted: the vehicle hovers a little off.
+    // A margin inside the wanted range, because the vehicle does not hover exactly in place.
     let steepest_deg = if from_deg > 0.0 { (from_deg + INSIDE_DEG).min(0.5 * (from_deg + to_deg)) } else { 0.0 };
     let mut angles_deg: Vec<f64> =
         std::iter::once(steepest_deg).chain(between.filter(|angle_deg| *angle_deg > steepest_deg)).collect();
@@ -97,8 +97,8 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
     Ok(angles_deg)
 }
 
-/// Returns the hover point at this altitude for a picture at this angle off the vertical: on the side from which the vehicle comes, or the
-/// next one that no zone closes and from which the camera does not look into the sun when it comes.
+/// Returns the hover point at this altitude for a picture at this angle off the vertical: on the side from which the vehicle arrives,
+/// otherwise the next side that no zone closes and from which the camera does not look into the sun at arrival.
 fn vantage_point(
     wish: &Wish<'_>,
     camera: &CameraSetting,
@@ -164,7 +164,7 @@ fn draft(
         time_s: wish.from_s,
         position: from,
         altitude_m,
-        // The nose, or the pan of the mount, turns to the target.
+        // The nose or the pan of the mount points at the target.
         attitude: Attitude { heading_deg: geodesy::azimuth_deg(from, place), pitch_deg: 0.0, roll_deg: 0.0 },
         angles: GimbalAngles { pan_deg: 0.0, tilt_deg: angle_deg - 90.0 },
         is_stabilised: true,
@@ -196,7 +196,7 @@ fn draft(
     }
 }
 
-/// Pictures of which one at least is valid with the wanted chance.
+/// Returns the number of pictures of which at least one is valid with the required probability.
 fn pictures_needed(valid: f64) -> u32 {
     if valid >= VALID_CHANCE {
         return 1;

@@ -1,4 +1,4 @@
-//! A look that is to be observed.
+//! A look to be observed, with the conditions of its observation.
 
 use crate::{Fire, Mission, Target};
 use apex_model::problem::Position;
@@ -6,7 +6,7 @@ use apex_observation::target::WantedLook;
 
 /// An observation to plan: look, approach and earliest begin.
 pub(crate) struct Wish<'a> {
-    /// The mission as it is assumed.
+    /// The mission as assumed at this time.
     pub(crate) mission: &'a Mission,
     /// The target.
     pub(crate) target: &'a Target,
@@ -14,10 +14,10 @@ pub(crate) struct Wish<'a> {
     pub(crate) fire: &'a Fire,
     /// The wanted look.
     pub(crate) look: &'a WantedLook,
-    /// Position from which the vehicle comes.
+    /// Position from which the vehicle arrives.
     pub(crate) approach: Position,
     /// The earliest time of the observation.
     pub(crate) from_s: f64,
-    /// The causes of what sweeps lose are wanted, too: that takes as long as their prediction.
+    /// True if the causes of losses of sweeps are requested; they take as long as the prediction.
     pub(crate) is_explained: bool,
 }

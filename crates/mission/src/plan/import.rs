@@ -1,4 +1,4 @@
-//! `apex plan --plan FILE`: a plan that was drawn or edited by hand, read, scored and checked like any other.
+//! `apex plan --plan FILE`: reads, evaluates and checks a plan that was drawn or edited by hand, like any other.
 
 use super::input::PlanInput;
 use crate::deliberation::{Deliberation, PLAN_VISITS_MAX};
@@ -11,13 +11,13 @@ use apex_solvers::planners::human::brought;
 use serde::Deserialize;
 use std::path::Path;
 
-/// Broken rules that are named; a plan may break one with every visit.
+/// Maximum number of violations that are listed; a plan may violate a rule with every visit.
 const BROKEN_NAMED_MAX: usize = 20;
 
 /// Reads the plan in `file` for the input.
 ///
 /// # Errors
-/// The file holds no plan, or one of another problem; or, where times are taken as they are, every rule that it breaks.
+/// A file without a plan, or with one for another problem; if times are kept, every violated rule.
 pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Deliberation> {
     let place = file.display().to_string();
     let plan = read(file, &place)?;

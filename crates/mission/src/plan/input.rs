@@ -23,7 +23,7 @@ const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
 /// Deliberation time where none is stated.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// A problem with what is needed to plan for it.
+/// A problem with the data for planning.
 pub struct PlanInput {
     /// Name.
     pub name: String,
@@ -35,7 +35,7 @@ pub struct PlanInput {
     pub bound_budget: Duration,
     /// Seed of solvers' chance.
     pub seed: u64,
-    /// The mission and its goal, if it is one's.
+    /// The mission and its goal, if the problem belongs to a mission.
     pub mission: Option<(Mission, Value)>,
     /// Statements of a benchmark's file in addition to the problem.
     pub benchmark: Option<Benchmark>,
@@ -52,8 +52,8 @@ impl PlanInput {
 }
 
 impl PlanInput {
-    /// Returns the budget of a proof if only a budget for planning is stated: the rest of it after planning with `work` units, and a
-    /// twentieth or half a second more.
+    /// Returns the budget of a proof if only a budget for planning is stated: what remains of it after planning with `work` units, plus a
+    /// twentieth of it or half a second.
     pub fn bound_budget_after(&self, work: u64) -> Duration {
         let more = Duration(self.budget.0 / 20).max(BOUND_BUDGET_MIN);
         let left = Duration(self.budget.0.saturating_sub(time_of(work).0).max(0));
@@ -75,8 +75,8 @@ impl PlanInput {
             .help("leave `--vehicles` out to plan for one"))
     }
 
-    /// Returns the plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
-    /// empty where the problem is not a mission's.
+    /// Returns the plan as a procedure for the mission's goal, with the libraries of its steps, so that it can be checked alone; empty if
+    /// the problem does not belong to a mission.
     pub fn procedure_text(&self, solved: &Deliberation) -> String {
         let Some((mission, goal)) = &self.mission else { return String::new() };
         let application = mission.library.application.as_ref();
@@ -92,7 +92,7 @@ impl PlanInput {
 /// Returns the cost of a surveillance plan if only the first event after an observation counts.
 ///
 /// # Errors
-/// The plan is not one of surveillance, or its cost cannot be computed.
+/// If the plan is not a surveillance plan, or its cost cannot be computed.
 pub fn survival_cost(solved: &Deliberation) -> MissionResult<f64> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
         return Err(MissionError::planning("the plan is none of surveillance"));
@@ -116,11 +116,11 @@ pub struct Benchmark {
 const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
 
 impl PlanInput {
-    /// Returns the input that `path` names if it is a problem's: a cell of test missions, a problem in JSON, a benchmark's file. None
-    /// for everything else, which is a mission's folder or program.
+    /// Returns the input called `path` if it is a problem: a cell of test missions, a problem in JSON, a benchmark file. `None` for
+    /// everything else, such as a mission's folder or program.
     ///
     /// # Errors
-    /// Nothing has that name, or the file holds something else.
+    /// If nothing has that name, or the file has another content.
     pub fn find(path: &Path) -> MissionResult<Option<PlanInput>> {
         let text = path.to_string_lossy();
         if !path.exists() && !text.contains(['/', '\\', '.']) {
@@ -142,7 +142,7 @@ impl PlanInput {
     /// Returns the problem that a mission poses at its start, for the goal and with the budget of its first solver.
     ///
     /// # Errors
-    /// There is nothing to plan.
+    /// If there is nothing to plan.
     pub fn of_mission(mission: Mission) -> MissionResult<PlanInput> {
         let (goal, budget) = goal_and_budget(&mission);
         let (situation, here) = (Situation::default(), mission.start);
@@ -173,7 +173,7 @@ impl PlanInput {
         Ok(PlanInput::new("problem".into(), problem))
     }
 
-    /// Returns the mission of the input, if it is one's.
+    /// Returns the mission of the input, if it has one.
     pub fn mission(&self) -> Option<&Mission> {
         self.mission.as_ref().map(|(mission, _)| mission)
     }
@@ -184,7 +184,7 @@ impl PlanInput {
     }
 }
 
-/// Returns a test mission: the name of its cell, with `@NUMBER` for another one than the first.
+/// Returns a test mission: the name of its cell, with `@NUMBER` for another mission than the first.
 fn of_cell(text: &str) -> MissionResult<PlanInput> {
     let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
     let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
@@ -216,10 +216,10 @@ fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
     }
 }
 
-/// Edits between a misspelt name and a known one at most, as a share of its length.
+/// Greatest number of edits between a misspelt name and a known one, as a share of its length.
 const MISSPELT_SHARE_MAX: f64 = 0.4;
 
-/// Returns the cell whose name is nearest to `text`, if any is near; the count stays as it is given.
+/// Returns the cell with the most similar name to `text`, if one is similar; the count is kept.
 fn nearest_cell(text: &str) -> Option<Cell> {
     let count = text.split('-').find_map(|part| part.parse().ok()).filter(|count| (1..=TARGETS_MAX).contains(count));
     let cells = Cell::all().into_iter().map(|cell| Cell { count: count.unwrap_or(cell.count), ..cell });
@@ -245,7 +245,7 @@ fn is_of(path: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.contains(&extension.as_str()))
 }
 
-/// Places alone do not make a problem: a mission states what flies, from where, how long and what for.
+/// Returns the error for places without a problem: a mission must state the vehicle, the start, the duration and the goal.
 fn places_alone(path: &Path) -> MissionError {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().filter(|folder| folder.join("mission.pdl").is_file());

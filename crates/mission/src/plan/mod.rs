@@ -1,4 +1,4 @@
-//! Plans made on the ground: the problem that is planned for, plans that are brought, and how good a plan is.
+//! Plans made before the flight: the input problem, plans from outside, and the quality of a plan.
 
 pub mod import;
 pub mod input;

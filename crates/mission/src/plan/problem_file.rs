@@ -1,7 +1,7 @@
-//! Planning problems as JSON: an object with the kind of problem and the version of its meaning.
+//! Planning problems as JSON: an object with the kind of problem and the version of its interpretation.
 //!
-//! In version 2 both ends of a target's windows are in them; in version 1, which is meant where none is stated, the end is not.
-//! Times are kept to a microsecond, so a window of version 1 is read as one that ends a microsecond earlier.
+//! In version 2 a target's windows include both ends; in version 1, the default, they exclude the end. Times are kept to a microsecond,
+//! so a window of version 1 is read as one that ends a microsecond earlier.
 
 use apex_model::problem::{FOREVER_S, Problem, SingleVisitProblem, SurveillanceProblem};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};

@@ -9,8 +9,8 @@ use apex_planning::solver::{WorkBudget, units_in};
 use apex_solvers::bounds::age_grid::cycles::{self, WithoutEnd};
 use apex_solvers::bounds::{self as bound, Contradiction};
 
-/// Budget of a proof if none is given: enough for all methods with four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
-/// with more targets some methods are skipped.
+/// Default budget of a proof: enough for all methods with four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s); with more targets
+/// some methods are skipped.
 pub const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Gap below which rounding is all that is left.
@@ -21,11 +21,11 @@ const OPTIMAL: f64 = 1e-6;
 pub struct Proof {
     /// Collected value of the plan; of surveillance its expected cost, of a tour its length: there less is better.
     pub value: f64,
-    /// No plan does better; none where no bound is known.
+    /// Bound that no plan exceeds; `None` if it is unknown.
     pub bound: Option<f64>,
-    /// Difference of the two, as a share of the greater one.
+    /// Difference of value and bound, as a share of the greater one.
     pub gap: Option<f64>,
-    /// Is it proven that no plan is better? Of a single visit with costs it is not, for the bound does not know them.
+    /// True if it is proven that no plan is better. Never true for single visits with costs, because the bound ignores costs.
     pub proven_optimal: bool,
 }
 
@@ -34,9 +34,9 @@ pub struct Proof {
 pub struct Proven {
     /// Value of the plan, and bound on that of any plan.
     pub proof: Proof,
-    /// Value of the plan's cycle if it is flown without end.
+    /// Value of the plan's cycle as an endless flight.
     pub without_end: Option<WithoutEnd>,
-    /// Units of work that it took.
+    /// Used units of work.
     pub work: u64,
     /// True if a greater budget would not have changed the result.
     pub complete: bool,
@@ -51,8 +51,8 @@ fn internal_error(contradiction: &Contradiction) -> MissionError {
         .help(format!("report it with this evidence: {evidence}"))
 }
 
-/// Proves within `budget` how good any plan could be, and states it in the plan; `tour` where the shortest of all tours was asked for.
-/// In flight the fast bound suffices; on the ground the user asks for a proof.
+/// Computes within `budget` a bound on the value of any plan, and stores it in the plan; `tour` if the benchmark requires a shortest
+/// tour. In flight the fast bound suffices; before the flight a user requests a proof.
 ///
 /// # Errors
 /// An internal error if the plan is better than the bound that is proven.
@@ -80,7 +80,7 @@ fn of(problem: &Problem, plan: &Plan, tour: bool, meter: &mut Meter<'_>) -> Resu
     if let Some(contradiction) = contradiction {
         return Err(contradiction);
     }
-    // What rounding lifts above the value is none.
+    // A rounding error must not put the bound on the wrong side of the value.
     let bound = bound.map(|bound| if less_is_better { bound.min(value) } else { bound.max(value) });
     let gap = bound.map(|bound| {
         let greater = value.abs().max(bound.abs());

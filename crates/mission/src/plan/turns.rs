@@ -8,7 +8,7 @@ use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, Surveillanc
 /// Time that turns add to the paths of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turns {
-    /// Least radius of a turn through the air; of surveillance that of the circles around its targets over ground.
+    /// Least radius of a turn through the air; in surveillance that of the circles around its targets over ground.
     pub radius_m: f64,
     /// Ways of the plan, the return included.
     pub ways: usize,
@@ -16,7 +16,7 @@ pub struct Turns {
     pub time_s: f64,
 }
 
-/// Returns the turns; `None` if turns take no time, or the problem states times only.
+/// Returns the cost of turns; `None` if turns take no time, or the problem states only times.
 pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<Turns> {
     match (problem, plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => {
@@ -32,7 +32,7 @@ pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<T
 }
 
 fn of_surveillance(problem: &SurveillanceProblem, plan: &SurveillancePlan, mission: &Mission) -> Option<Turns> {
-    // Who turns at once needs no survey, which takes longer than all of the rest.
+    // A vehicle that turns on the spot needs no travel computation, which takes longer than everything else.
     if turn_radius_m(&mission.model) <= 0.0 {
         return None;
     }

@@ -1,5 +1,5 @@
-//! Permitted beginnings of a look and the value of its timing, in the terms of planners: windows, light, and a table of the timing
-//! factor over the beginning of the observation.
+//! Permitted beginnings of a look and the value of its timing, in the form of planners: windows, light, and a table of the timing factor
+//! over the beginning of the observation.
 
 use crate::{Mission, Target};
 use apex_model::problem::{Light, TimeWindow};
@@ -37,8 +37,8 @@ pub(super) fn hard_light(look: &WantedLook) -> Light {
     }
 }
 
-/// Returns the timing factor of an observation by its beginning, for one that takes `duration_s`; empty where it is 1 whenever the
-/// windows and the light of planners allow it.
+/// Returns the timing factor by the beginning of an observation of `duration_s`; empty if the factor is 1 whenever windows and light
+/// permit the observation.
 pub(super) fn table(
     mission: &Mission,
     target: &Target,
@@ -79,7 +79,7 @@ pub(super) fn table(
     corners(&all)
 }
 
-/// Returns the points that are needed to draw the same line.
+/// Returns the points that suffice to draw the same line.
 fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for (index, point) in points.iter().enumerate() {

@@ -12,24 +12,24 @@ use apex_requirements::margin::terrain;
 const PULL_UP_M_S2: f64 = 1.0;
 
 impl Scene<'_> {
-    /// Returns the elevation of the ground below the vehicle, as its height above ground says.
+    /// Returns the elevation of the ground below the vehicle, computed from its height above ground.
     pub(super) fn ground_below_m(&self) -> Option<f64> {
         Some(self.flown.altitude_m - self.flown.height_above_ground_m?)
     }
 
-    /// Returns the highest ground within a second's flight of a place, where the mission knows it.
+    /// Returns the highest known ground within a second's flight of a position.
     pub(super) fn known_ground_m(&self, position: Position) -> Option<f64> {
         self.mission.terrain.as_ref()?.highest_m_near(position, self.motion.true_airspeed_mps)
     }
 
-    /// Returns the same for a point of the plane.
+    /// Returns the highest known ground around a point of the plane.
     fn known_ground_below_m(&self, point: Point) -> Option<f64> {
         // Without terrain the position need not be known.
         self.mission.terrain.as_ref().and_then(|_| self.known_ground_m(self.plane.position(point)))
     }
 
-    /// Returns true if the ground counts as flat and the route keeps clear of it: altitude only rises or only falls along the route, so
-    /// that its ends decide.
+    /// Returns true if the ground counts as flat and the route keeps clear of it. The altitude is monotonic along the route, so its ends
+    /// decide.
     fn is_clear_of_flat_ground(&self, ground_m: f64, clearance_m: f64) -> bool {
         let ends_s = [0.0, self.route.end_s().min(self.requirements().look_ahead_s)];
         let is_clear = |after_s: f64| {
@@ -70,7 +70,7 @@ impl Scene<'_> {
             (Some(after_s), Some(climb)) => level_off_s.max(after_s - climb.latest_start_s),
             _ => level_off_s,
         };
-        // Straight ahead it is too late to climb: a turn leads away from the ground.
+        // Straight ahead it is too late for a climb: a turn leads away from the ground.
         let is_too_late = climb.is_some_and(|climb| climb.latest_start_s < -level_off_s);
         Some(Reading {
             concern: Concern::Terrain,

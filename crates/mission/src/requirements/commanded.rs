@@ -1,4 +1,4 @@
-//! The route that is commanded: the flight command that is open, and the last state that the vehicle reported.
+//! The commanded route: the open flight command, and the last reported state of the vehicle.
 
 use crate::Mission;
 use apex_geo::geodesy::{inverse, wrap_180};
@@ -18,7 +18,7 @@ pub(super) enum FlightOrder {
     TakeOff,
     /// By these points, the last is the goal.
     FlyBy(Vec<Position>),
-    /// To the first point of a line and along it, by these points before it.
+    /// To the first point of a line and along it, over the points before it.
     Line(Vec<Position>),
     /// To the circle around the last point.
     Circle(Vec<Position>),
@@ -28,7 +28,7 @@ pub(super) enum FlightOrder {
     Land(Vec<Position>),
 }
 
-/// Flight commands so far, folded from effects and acknowledgements.
+/// Flight commands so far, computed from effects and acknowledgements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Commanded {
     /// The flight command that is open.
@@ -36,11 +36,11 @@ pub(super) struct Commanded {
     command: Option<CommandId>,
     /// Altitude that was commanded last, for the end of the route.
     altitude_m: Option<f64>,
-    /// Number of points before the goal that are still ahead, and the altitude of the way over them.
+    /// Number of points ahead before the goal, and the altitude of the path over them.
     via: (usize, Option<f64>),
     /// Beginning of the leg to the first point.
     leg_from: Option<Position>,
-    /// The vehicle circles or hovers until this instant, in seconds of mission time, before it leaves.
+    /// Instant, in seconds of mission time, until which the vehicle circles or hovers before it leaves.
     hold_until_s: Option<f64>,
     /// Airspeed that was commanded last.
     pub(super) true_airspeed_mps: Option<f64>,
@@ -73,8 +73,8 @@ impl Commanded {
         }
     }
 
-    /// Leaves out the points of the way that are passed: those behind the end of their leg, and those closely behind the vehicle
-    /// when the command begins, for which `track_deg` is asked.
+    /// Drops the points of the path that are passed: those behind the end of their leg, and those closely behind the vehicle at the
+    /// beginning of the command; only these depend on the track, so `track_deg` is called for them alone.
     pub(super) fn pass(&mut self, here: Position, track_deg: impl Fn() -> f64) {
         let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
         let track = || {
@@ -183,7 +183,7 @@ const WARMING_SPAN_S: f64 = 5.0;
 const BEHIND_M: f64 = 2_000.0;
 const DEGREE_M: f64 = 111_195.0;
 
-/// Returns the offset to the east and north of one position from another, on a chart: for the side of a line only.
+/// Returns the offset to the east and north of one position from another on a plane chart, used only to determine the side of a line.
 fn offset_m(from: Position, to: Position) -> (f64, f64) {
     let east = libm::cos(from.latitude_deg.to_radians()) * DEGREE_M;
     (wrap_180(to.longitude_deg - from.longitude_deg) * east, (to.latitude_deg - from.latitude_deg) * DEGREE_M)
@@ -206,14 +206,14 @@ fn number(value: &Value, unit: Dimension) -> Option<f64> {
     value.as_number().filter(|(_, found)| *found == unit || *found == Dimension::NONE).map(|(si, _)| si)
 }
 
-/// Returns the altitude of a location that states one.
+/// Returns the altitude of a location, if it states one.
 fn with_altitude(item: &Value) -> Option<f64> {
     let items = item.as_list().filter(|items| items.len() == 3)?;
     let altitude = items.get(2).and_then(|value| number(value, Dimension::LENGTH));
     altitude.filter(|_| Location::from_value(item).is_some())
 }
 
-/// State of the vehicle as last reported, as far as requirements need it.
+/// Last reported state of the vehicle, as far as requirements need it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Flown {
     pub(super) position: Option<Position>,
@@ -237,7 +237,7 @@ pub(super) struct Flown {
     /// Instants since when links, by their names in small letters, have been below their nominal level.
     pub(super) weak_since_s: BTreeMap<String, f64>,
     track_deg: Option<f64>,
-    /// The position before this one, for vehicles that report no track.
+    /// The preceding position, for vehicles that report no track.
     previous: Option<Position>,
 }
 

@@ -1,4 +1,4 @@
-//! The route that an order leads along, from where the vehicle is.
+//! The route of an order, from the present position of the vehicle.
 
 use super::commanded::FlightOrder;
 use apex_geo::geodesy::{self, Position};
@@ -8,9 +8,9 @@ use apex_requirements::Route;
 /// Shortest distance of a degree of latitude (at the equator).
 const DEGREE_M: f64 = 110_500.0;
 
-/// Returns the route of an order. Without an order the vehicle circles or hovers where it is.
+/// Returns the route of an order. Without an order the vehicle circles or hovers at its position.
 ///
-/// The first leg begins with a turn from the present track; where legs meet, corners are cut as planned, and are left sharp here.
+/// The first leg begins with a turn from the present track. Corners between legs are flown as planned, with curves; they are sharp here.
 pub(super) fn along(
     begin: Route,
     order: Option<&FlightOrder>,
@@ -34,7 +34,7 @@ pub(super) fn along(
             let (centre, _) = begin.end();
             hold(begin, centre)
         }
-        // It climbs on a circle near the field.
+        // The vehicle climbs on a circle near the airfield.
         Some(FlightOrder::TakeOff) => begin.stop(look_ahead_s),
         Some(FlightOrder::Line(positions)) => {
             let points = points(positions);
@@ -56,7 +56,7 @@ pub(super) fn along(
     }
 }
 
-/// A vehicle this near to a line, in about its direction, flies on along it.
+/// A vehicle this near to a line, in about its direction, continues along it.
 const ON_LINE_M: f64 = 300.0;
 /// Cosine of the largest angle to the line: 30 degrees.
 const ON_LINE_COSINE: f64 = 0.866;

@@ -1,4 +1,4 @@
-//! Requirements on what builds up along the commanded route: ice on the airframe, the time without link, the heat of detectors.
+//! Requirements on quantities that accumulate along the commanded route: ice on the airframe, time without link, heat of detectors.
 
 use super::readings::{Reading, Scene};
 use super::response::Response;
@@ -17,9 +17,9 @@ const STEP_S: f64 = 10.0;
 const LAPSE_K_M: f64 = 0.0065;
 /// Zero degrees Celsius.
 const ICE_K: f64 = 273.15;
-/// Ice that forms now is assumed on the way within this height of the present altitude: the cloud has an extent that is not known.
+/// Height range around the present altitude in which icing is assumed to continue, because the extent of the cloud is unknown.
 const SAME_CLOUD_M: f64 = 250.0;
-/// Ice goes so many times faster than it comes.
+/// Rate at which ice disappears, as a multiple of the rate at which it forms.
 const THAW: f64 = 2.0;
 /// Height of a change of altitude that leaves ice.
 const LAYER_M: f64 = 500.0;
@@ -27,7 +27,7 @@ const LAYER_M: f64 = 500.0;
 const SWITCH_S: f64 = 5.0;
 
 impl Scene<'_> {
-    /// Seconds of ice that the airframe carries, against those allowed; none unless it is reported.
+    /// Returns the seconds of ice on the airframe, compared with the permitted ones; `None` unless icing is reported.
     pub(super) fn icing(&self) -> Option<Reading> {
         let allowed_s = self.requirements().icing_s?;
         let carried_s = self.flown.ice_s?;
@@ -47,8 +47,8 @@ impl Scene<'_> {
         })
     }
 
-    /// True if ice may form on the way ahead at an altitude. Of the cloud in which it forms now neither top nor base is known: air that
-    /// is warm or cold enough is the only way out of it.
+    /// Returns true if ice may form on the path ahead at an altitude. Top and base of a cloud with present icing are unknown: only air
+    /// that is warm or cold enough ends the icing.
     pub(super) fn may_ice_at_level(&self, altitude_m: f64) -> bool {
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
         let steps = libm::ceil(until_s / STEP_S) as u32;
@@ -65,8 +65,8 @@ impl Scene<'_> {
         there_k.is_some_and(|there_k| weather::is_icing(there_k - ICE_K, true, 0.0))
     }
 
-    /// True if ice is expected: between -20 and 0 degrees Celsius, by the measured temperature and the standard lapse, in a cloud of the
-    /// forecast or in the cloud that the vehicle is in.
+    /// Returns true if icing is expected: between -20 and 0 degrees Celsius, by the measured temperature and the standard lapse rate, in
+    /// a forecast cloud or in the cloud around the vehicle.
     pub(super) fn is_icing_at(&self, position: Position, altitude_m: f64, after_s: f64) -> bool {
         let time_s = self.now_s + after_s;
         let is_forecast = self.mission.clouds.iter().any(|deck| deck.contains(position, altitude_m, time_s));
@@ -82,7 +82,7 @@ impl Scene<'_> {
             let beliefs = Beliefs::new(self.mission, stated, self.links.link(&stated.name));
             let since_s = self.flown.weak_since_s.get(&stated.name.to_lowercase());
             let weak_s = since_s.map_or(0.0, |from_s| self.now_s - from_s);
-            // What is measured counts now: a link that is weak is assumed to stay so on the way ahead.
+            // The present measurement counts: a weak link is assumed to remain weak on the path ahead.
             let ahead = match weak_s > 0.0 {
                 true => Some((allowed_s - weak_s).max(0.0)),
                 false => self.first_spent(allowed_s, 0.0, f64::INFINITY, |position, altitude_m, _| {
@@ -121,7 +121,7 @@ impl Scene<'_> {
         self.links.link(&reading.what)?.good_place
     }
 
-    /// The detector that comes nearest to its limit: by its rate of warming, or by the heat balance of its sensor file.
+    /// Returns the detector nearest to its limit: by its rate of warming, or by the heat balance of its sensor file.
     pub(super) fn heat(&self) -> Option<Reading> {
         let mut worst: Option<(f64, Option<f64>, &str)> = None;
         for (name, reported) in &self.flown.cameras {
@@ -164,8 +164,8 @@ impl Scene<'_> {
         })
     }
 
-    /// The first instant of the route at which what counts up while `is_spent` holds, and down `recovery` times as fast elsewhere,
-    /// has used what is allowed.
+    /// Returns the first instant of the route at which a counter reaches its limit: it rises while `is_spent` holds and falls `recovery`
+    /// times as fast otherwise.
     fn first_spent(
         &self,
         allowed_s: f64,

@@ -1,4 +1,4 @@
-//! Requirements of a mission: stated once, used by planning problems, by the watcher in flight, and by the monitors of PDL.
+//! Requirements of a mission: stated once, and used by planning problems, by the watcher in flight, and by the monitors of PDL.
 //!
 //! `statement` reads them from the application and the vehicle; `watch` compares them with the flight and predicts violations
 //! along the commanded route; `readings` computes each margin, `recovery` a way out.

@@ -1,4 +1,4 @@
-//! One reading for each requirement: its margin now, and when the commanded route violates it.
+//! One reading for each requirement: its present margin, and the time until the commanded route violates it.
 
 use super::commanded::{Commanded, Flown};
 use super::commanded_route::{along, chart_distance_m};
@@ -31,7 +31,7 @@ pub struct Reading {
     pub margin: f64,
     /// Unit of the margin.
     pub unit: Dimension,
-    /// Seconds until the commanded route violates it; `None`: not within the look-ahead.
+    /// Seconds until the commanded route violates it; `None` if not within the look-ahead.
     pub after_s: Option<f64>,
     /// Duration of its response.
     pub response_s: f64,
@@ -41,7 +41,7 @@ pub struct Reading {
     pub response: Response,
 }
 
-/// Margins above this are reported as this: what is farther away is not looked for.
+/// Greatest reported margin: obstacles farther away are not searched.
 pub(super) const DISTANCE_M_MAX: f64 = 50_000.0;
 /// Error of the speed along the route, as a share.
 const SPEED_ERROR: f64 = 0.05;
@@ -49,11 +49,11 @@ const SPEED_ERROR: f64 = 0.05;
 const ROLL_IN_S: f64 = 3.0;
 /// Detour of the way home, as a factor of the distance.
 const DETOUR: f64 = 1.1;
-/// Steps along the route for what changes slowly.
+/// Steps along the route for slowly changing quantities.
 const COARSE_S: f64 = 30.0;
-/// A site this much farther on the chart than the nearest one is farther in truth ..
+/// A site that is this factor farther on the chart than the nearest one is also farther in truth ..
 const CHART_FACTOR: f64 = 1.3;
-/// .. for a nearest site within this angle, and at latitudes up to this one: the chart is wrong by 10 % at most there.
+/// .. for a nearest site within this angle, and up to this latitude: the error of the chart is at most 10 % there.
 const CHART_DEG_MAX: f64 = 5.0;
 const CHART_LATITUDE_DEG_MAX: f64 = 60.0;
 
@@ -65,7 +65,7 @@ pub(super) struct LandingSite<'a> {
     pub(super) elevation_m: f64,
 }
 
-/// The mission, the wind that is assumed, and what is known of links.
+/// The mission, the assumed wind, and the knowledge about links.
 pub(super) type Known<'a> = (&'a Mission, &'a WindField, &'a LinkMemory);
 
 /// Everything that readings are computed from.
@@ -155,7 +155,7 @@ impl<'a> Scene<'a> {
     }
 
     fn find_site(&self, position: Position) -> WayToSite<'a> {
-        // Near on a plane chart first, since geodesics are expensive; the nearest three of those exactly.
+        // Sites are sorted on a plane chart first, because geodesics are expensive; the nearest three are compared exactly.
         let east = libm::cos(position.latitude_deg.to_radians());
         let chart = |site: &LandingSite<'_>| {
             let north_deg = site.position.latitude_deg - position.latitude_deg;
@@ -192,7 +192,7 @@ impl<'a> Scene<'a> {
         triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
     }
 
-    /// Returns the wind's speed at its strongest side, for turns.
+    /// Returns the greatest wind speed, for turns.
     fn wind_mps(&self) -> f64 {
         libm::hypot(self.motion.wind.east_mps, self.motion.wind.north_mps)
     }
@@ -239,7 +239,8 @@ impl<'a> Scene<'a> {
             energy::energy(endurance_s - after_s, reserve_s, 1.0, DETOUR * distance_m, home_mps)
         };
         let margin = left_s(self.here, 0.0);
-        // Every second flown costs one, and the way home may grow as fast: before half of the margin nothing can be violated.
+        // Each second of flight costs one second, and the way home may grow as fast: nothing can be violated before half of the margin is
+        // used.
         let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
             None
         } else {
@@ -302,7 +303,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Zones on the plane that the vehicle can meet within the look-ahead, and a lower bound of the distance to all others.
+    /// Returns the zones on the plane that the vehicle can reach within the look-ahead, and a lower bound of the distance to all others.
     pub(super) fn near_zones(&self) -> (Vec<LocalZone>, f64) {
         let reach_m = self.route.speed_mps_max().max(self.motion.true_airspeed_mps) * self.requirements().look_ahead_s;
         let reach_m = reach_m.max(DISTANCE_M_MAX);
@@ -367,11 +368,11 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Returns the margin inside of the permitted area, and the time at which the route leaves it.
+    /// Returns the margin inside the permitted area, and the time at which the route leaves it.
     fn keep_in(&self, zones: &[LocalZone], buffer: &ZoneBuffer) -> (f64, Option<f64>) {
         let Some(area) = KeepIn::new(zones, self.flown.altitude_m, self.now_s) else { return (f64::INFINITY, None) };
         let inside_m = area.keep_in_m(Point::default(), self.flown.altitude_m, buffer);
-        // What is permitted may change along the way.
+        // The permitted area may change along the path.
         let look_ahead_s = self.requirements().look_ahead_s;
         let permitted = self.mission.zones.iter().filter(|zone| zone.kind == apex_model::problem::ZoneKind::Permitted);
         let mut changes_s: Vec<f64> = permitted.flat_map(|zone| [zone.active.from_s, zone.active.until_s]).collect();
@@ -418,7 +419,7 @@ impl<'a> Scene<'a> {
     }
 
     fn weather(&self, name: &'static str, margin: f64, unit: Dimension, after_s: Option<f64>) -> Reading {
-        // What is measured counts now; a forecast that it contradicts does not.
+        // The present measurement counts; a forecast that contradicts it does not.
         let after_s = if margin >= 0.0 { after_s.filter(|after_s| *after_s > 0.0) } else { Some(0.0) };
         let (what, response) = (name.to_string(), Response::Descend);
         Reading {

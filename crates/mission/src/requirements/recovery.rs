@@ -1,4 +1,4 @@
-//! Ways out: where a response leads.
+//! Ways out: the destination of a response.
 
 use super::readings::{Reading, Scene};
 use super::response::Response;
@@ -13,21 +13,21 @@ use apex_requirements::prediction::RouteSpan;
 use apex_requirements::{Concern, Route, first_violation};
 use std::f64::consts::TAU;
 
-/// Directions of a turn away that are compared.
+/// Number of compared directions of a turn away.
 const DIRECTIONS: u32 = 24;
-/// A turn away leads this many turn radii from here, and at least this far.
+/// Length of a turn away in turn radii, and its least length.
 const AWAY_RADII: f64 = 3.0;
 const AWAY_M_MIN: f64 = 300.0;
 /// Altitudes that are compared where the weather is to be left.
 const LAYER_M: f64 = 500.0;
 const LAYERS: i32 = 10;
-/// Clearance that a climb aims at, as a multiple of the one required.
+/// Clearance that a climb aims at, as a multiple of the required one.
 const CLEARANCE_SHARE: f64 = 1.5;
-/// A level beyond a face is chosen this much farther than required, so that the vehicle may be off its altitude.
+/// Additional distance in metres of a level beyond a zone's face, for the altitude error of the vehicle.
 const LEVEL_M: f64 = 10.0;
 
 impl Scene<'_> {
-    /// Returns the response to a reading, with its way out. After `is_escalated` alarms the response that did not help is replaced by a
+    /// Returns the response to a reading, with its way out. After `is_escalated` alarms, a response that did not help is replaced by a
     /// landing at the nearest landing site.
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = self.nearest_site(self.here).0;
@@ -76,8 +76,8 @@ impl Scene<'_> {
         Location { position, altitude_m: self.flown.altitude_m }
     }
 
-    /// Returns another altitude where a climb or a descent is what violates the requirement; else a turn where that leads to a place that
-    /// keeps it; else the nearest altitude that does: a face of a zone that covers everything around cannot be left sideways.
+    /// Returns another altitude if a climb or a descent causes the violation; otherwise a turn to a place that keeps the requirement;
+    /// otherwise the nearest altitude that keeps it, because a face of a zone that covers all surroundings cannot be left sideways.
     fn leave_airspace(&self, reading: &Reading) -> (Response, Location) {
         let to_level = |altitude_m: f64| {
             let response = if altitude_m > self.flown.altitude_m { Response::Climb } else { Response::Descend };
@@ -141,8 +141,8 @@ impl Scene<'_> {
         out_m.min(area.map_or(f64::INFINITY, |area| area.keep_in_m(point, altitude_m, buffer)))
     }
 
-    /// Returns the place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals, and
-    /// the margin there.
+    /// Returns the place around the vehicle whose path has the greatest margin, among equals the one nearest to the present course, and
+    /// that margin.
     fn turn_away(&self) -> (Location, f64) {
         let buffer = self.zone_buffer();
         let (zones, _) = self.near_zones();
@@ -166,7 +166,7 @@ impl Scene<'_> {
         (Location { position: self.plane.position(to), altitude_m }, end_m)
     }
 
-    /// Returns the least margin on the way to a place, at most the distance to it: farther than that needs no preference.
+    /// Returns the least margin on the path to a place, at most the distance to it: a greater margin brings nothing.
     fn worst_m(&self, to: Point, zones: &[LocalZone], area: Option<&KeepIn>, buffer: &ZoneBuffer) -> f64 {
         let track_rad = self.flown.track_deg().to_radians();
         let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
@@ -174,7 +174,7 @@ impl Scene<'_> {
         let route = Route::begin(Point::default(), track, (altitude_m, altitude_m), self.motion).fly_to(to);
         let reach = self.requirements().landing_distance_m_max();
         let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
-        // A climb on the way counts: what is to be left may be the ground.
+        // A climb on the path counts, because the obstacle may be the ground.
         let over_ground_m = |point: Point, after_s: f64| {
             let ground_m = self.known_ground_m(self.plane.position(point)).unwrap_or(f64::NEG_INFINITY);
             altitude_m + self.motion.climb_mps * after_s - ground_m - clearance_m
@@ -191,7 +191,7 @@ impl Scene<'_> {
         if let Some(most_m) = reach {
             worst_m = worst_m.min(disc_m(self.nearest_site(self.plane.position(to)).1, most_m));
         }
-        // Where a way ends matters most: there it must be clear.
+        // The end of a path matters most: it must be clear.
         worst_m.min(margin(to, self.now_s + route.end_s()) - 1e-3)
     }
 

@@ -9,7 +9,7 @@ pub enum Response {
     Climb,
     /// Descend to it.
     Descend,
-    /// Fly to the way out, a landing place, and land there.
+    /// Fly to the way out, which is a landing place, and land there.
     LandAt,
     /// Land below.
     LandHere,

@@ -1,7 +1,7 @@
 //! The sun on cameras: the margin of each camera that points, now and along the commanded route.
 //!
-//! A camera points along its mount's angles, as last reported. Along the route it stays on the ground that it sees now; a
-//! camera that sees no ground keeps its angles.
+//! A camera points by its mount's last reported angles. Along the route it stays on the ground that it sees now; a camera that sees no
+//! ground keeps its angles.
 
 use super::readings::{Reading, Scene};
 use super::response::Response;
@@ -14,8 +14,8 @@ use apex_observation::timing::sun::solar_position;
 use apex_requirements::Concern;
 use apex_requirements::margin::sensor::{ViewDirection, sun_deg};
 
-/// Margin of the requirement `sun` for a camera at `position` that looks along `sight` at `time_s`; infinite by night, none where it is
-/// not watched or nothing is known of the sun.
+/// Returns the margin of requirement `sun` for a camera at `position` that looks along `sight` at `time_s`; infinite at night, `None` if
+/// it is not watched or the position of the sun is unknown.
 pub(crate) fn sun_margin_deg(
     mission: &Mission,
     camera: &str,
@@ -90,7 +90,7 @@ impl Scene<'_> {
         })
     }
 
-    /// Returns the first instant at which the sight line, kept on the ground that it meets now, comes too near to the sun along the route.
+    /// Returns the first instant along the route at which the sight line, kept on the ground that it meets now, is too near to the sun.
     fn first_sun(&self, here: ViewDirection, margin_deg: impl Fn(Position, ViewDirection, f64) -> f64) -> Option<f64> {
         let height_m = self.flown.height_above_ground_m.unwrap_or(0.0);
         let seen = (here.elevation_deg < GROUND_TILT_DEG && height_m > 0.0).then(|| {

@@ -1,4 +1,4 @@
-//! Requirements that cannot be met from the start: errors when the mission is loaded.
+//! Requirements that are violated at the start: errors when the mission is loaded.
 
 use super::statement::{LandingReach, Requirements};
 use crate::error::{MissionError, MissionResult};
@@ -8,7 +8,7 @@ use apex_geo::wind;
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
 use apex_vehicle::VehicleModel;
 
-/// Part of a mission that determines whether its requirements can be met from the start.
+/// The part of a mission that determines whether its requirements hold at the start.
 pub(crate) struct StartConditions<'a> {
     /// Place of the application, for errors.
     pub(crate) place: &'a str,
@@ -24,15 +24,15 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) forecast: &'a WindField,
     /// Start of the vehicle.
     pub(crate) start: Position,
-    /// Altitude there above mean sea level.
+    /// Altitude of the start above mean sea level.
     pub(crate) start_altitude_m: f64,
 }
 
-/// Checks what holds before the first second of flight.
+/// Checks the conditions before the first second of flight.
 ///
 /// # Errors
-/// A mission that starts inside of a zone to keep out of, outside of the permitted area, too far from every landing place, with less
-/// energy than its reserve, or that must keep more clearance than the vehicle's ceiling allows.
+/// A mission that starts inside a restricted zone, outside of the permitted area, too far from every landing place, with less energy than
+/// its reserve, or whose clearance exceeds the vehicle's ceiling.
 pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
     airspace(mission)?;
     let requirements = mission.requirements;
@@ -97,7 +97,7 @@ fn airspace(mission: &StartConditions<'_>) -> MissionResult<()> {
         ));
     }
     let permitted = || mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Permitted);
-    // The start may lie below the permitted band: the vehicle climbs into it.
+    // The start may be below the permitted band: the vehicle climbs into it.
     if permitted().next().is_some() && !permitted().any(is_in) {
         let why = "the start lies outside of every permitted zone that is active at the start".to_string();
         return Err(unmet(mission, "airspace", why, "move the start, or extend the permitted zone in `:airspace`"));
@@ -105,7 +105,7 @@ fn airspace(mission: &StartConditions<'_>) -> MissionResult<()> {
     Ok(())
 }
 
-/// Checks the forecast at the start against the weather that the flight may meet: it could not even take off.
+/// Checks the forecast at the start against the weather limits: the vehicle could otherwise not take off.
 fn weather(mission: &StartConditions<'_>) -> MissionResult<()> {
     let requirements = mission.requirements;
     let there = wind::at(mission.forecast, mission.start, mission.start_altitude_m, 0.0);

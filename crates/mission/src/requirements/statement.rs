@@ -85,7 +85,7 @@ pub enum HeatLimit {
 }
 
 impl HeatLimit {
-    /// The limit in kelvin for a sensor whose file states `high_c`.
+    /// Returns the limit in kelvin for a sensor whose file states `high_c`.
     pub fn limit_k(self, high_c: Option<f64>) -> Option<f64> {
         match self {
             HeatLimit::OfSensors => high_c.map(|high_c| high_c + 273.15),
@@ -105,14 +105,14 @@ impl Requirements {
     }
 }
 
-/// Distances that a flight keeps, in seconds of flight at cruise speed: 5 s from edges (476 m at 95 m/s, 60 m at 12 m/s), 1.5 s from
-/// faces, 3 s from the ground.
+/// Default distances, in seconds of flight at cruise speed: 5 s from edges (476 m at 95 m/s, 60 m at 12 m/s), 1.5 s from faces, 3 s from
+/// the ground.
 const HORIZONTAL_S: f64 = 5.0;
 const VERTICAL_S: f64 = 1.5;
 const CLEARANCE_S: f64 = 3.0;
-/// Share of the margin of plans that the flight must keep: wind and turns may use the rest.
+/// Share of the plan's margin that the flight must keep: wind and turns may use the rest.
 const FLOWN_SHARE: f64 = 0.5;
-/// Before a zone becomes active, and after it ends.
+/// Time margin before a zone becomes active, and after it ends.
 const ZONE_TIME_S: f64 = 120.0;
 const LOOK_AHEAD_S: f64 = 300.0;
 const PATTERN_M: f64 = 300.0;
@@ -125,8 +125,8 @@ const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :
     (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
     (icing :at-most 2min) (link :lost-for 30s) (heat :at-most 318K) (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
-/// Returns the requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones. Those that
-/// it does not state have thresholds from the vehicle's figures.
+/// Returns the requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones.
+/// Requirements that it does not state have thresholds derived from the vehicle's figures.
 ///
 /// # Errors
 /// A form of another shape, an unknown name or key, a figure of another unit or outside of its range, a requirement twice.

@@ -111,7 +111,7 @@ impl Watch {
     fn read(&mut self, known: Known<'_>, now: Time) -> Findings {
         let now_s = now.seconds();
         let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
-        // The vehicle's slowest report bounds how soon the next reading comes.
+        // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
         (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, false);
@@ -124,7 +124,7 @@ impl Watch {
             let watched = self.requirements.entry(reading.name.to_string()).or_default();
             let must_act = is_urgent(0.0);
             let sample = RequirementSample { at_s: now_s, margin: reading.margin, must_act };
-            // Two readings of one instant are one sample.
+            // Two readings of one instant count as one sample.
             let change = if is_new_instant { watched.alarm.take(sample, &Thresholds::new(0.0)) } else { None };
             let is_raised = watched.alarm.state() == AlarmState::Raised;
             let is_near = is_raised || is_urgent(NEAR_LIMIT_S);
@@ -143,7 +143,7 @@ impl Watch {
     }
 }
 
-/// Says that a requirement needs a response, and which.
+/// Reports that a requirement needs a response, and the response.
 fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, findings: &mut Findings) {
     let (response, way_out) = scene.recovery(reading, is_escalated);
     let violated_s = now.seconds() + reading.after_s.unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The fold over the batches of a flight.
+//! Computes the observations of a flight from its batches.
 
 use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
@@ -34,18 +34,18 @@ pub struct FlownScore {
     ground: MissionGround,
     /// The fires, for outlines that are reported later.
     fires: std::sync::Arc<[Target]>,
-    /// Setting of the scanner while it is on; `None`: the vehicle carries none.
+    /// Setting of the scanner while it is on; `None` if the vehicle carries none.
     scanner: Option<ScannerSetting>,
     /// The cameras that the vehicle carries.
     cameras: Vec<CameraSetting>,
-    /// Civil time of the mission's beginning, where it states one: without it nothing is known of the sun.
+    /// Civil time of the mission's beginning; `None` if it is not stated: the position of the sun is then unknown.
     epoch_unix_s: Option<f64>,
     latest: Latest,
-    /// Collects footprints for maps, where they are wanted.
+    /// Collects footprints for maps, if requested.
     footprints: Option<FootprintLog>,
 }
 
-/// Returns a site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
+/// Returns a site as a target of pictures: a point at the height of the structure, with one look of value 1.
 fn of_site(target: &Target, site: &Site) -> ObservedTarget {
     ObservedTarget {
         name: target.id.clone(),
@@ -113,7 +113,7 @@ impl FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
     }
 
-    /// Returns the ground seen so far, with the swath under way up to its last kept line; empty without
+    /// Returns the ground seen so far, including the present swath up to its last kept line; empty without
     /// [`FlownScore::only_footprints`].
     pub fn footprints(&self) -> Option<&Footprints> {
         self.footprints.as_ref().map(|log| &log.seen)
@@ -153,8 +153,8 @@ impl FlownScore {
         self.sample(pending);
     }
 
-    /// Processes `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that
-    /// clouds hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
+    /// Processes `(image-taken CAMERA TARGET)`: position, attitude and mount angles were reported just before. A picture that clouds hide
+    /// (`image-obscured`) and one of a failed detector (`image-blank`) count as looks that are not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
         if head.is("new-perimeter") {
@@ -192,11 +192,11 @@ impl FlownScore {
         else {
             return;
         };
-        // An outline that cannot be cut into cells changes nothing; planners leave it out, too.
+        // An outline that cannot be divided into cells changes nothing; planners ignore it too.
         self.observation.reshape(&name, area, &self.ground).ok();
     }
 
-    /// A picture as recorded; none where the position or the angles of the mount are not known.
+    /// Returns a picture as recorded; `None` if the position or the mount angles are unknown.
     fn picture(&mut self, camera: &CameraSetting, at: Time) -> Option<Picture> {
         self.latest.turn(at);
         let (position, altitude_m) = self.latest.place?;
@@ -278,12 +278,12 @@ impl FlownScore {
         &self.observation
     }
 
-    /// Returns true if a picture of the target taken between two instants is worth something.
+    /// Returns true if a picture of the target between two instants has a value.
     pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
-    /// Returns the result of the looks of one target; none while nothing of it has been seen.
+    /// Returns the result of the looks of one target; `None` while nothing of it has been seen.
     pub fn result(&self, target: &str) -> Option<TargetResult> {
         self.observation.result(target)
     }

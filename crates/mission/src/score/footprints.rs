@@ -1,5 +1,5 @@
-//! The ground that the sensors of a flight have seen: scan lines and outlines of pictures, from the same measurements and the
-//! same geometry as the score. For maps: the score itself never reads them.
+//! The ground that the sensors of a flight have seen, for maps: scan lines and outlines of pictures, from the same measurements and
+//! geometry as the score. The score itself never reads them.
 
 use super::samples::Latest;
 use apex_model::problem::Position;
@@ -24,11 +24,11 @@ pub struct SeenLine {
     pub left: [f64; 2],
     /// Right end, `[longitude, latitude]` in degrees.
     pub right: [f64; 2],
-    /// True if the line counts: the roll is within its limits and the attitude is known.
+    /// True if the line counts: the roll is within its limits, and the attitude is known.
     pub valid: bool,
 }
 
-/// The ground seen from one switching on of the scanner to the next gap.
+/// The ground seen from the moment at which the scanner was switched on to the next gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Swath {
@@ -57,7 +57,7 @@ pub struct Footprints {
 }
 
 impl Footprints {
-    /// Returns the part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
+    /// Returns the part within `from_ns ..= to_ns`; it does not depend on later observations.
     pub fn between(&self, from_ns: i64, to_ns: i64) -> Footprints {
         let is_in = |t_ns: i64| (from_ns..=to_ns).contains(&t_ns);
         let cut =
@@ -79,7 +79,7 @@ pub(super) struct FootprintLog {
 }
 
 impl FootprintLog {
-    /// Ends the swath: the scanner was switched off, or nothing is known for a while.
+    /// Ends the swath: the scanner was switched off, or data are missing for a while.
     pub(super) fn end_swath(&mut self) {
         if let Some(last) = self.last.take()
             && let Some(swath) = self.seen.swaths.last_mut()
@@ -120,7 +120,7 @@ impl FootprintLog {
         self.keep(seen);
     }
 
-    /// Keeps a line if it is the first one, far enough from the last one kept, or of other validity.
+    /// Keeps a line if it is the first one, far enough from the last kept one, or of different validity.
     fn keep(&mut self, seen: SeenLine) {
         if !self.is_open {
             self.is_open = true;
@@ -139,7 +139,7 @@ impl FootprintLog {
         self.last = Some(seen);
     }
 
-    /// Records a picture taken over ground of `ground_m` above mean sea level.
+    /// Records a picture of ground at `ground_m` above mean sea level.
     pub(super) fn picture(&mut self, picture: &Picture, at: Time, ground_m: f64) {
         let sample = &picture.sample;
         let sight = sight_of(&sample.attitude.unwrap_or_default(), picture.angles, picture.is_stabilised);

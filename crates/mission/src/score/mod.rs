@@ -1,5 +1,5 @@
-//! Observations of a flight, computed from the recorded measurements alone: position, attitude and switching of the sensor.
-//! `apex fly` folds them while it flies, `apex score` folds them again from the record.
+//! Observations of a flight, computed only from the recorded measurements: position, attitude and switching of the sensor. `apex fly`
+//! computes them during the flight, `apex score` again from the record.
 
 mod flown;
 mod footprints;

@@ -1,4 +1,4 @@
-//! The vehicle as last measured, as far as it matters for what a sensor sees.
+//! The last measured state of the vehicle, as far as it matters for the sensors' view.
 
 use apex_model::event::StateVariable;
 use apex_model::planned::Location;
@@ -17,13 +17,13 @@ const AGE_S_MAX: f64 = 2.5;
 /// The latest measurements.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Latest {
-    /// Position and altitude above mean sea level: the true one where the record has it, else the reported one.
+    /// Position and altitude above mean sea level: the true ones if the record contains them, otherwise the reported ones.
     pub(super) place: Option<(Position, f64)>,
     /// Instant of the last true position.
     truth_at: Option<Time>,
     /// The scanner is on.
     pub(super) is_on: bool,
-    /// Share of the line of sight that is free of cloud, where the record knows it.
+    /// Share of the line of sight that is free of cloud, if recorded.
     pub(super) clear_share: Option<f64>,
     roll_deg: Option<TimedValue>,
     pitch_deg: Option<TimedValue>,
@@ -32,7 +32,7 @@ pub(super) struct Latest {
     /// Angles of the mounts of cameras by their names.
     tilts_deg: BTreeMap<String, f64>,
     pans_deg: BTreeMap<String, f64>,
-    /// The last two samples of roll, pitch and heading: the rate at which the body turns.
+    /// The last two samples of roll, pitch and heading, for the rate at which the body turns.
     turns: [Option<(Attitude, Time)>; 2],
 }
 
@@ -43,7 +43,7 @@ struct TimedValue {
 }
 
 impl Latest {
-    /// Takes one measurement. Returns true for a new position.
+    /// Processes one measurement. Returns true for a new position.
     pub(super) fn take(&mut self, variable: &StateVariable, value: &Value, at: Time) -> bool {
         let (attribute, object) = (variable.attribute.folded(), &variable.object);
         let angle_deg = || match value {
@@ -80,8 +80,8 @@ impl Latest {
         false
     }
 
-    /// Takes the state of the scanner, which records clouds, too: ground that they hide is seen without being clear. That none hides it
-    /// is known only where clouds are reported.
+    /// Processes the state of the scanner, which also reports clouds: ground that they hide counts as seen but not clear. Ground is known
+    /// to be cloud-free only if clouds are reported.
     fn switch(&mut self, state: &Value) {
         let is = |word: &str| value_is(state, word);
         self.is_on = is("on") || is("obscured");
@@ -92,7 +92,7 @@ impl Latest {
         }
     }
 
-    /// Returns roll, pitch and heading at `at`; `None` if one of them is not in the record, or too old.
+    /// Returns roll, pitch and heading at `at`; `None` if one of them is missing or too old.
     pub(super) fn attitude(&self, at: Time) -> Option<Attitude> {
         Some(Attitude {
             heading_deg: known(self.heading_deg, at)?,
@@ -107,7 +107,7 @@ impl Latest {
         Some(GimbalAngles { pan_deg: *self.pans_deg.get(&name)?, tilt_deg: *self.tilts_deg.get(&name)? })
     }
 
-    /// Keeps the attitude at `at` for the rate at which it changes.
+    /// Stores the attitude at `at`, for the rate at which it changes.
     pub(super) fn turn(&mut self, at: Time) {
         let Some(attitude) = self.attitude(at) else { return };
         let [_, last] = self.turns;
@@ -127,7 +127,7 @@ impl Latest {
         libm::sqrt(rates.roll * rates.roll + rates.pitch * rates.pitch + rates.yaw * rates.yaw)
     }
 
-    /// Returns the speed over ground at `at`; 0 if it is not in the record.
+    /// Returns the speed over ground at `at`; 0 if it is not recorded.
     pub(super) fn ground_speed_mps(&self, at: Time) -> f64 {
         known(self.speed_mps, at).unwrap_or(0.0)
     }

@@ -1,4 +1,4 @@
-//! The mission score during a flight: that of the report if the flight ended at an instant.
+//! The mission score during a flight: the score of the report if the flight ended at an instant.
 
 use super::flown::FlownScore;
 use super::value::{Cost, benefits_of, running_costs};
@@ -18,12 +18,11 @@ const COUNTING_INTERVAL: Duration = Duration(60_000_000_000);
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ScoreSoFar {
-    /// Observations count that were made until this instant, nanoseconds of mission time: while the scanner is on, the last minute
-    /// may be missing.
+    /// Observations up to this instant count, nanoseconds of mission time: while the scanner is on, the last minute may be missing.
     pub counted_ns: i64,
     /// Points of all looks.
     pub benefits: f64,
-    /// Crew, risk of failure, and looks that must not be missed and are not there yet.
+    /// Crew, risk of failure, and required looks that are still missing.
     pub costs: f64,
     /// Benefits less costs.
     pub score: f64,
@@ -36,14 +35,14 @@ struct CountedBenefits {
     missed: f64,
 }
 
-/// The score of one flight at all instants until now: a fold over its steps.
+/// The score of one flight at all instants until now, computed from its steps.
 pub struct ScoreHistory {
     mission: Mission,
     situation: Situation,
     flown: FlownScore,
-    /// Targets that must be seen after others: their results change with those of others.
+    /// Targets that must be seen after others: their results depend on those of others.
     ordered: Vec<String>,
-    /// Results of each target, with the number of looks that they are made of.
+    /// Results of each target, with the number of looks in them.
     results: BTreeMap<String, (usize, TargetResult)>,
     counted: Vec<CountedBenefits>,
     /// Looks and values that are counted.
@@ -79,7 +78,7 @@ impl ScoreHistory {
         Ok(Some(history))
     }
 
-    /// Takes one step of the agent with this number.
+    /// Processes one step of the agent with this number.
     pub fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
         self.situation.observe(&self.mission, agent, batch, effects);
         if agent != 0 {
@@ -110,7 +109,7 @@ impl ScoreHistory {
         self.results.keys().map(|target| self.flown.look_count_of(target)).sum()
     }
 
-    /// Counts the benefits again: of the targets of which more has been seen, and of those that depend on others.
+    /// Computes the benefits again for targets of which more has been seen, and for those that depend on them.
     fn count(&mut self, at: Time) {
         for (name, (looks, result)) in &mut self.results {
             let now = self.flown.look_count_of(name);

@@ -1,4 +1,4 @@
-//! The mission score of a flight: points of every wanted look as flown and as the plan predicted, and costs.
+//! The mission score of a flight: points of every wanted look as flown and as predicted by the plan, and costs.
 
 use super::flown::FlownScore;
 use crate::predicted::Predicted;
@@ -10,17 +10,17 @@ use apex_observation::result::{LookResult, TargetResult};
 /// `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P (R C_v + M C_m))` of a flight, in points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlightScore {
-    /// Wanted looks that were observed, or at least seen in part.
+    /// Wanted looks that were observed, or seen at least in part.
     pub looks: Vec<ScoredLook>,
     /// Points of all wanted looks.
     pub benefits: f64,
-    /// Costs by row, with what missing looks cost that must not be missed.
+    /// Costs by row, including the cost of required looks that are missing.
     pub costs: Vec<Cost>,
     /// P: probability of failure over the flight.
     pub failure_probability: f64,
     /// Benefits less costs.
     pub score: f64,
-    /// Reason if the flight cannot be scored, else empty.
+    /// Reason for which the flight cannot be scored; empty if it can.
     pub trouble: String,
 }
 
@@ -71,15 +71,15 @@ impl Cost {
 pub struct ScoredLook {
     /// Its name in plans.
     pub id: String,
-    /// The target's human-readable name, with the look's where it has several.
+    /// The target's human-readable name, with the look's if it has several looks.
     pub name: String,
     /// As flown.
     pub flown: LookResult,
-    /// As the plan that was flown predicted it; none if no plan did.
+    /// Prediction of the flown plan; `None` if no plan contained the look.
     pub predicted: Option<Predicted>,
 }
 
-/// Scores a flight that lasted `hours`; the values of targets are those that `mission` has.
+/// Scores a flight that lasted `hours`, with the values of targets in `mission`.
 pub(crate) fn flight_score(
     mission: &Mission,
     situation: &Situation,
@@ -115,7 +115,7 @@ pub(super) struct Benefits<'a> {
     pub(super) missed: Vec<Cost>,
 }
 
-/// The benefits of what was seen; the values of targets are those that `mission` has.
+/// Returns the benefits of the seen looks, with the values of targets in `mission`.
 pub(super) fn benefits_of(mission: &Mission, results: Vec<TargetResult>) -> Benefits<'_> {
     let mut benefits = Benefits { looks: Vec::new(), points: 0.0, missed: Vec::new() };
     for result in results {
@@ -149,7 +149,7 @@ pub(super) fn running_costs(mission: &Mission, hours: f64) -> (Vec<Cost>, f64) {
     (costs, probability)
 }
 
-/// Returns the looks with their names in plans and the present worth of the target's looks.
+/// Returns the looks with their names in plans, and the present value of the target's looks.
 fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResult)> {
     let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
     let valued = |result: LookResult| {
@@ -159,7 +159,7 @@ fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResul
     results.into_iter().filter_map(valued).collect()
 }
 
-/// Returns the result where the look is worth `value` instead: every point counts in proportion.
+/// Returns the result for a look of value `value`: all points scale in proportion.
 fn worth(result: LookResult, value: f64) -> LookResult {
     if result.value == value {
         return result;

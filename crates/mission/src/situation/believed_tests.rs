@@ -77,7 +77,7 @@ fn a_value_is_what_an_event_costs_that_is_never_found() {
     for cost in families.iter().flat_map(|cost| [cost.clone(), delayed(cost)]) {
         let mut mission = mission("structure-watch");
         let barn = site_of(&mut mission, "barn");
-        // A table says itself what an event costs at last.
+        // A table states the final cost of an event itself.
         let is_table = format!("{cost:?}").contains("Table");
         (barn.cost, barn.importance) = (cost.clone(), if is_table { 7.0 } else { importance });
         let believed =

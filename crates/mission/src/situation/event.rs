@@ -1,4 +1,4 @@
-//! Messages that change what is known of a mission. This is the one place that knows their PDL forms.
+//! Messages that change the situation of a mission. Only this file knows their PDL forms.
 
 use super::updates::MissionUpdate;
 use apex_model::value::Value;
@@ -19,7 +19,7 @@ pub enum MissionEvent {
     },
     /// `(wings-level-violation TARGET)`: a segment of a line has lost its data.
     WingsLevelViolation(String),
-    /// `(segment-weighed TARGET FROM TO again|leave GAIN PRICE TEXT)`: whether a lost segment is flown again.
+    /// `(segment-weighed TARGET FROM TO again|leave GAIN PRICE TEXT)`: the decision to fly a lost segment again or not.
     SegmentWeighed {
         /// The target.
         target: String,

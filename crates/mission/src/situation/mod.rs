@@ -1,5 +1,5 @@
-//! The situation: what is known and assumed of a mission at an instant. A pure fold over the batches and effects that the record
-//! stores, so that it can be computed again, stored and continued.
+//! The situation: what is known and assumed of a mission at an instant. A pure function of the batches and effects in the record, so that
+//! it can be computed again, stored and continued.
 
 #[cfg(test)]
 mod believed_tests;
@@ -32,7 +32,7 @@ use apex_runtime::target_state::{TargetChange, TargetState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Goals whose chosen procedure is remembered; more than any mission has.
+/// Maximum number of goals whose chosen procedure is remembered; more than any mission has.
 const CHOSEN_MAX: usize = 10_000;
 
 /// A notable decision.
@@ -53,7 +53,7 @@ pub struct Chosen {
     pub since: Time,
 }
 
-/// A plan and the instant at which it was asked for.
+/// A plan and the instant of its request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MadePlan {
     /// The plan.
@@ -95,7 +95,7 @@ pub struct Situation {
     watch: Watch,
     /// Measurements of radio links.
     pub links: LinkMemory,
-    /// Outcomes of tests and what was diagnosed from them.
+    /// Outcomes of tests and the diagnoses derived from them.
     pub diagnosis: DiagnosisService,
     /// Additions of the last step to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
@@ -103,8 +103,8 @@ pub struct Situation {
 }
 
 impl Situation {
-    /// Observes one step of the agent with this number. Only the first agent flies: what the others measure and do does
-    /// not happen to the vehicle.
+    /// Observes one step of the agent with this number. Only the first agent flies: measurements and effects of the others do not concern
+    /// the vehicle.
     pub fn observe(&mut self, mission: &Mission, agent: usize, batch: &Batch, effects: &[Effect]) {
         self.derived.clear();
         let requests = effects.iter().filter(|effect| matches!(effect, Effect::Solve(_))).count();
@@ -138,14 +138,14 @@ impl Situation {
             self.derived.extend(reported.inputs);
         }
         if requests > 0 {
-            // Data that planning cannot use are reported when a plan is asked for.
+            // Data that planning cannot use are reported when a plan is requested.
             for unknown in self.updates.unknown(mission) {
                 self.note_once(batch.now, &unknown);
             }
         }
     }
 
-    /// Reads the requirements as the mission believes them.
+    /// Reads the requirements of the mission as presently assumed.
     fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
         let forecast = self.updates.forecast(mission);
         let findings = self.watch.observe((mission, forecast, &self.links), batch, effects);
@@ -155,7 +155,7 @@ impl Situation {
         self.derived = findings.inputs;
     }
 
-    /// Takes what the last step adds to the next batch.
+    /// Returns the inputs that the last step adds to the next batch, and clears them.
     pub fn take_derived(&mut self) -> Vec<Input> {
         std::mem::take(&mut self.derived)
     }
@@ -222,7 +222,7 @@ impl Situation {
                 }
                 self.change(target, at, TargetState::Observed, String::new());
             }
-            // Its visit stays without an end, as after an interruption: the target is still open.
+            // The visit is left without an end, as after an interruption: the target is still open.
             MissionEvent::NotObserved { target, why } => {
                 self.note(at, format!("{target} was not observed: {why}"));
                 self.change(target, at, TargetState::Skipped, why);
@@ -273,7 +273,7 @@ impl Situation {
     fn take_update(&mut self, at: Time, update: MissionUpdate) {
         let is_of = |visit: &Visit, target: &str| visit.target.split('/').next() == Some(target);
         match &update {
-            // A fire is judged by the outline that was known when it was first observed.
+            // A fire is evaluated by the outline that was known when it was first observed.
             MissionUpdate::NewPerimeter(target, _) if self.visits.iter().any(|visit| is_of(visit, target)) => {
                 self.note(at, format!("{target} has grown since it was observed"));
             }
@@ -297,7 +297,7 @@ impl Situation {
             SolverReport::Plan(procedure) => {
                 let Some(plan) = &procedure.plan else { return };
                 self.answers.insert(request, MadePlan { plan: plan.as_ref().clone(), made });
-                // The executive adopts a plan when it arrives; old answers will not be adopted.
+                // The executive adopts a plan when it arrives; older answers are never adopted later.
                 while self.answers.len() > SOLVE_REQUESTS_MAX {
                     self.answers.pop_first();
                 }
@@ -326,7 +326,7 @@ impl Situation {
         }
     }
 
-    /// Records that the executive adopted the plan of `request`: its targets are planned, those left out skipped with the reason.
+    /// Records that the executive adopted the plan of `request`: its targets are planned; left-out targets are skipped, with the reason.
     fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
         self.note(now, format!("new plan: {summary}"));
         self.adopted = self.adopted.saturating_add(1);

@@ -1,4 +1,4 @@
-//! Scanner lines with what has been seen of them.
+//! Scanner lines with their seen parts.
 
 use apex_geo::geodesy;
 use apex_model::problem::Position;
@@ -23,7 +23,7 @@ pub struct ScanLine {
     metres_per_longitude: f64,
     /// Per piece: none not seen, false seen with a wing low, true seen with wings level.
     pieces: Vec<Option<bool>>,
-    /// The last piece marked, so that a gap between two samples counts as seen.
+    /// The last marked piece, so that the pieces between two samples count as seen.
     last: Option<usize>,
 }
 
@@ -40,7 +40,7 @@ impl ScanLine {
         ScanLine { from, along, metres_per_longitude, pieces: vec![None; count as usize], last: None }
     }
 
-    /// Marks the position on the present line as seen or lost, by whether the wings are level. Positions off the line mark nothing.
+    /// Marks the position on the present line as seen, or as lost if the wings are not level. A position off the line marks nothing.
     pub fn mark(&mut self, position: Position, level: bool) {
         let east_m = (position.longitude_deg - self.from.longitude_deg) * self.metres_per_longitude;
         let north_m = (position.latitude_deg - self.from.latitude_deg) * METRES_PER_DEGREE;

@@ -16,19 +16,19 @@ const RATE_PER_H_MAX: f64 = 1e6;
 /// Corners of an outline.
 const CORNERS_MAX: usize = 2_000;
 
-/// New data of a mission, from one message.
+/// An update of the mission's data, from one message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MissionUpdate {
     /// `(new-target ID)`.
     NewTarget(String),
-    /// `(target-gone ID)`: the target needs no observation any longer.
+    /// `(target-gone ID)`: the target no longer needs an observation.
     TargetGone {
         /// Its id.
         target: String,
         /// The id as printed in the message.
         printed: String,
     },
-    /// `(new-value ID NUMBER)`: what a fire is worth, or the importance of a structure.
+    /// `(new-value ID NUMBER)`: the value of a fire, or the importance of a structure.
     NewValue(String, f64),
     /// `(new-likelihood ID NUMBER)`: events per hour at a structure.
     NewLikelihood(String, f64),
@@ -45,10 +45,10 @@ pub enum MissionUpdate {
         /// The message's items as printed.
         printed: String,
     },
-    /// `(plan-imposed (TARGET ..))`: later requests for plans are answered with these visits, as far as they are not
-    /// done; without targets planners plan again.
+    /// `(plan-imposed (TARGET ..))`: later requests for plans are answered with those of these visits that are still open; without
+    /// targets planners plan again.
     PlanImposed(Vec<String>),
-    /// A message of one of these forms without the number that it needs: it changes nothing.
+    /// A message of one of these forms that lacks its number: it changes nothing.
     Invalid(String),
 }
 
@@ -107,7 +107,7 @@ pub struct MissionUpdates {
     rates_per_h: BTreeMap<String, f64>,
     /// Outlines of fires.
     perimeters: BTreeMap<String, Vec<Position>>,
-    /// Files of forecasts in the order of their last announcement; the last one that the mission has counts.
+    /// Files of forecasts in the order of their last announcement; the last one that the mission contains counts.
     forecasts: Vec<String>,
     /// The operator's plan.
     operator_plan: Option<OperatorPlan>,
@@ -216,7 +216,7 @@ impl MissionUpdates {
         targets.chain(likely).chain(forecasts).collect()
     }
 
-    /// Returns the mission as it is assumed after the updates: with what is known of its targets and winds now.
+    /// Returns the mission as assumed after the updates, with the present targets and winds.
     pub fn believed(&self, mission: &Mission) -> Mission {
         let mut believed = self.valued(mission);
         believed.targets.retain(|target| {
@@ -226,12 +226,12 @@ impl MissionUpdates {
         believed
     }
 
-    /// Values of targets as said last, by target.
+    /// Returns the last announced value of each target.
     pub(crate) fn values(&self) -> &BTreeMap<String, f64> {
         &self.values
     }
 
-    /// The mission with all of its targets, worth what has been said last, and the forecast that is assumed.
+    /// Returns the mission with all of its targets, their last announced values, and the assumed forecast.
     pub fn valued(&self, mission: &Mission) -> Mission {
         let mut believed = mission.clone();
         for target in &mut believed.targets {
@@ -267,7 +267,7 @@ impl MissionUpdates {
     }
 }
 
-/// Gives a fire, or its looks by their names, the values that were said last.
+/// Sets the last announced values of a fire, or of its looks by their names.
 fn revalue(id: &str, fire: &mut Fire, said: &BTreeMap<String, f64>) {
     if let Some(value) = said.get(id) {
         let (before, count) = (fire.value(), fire.wanted.looks.len().max(1) as f64);
@@ -287,7 +287,7 @@ pub(crate) fn outline(value: &Value) -> Option<Vec<Position>> {
     corners.iter().map(|corner| Some(Location::from_value(corner)?.position).filter(is_on_map)).collect()
 }
 
-/// A name as events have it: a symbol or a text.
+/// Returns a name in an event: a symbol or a text.
 fn name(value: &Value) -> String {
     match value {
         Value::Text(text) => text.to_string(),
@@ -305,7 +305,7 @@ fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     }
 }
 
-/// Returns the same cost, `factor` times as high.
+/// Returns the cost multiplied by `factor`.
 fn scaled(cost: &CostFunction, factor: f64) -> CostFunction {
     let mut cost = cost.clone();
     match &mut cost {

@@ -1,4 +1,4 @@
-//! Observations so far, and the vehicle as last reported.
+//! Observations so far, and the last reported state of the vehicle.
 
 use super::scan_line::ScanLine;
 use crate::predicted::Predicted;
@@ -20,7 +20,7 @@ pub struct Visit {
     pub end: Option<Time>,
     /// Number of segments that were flown again.
     pub reflies: u32,
-    /// The lines to fly, with what was seen of each.
+    /// The lines to fly, with the seen parts of each.
     pub lines: Vec<ScanLine>,
     /// Sum and count of altitudes while scanning, for the mean.
     altitude_m: (f64, u32),
@@ -42,8 +42,8 @@ impl Visit {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// Marks what the scanner of `vehicle` sees now, if it is on and the vehicle is on a line. Up to `level_roll_deg_max` the
-    /// wings count as level, and what is seen as clear.
+    /// Marks the ground that the scanner of `vehicle` sees now, if it is on and the vehicle is on a line. Up to `level_roll_deg_max` the
+    /// wings count as level, and the ground as seen.
     pub(super) fn scan(&mut self, vehicle: &VehicleState, level_roll_deg_max: f64) {
         let VehicleState { position: Some(position), altitude_m, roll_deg, on_line: true, scanning: true, .. } =
             *vehicle
@@ -77,7 +77,7 @@ pub struct VehicleState {
 }
 
 impl VehicleState {
-    /// Takes a sample of one of the vehicle's attributes. Other attributes change nothing.
+    /// Processes a sample of one of the vehicle's attributes. Other attributes change nothing.
     pub(super) fn measure(&mut self, attribute: &str, value: &Value) {
         match (attribute, value) {
             ("location", Value::List(_)) => {

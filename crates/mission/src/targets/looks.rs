@@ -1,4 +1,4 @@
-//! Wanted looks of a fire: what each is worth, in which light, when, how fine, after what (docs/reference/mission-data.md).
+//! Wanted looks of a fire: value, light, time, resolution and order (docs/reference/mission-data.md).
 
 use crate::error::MissionResult;
 use crate::features::NamedFeature;
@@ -16,7 +16,7 @@ const SECONDS_PER_MINUTE: f64 = 60.0;
 /// Width of the ramp of look angles where the mission states none.
 const LOOK_ANGLE_RAMP_DEG: f64 = 10.0;
 
-/// Properties that an entry of `looks` may have; they are those of a fire, which count where the entry has none.
+/// Properties of an entry of `looks`; the fire's own properties are the defaults.
 const KNOWN: &[&str] = &[
     "id",
     "value",
@@ -54,14 +54,14 @@ pub(crate) struct Terms<'t> {
     pub(crate) epoch_unix_s: Option<f64>,
     /// Money that one point represents.
     pub(crate) money_per_point: f64,
-    /// The ground, where the mission knows it.
+    /// The terrain, if the mission has one.
     pub(crate) terrain: Option<&'t Arc<Terrain>>,
 }
 
-/// Returns the looks that a feature wants: those of `looks`, or one that its own properties describe.
+/// Returns the looks of a feature: those of `looks`, or the one that its own properties describe.
 ///
 /// # Errors
-/// As docs/reference/mission-data.md lists them, each with file, feature and property.
+/// Errors as listed in docs/reference/mission-data.md, each with file, feature and property.
 pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms<'_>) -> MissionResult<Vec<WantedLook>> {
     let parts = feature.parts("looks", KNOWN)?;
     if parts.len() > WANTED_LOOKS_MAX {
@@ -85,7 +85,7 @@ pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms<'_>) ->
     parts.iter().map(of_part).collect()
 }
 
-/// Targets to be seen before this one.
+/// Returns the targets that must be seen before this one.
 pub(super) fn after(feature: &NamedFeature) -> MissionResult<Vec<OrderNeed>> {
     let discount = feature.number("early_factor", 0.0, 1.0)?.unwrap_or(0.0);
     let targets = feature.texts("after")?;
@@ -153,7 +153,7 @@ fn must(feature: &NamedFeature, terms: Terms<'_>) -> MissionResult<Option<MustTe
     }
 }
 
-/// Windows, of which one at least must lie in the mission.
+/// Returns the windows; at least one must overlap the mission.
 fn windows(feature: &NamedFeature, ramp_s: f64, terms: Terms<'_>) -> MissionResult<Vec<WindowNeed>> {
     let windows: Vec<WindowNeed> = feature
         .spans_s("windows_h")?
@@ -223,7 +223,7 @@ fn slope(feature: &NamedFeature) -> MissionResult<Option<ValueSlope>> {
     }))
 }
 
-/// Elements older than this at some time of the mission say little of the pass: an error of about a kilometre a day.
+/// Greatest age in days of orbital elements during the mission: their error grows by about a kilometre a day.
 const ELEMENTS_DAYS_MAX: f64 = 14.0;
 
 /// Returns the satellite that `tle` or `omm` describes.

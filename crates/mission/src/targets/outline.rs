@@ -10,7 +10,7 @@ use apex_observation::target::{ObservedTarget, Polygon, TargetArea};
 use std::sync::Arc;
 
 impl Target {
-    /// The outline of a fire: that of its largest part, or the circle of its size; none for anything else.
+    /// Returns the outline of a fire: that of its largest part, or the circle of its size; `None` for other targets.
     pub fn outline(&self) -> Option<Vec<Position>> {
         let TargetKind::Fire(fire) = &self.kind else { return None };
         match &fire.wanted.area {
@@ -22,7 +22,7 @@ impl Target {
         }
     }
 
-    /// The ground of a fire with another outline; none for what has no outline.
+    /// Returns the ground of a fire with another outline; `None` for a target without outline.
     pub(crate) fn area_within(&self, outline: &[Position]) -> Option<TargetArea> {
         let TargetKind::Fire(fire) = &self.kind else { return None };
         let polygons = vec![Polygon { outer: outline.to_vec(), holes: Vec::new() }];
@@ -35,7 +35,7 @@ impl Target {
         }
     }
 
-    /// The fire as it has grown: its ground has this outline. An outline that cannot be cut into cells changes nothing.
+    /// Updates the outline of a grown fire. An outline that cannot be divided into cells changes nothing.
     pub(crate) fn grow(&mut self, outline: &[Position], terrain: Option<&Arc<Terrain>>) {
         let Some(area) = self.area_within(outline) else { return };
         let TargetKind::Fire(fire) = &mut self.kind else { return };

@@ -1,4 +1,4 @@
-//! The functions that PDL calls: values to requests, ways to options of a command.
+//! The host functions about paths: convert PDL values to requests, and paths to options of a command.
 
 use super::landing::on_line;
 use super::limits::Limits;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
+/// Names with the least and greatest number of arguments; the last argument, which is optional, is `(weak-link-areas AIRCRAFT)`.
 const FUNCTIONS: [(&str, usize, usize, Body); 7] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
@@ -27,13 +27,13 @@ const FUNCTIONS: [(&str, usize, usize, Body); 7] = [
     ("forecast-error", 4, 4, forecast_error),
 ];
 
-/// A line that is joined from so near, and so nearly in its direction, is joined straight.
+/// Distance in metres from which a line in about the vehicle's direction is joined straight.
 const ON_LINE_M: f64 = 300.0;
 const ON_LINE_DEG: f64 = 5.0;
 /// Ways to a circle end this many radii from its middle.
 const CIRCLE_ENTRY: f64 = 2.0;
 
-/// Puts the functions of a mission in place of those without one.
+/// Registers the functions with the mission's data, in place of those without.
 pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     let limits = Arc::new(limits);
     for (name, least, most, body) in FUNCTIONS {
@@ -51,7 +51,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     }
 }
 
-/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
+/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, otherwise nil.
 fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
     let here = Location::of(location)?.position;
@@ -63,8 +63,8 @@ fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, Str
     Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
-/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its
-/// place and time (since the start of the mission); nil without a location.
+/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: the length of the vector difference between a measured wind and the
+/// forecast for its place and time (since the start of the mission); nil without a location.
 fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, time, speed, direction] = arguments else { return Err("a measured wind is missing".to_string()) };
     if !location.is_true() {
@@ -83,7 +83,7 @@ fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String>
     Ok(Value::measured(libm::hypot(east_mps, north_mps), Dimension::SPEED))
 }
 
-/// Like [`start_of`]; none also if nothing limits the ways.
+/// Like [`start_of`]; `None` also if the mission has no limits on paths.
 fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String> {
     if limits.are_none() && !limits.has_weak() {
         return Ok(None);
@@ -126,7 +126,7 @@ fn start_of(arguments: &[Value]) -> Result<Option<Request>, String> {
     }))
 }
 
-/// Returns a location, or a place by its name, with its altitude where the location states one.
+/// Returns a location, or a place by its name, with its altitude if the location states one.
 fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), String> {
     let name = match value {
         Value::Symbol(symbol) => Some(symbol.folded().to_string()),
@@ -142,7 +142,7 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
     }
 }
 
-/// Returns the areas that the situation published as a value; what is not one of them is left out.
+/// Returns the areas in the value published by the situation; other items are ignored.
 fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
     let area = |item: &Value| {
         let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
@@ -176,7 +176,7 @@ fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     // A place that the vehicle refuses is its business to explain.
     let Ok((to, stated_m)) = spot(limits, place) else { return Ok(Value::nil()) };
     let altitude_m = length(altitude)?.or(stated_m);
-    // An aircraft that was low for its landing does not fly on so low.
+    // An aircraft that was low for its landing must climb before it continues.
     let least_m = limits.elevation_m_at(to) + limits.ground_margin_m;
     let wished_m = altitude_m.unwrap_or(request.from_altitude_m);
     let is_too_low = limits.turn_radius_m > 0.0 && wished_m < least_m;
@@ -195,7 +195,7 @@ fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     Value::list(std::iter::once(options).chain(items.iter().skip(1).cloned()))
 }
 
-/// Evaluates `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is the duration of circling there, or nil. Where the circle does not fit, it
+/// Evaluates `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is the duration of circling there, or nil. If the circle does not fit, it
 /// is flown around the nearest place where it does (`:centre`).
 fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
@@ -234,7 +234,7 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(with_option(answer(way, None), moved.map(|centre| (":centre", centre))))
 }
 
-/// Evaluates `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is the point at which the line was left before, or nil.
+/// Evaluates `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is the point at which the vehicle left the line before, or nil.
 fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., from, to, left] = arguments else { return Ok(Value::nil()) };
@@ -246,7 +246,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     }
     let begin_along_m = if left.is_true() {
         let (along_m, across_m) = geodesy::along_cross_track_m(begin, end, Location::of(left)?.position);
-        // Who was not on the line had not begun it.
+        // A vehicle that was not on the line had not begun it.
         if across_m.abs() <= ON_LINE_M { along_m.clamp(0.0, length_m) } else { 0.0 }
     } else {
         0.0
@@ -270,7 +270,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         to_track_rad: is_fixed_wing.then(|| gate_deg.to_radians()),
         ..request
     };
-    // A line is met as the plan assumes it, by turns in the wind: an autopilot's own join knows no wind, and may come round again.
+    // A line is joined as the plan assumes, by turns in the wind: an autopilot's own join ignores the wind and may circle.
     let way = match is_fixed_wing && !limits.are_none() {
         true => limits.turning_way(&request).or_else(|| limits.open_way(&request)),
         false => limits.best_way(&request),
@@ -284,7 +284,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(answer(way, None))
 }
 
-/// `(way-to-landing HERE TRACK MET PLACE)`
+/// Evaluates `(way-to-landing HERE TRACK MET PLACE)`.
 fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place] = arguments else { return Ok(Value::nil()) };
@@ -294,7 +294,7 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
 }
 
 /// Evaluates `(way-to-segment HERE TRACK MET FROM TO END)`: returns `(A B OPTIONS)`, the ends of the segment in the order in which it is
-/// soonest flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
+/// flown again fastest, followed by the line to END. If that cannot be computed, returns `(FROM TO)`.
 fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [.., from, to, end] = arguments else { return Err("an end of the segment is missing".to_string()) };
     let as_it_is = Value::list([from.clone(), to.clone()]);

@@ -1,4 +1,4 @@
-//! Violations of a path: every zone whose forbidden side it crosses, so that an operator is warned of each before the flight.
+//! Violations of a path: every zone that it violates, so that an operator is warned of each before the flight.
 
 use super::limits::Limits;
 use super::straight::{LATE_S, LATE_SHARE};
@@ -12,9 +12,9 @@ const PIECE_M: f64 = 250.0;
 const PIECES_MAX: f64 = 5_000.0;
 
 impl Limits {
-    /// Returns names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
-    /// `permitted area` if it may leave that. Around both ends `clearance_m` is counted where the way has turns, else everywhere: there
-    /// the vehicle chooses its turns itself. Bound: O(corners x pieces).
+    /// Returns the names of the restricted zones that the path approaches within `clearance_m` while they are active, in the mission's
+    /// order, then `permitted area` if the path may leave that. For a path with turns, `clearance_m` counts only around both ends, where
+    /// the vehicle chooses its turns itself; otherwise everywhere. Bound: O(corners x pieces).
     pub(super) fn crossed(&self, request: &Request, way: &Way, (clearance_m, has_turns): (f64, bool)) -> Vec<String> {
         let samples = samples(request, way, self.true_airspeed_mps);
         let clearance_at_m = |place: Position| {
@@ -77,7 +77,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Places on the way, each with the earliest and the latest time at which the vehicle may be there.
+/// Returns positions on the path, each with the earliest and the latest time at which the vehicle may be there.
 fn samples(request: &Request, way: &Way, true_airspeed_mps: f64) -> Vec<(Position, f64, f64)> {
     let mut points = vec![request.from];
     points.extend_from_slice(&way.via);

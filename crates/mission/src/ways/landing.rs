@@ -1,4 +1,4 @@
-//! Ways to a field: which final approach is open, and how to get onto it.
+//! Paths to an airfield: chooses an open final approach and the way onto it.
 
 use super::limits::{GROUND, Limits};
 use super::route::{CIRCLE_ROOM, MARGIN_SHARES, Strictness};
@@ -7,7 +7,7 @@ use apex_geo::geodesy;
 use apex_geo::wind;
 use apex_model::problem::Position;
 
-/// Directions of the final approach that are tried, the one into the wind first.
+/// Number of candidate directions of the final approach, beginning with the one into the wind.
 const COURSES: usize = 12;
 /// Clearance next to a final approach.
 const APPROACH_ROOM_M: f64 = 1_000.0;
@@ -22,13 +22,13 @@ pub(super) struct Landing {
 }
 
 impl Limits {
-    /// Returns the landing at the place of a request, whose altitude is that of the ground.
+    /// Returns the landing at the destination of a request, whose altitude is that of the ground.
     pub(super) fn landing(&self, request: &Request) -> Landing {
         let straight = Landing { course_deg: None, way: None };
         if self.are_none() {
             return straight;
         }
-        // The vehicle descends while it circles next to the field.
+        // The vehicle descends while it circles near the airfield.
         let approach_altitude_m = request.to_altitude_m + self.final_approach_height_m;
         let request = Request { to_altitude_m: approach_altitude_m, ..*request };
         let is_fixed_wing = self.turn_radius_m > 0.0;
@@ -74,12 +74,12 @@ impl Limits {
     /// Returns the way onto the final approach with this course.
     ///
     /// # Errors
-    /// What shuts the approach, or every way to it.
+    /// The reason for which the approach, or every path to it, is closed.
     fn approach(&self, request: &Request, course_deg: f64, margins: f64) -> Result<Way, String> {
         let out_deg = geodesy::wrap_360(course_deg + 180.0);
         let lead_m = self.lead_in_s * (self.true_airspeed_mps + self.wind_mps_max());
         let begin = geodesy::destination(request.to, out_deg, self.final_approach_m + lead_m);
-        // Who cannot descend before circles at the beginning of the approach.
+        // The vehicle cannot descend before it circles at the beginning of the approach.
         let above = Request { to: request.from, ..*request };
         let can_descend = self.shut_by(&above, (CIRCLE_ROOM * self.circle_radius_m(), margins)).is_none();
         let room_m = if can_descend { APPROACH_ROOM_M } else { CIRCLE_ROOM * self.circle_radius_m() };
@@ -99,7 +99,7 @@ impl Limits {
     }
 }
 
-/// Room for a circle around its middle, as a multiple of its radius: joining it swings out.
+/// Space for a circle around its centre, as a multiple of its radius, because joining it swings out.
 const AROUND_ROOM: f64 = 1.4;
 /// Share of the margins that circles keep.
 const CIRCLE_MARGINS: f64 = 0.2;
@@ -109,14 +109,14 @@ const ASIDES: usize = 60;
 const ASIDE_DIRECTIONS: usize = 24;
 
 impl Limits {
-    /// Returns the place nearest to that of a request around which a circle fits for all of the stay; else its own place, and what shuts
-    /// it. A vehicle that is inside of the circle when it begins needs more space: it turns onto it from within.
+    /// Returns the place nearest to the destination around which a circle is open for the whole stay; otherwise the destination itself
+    /// and the reason. A vehicle inside the circle at the beginning needs more space, because it joins the circle from within.
     pub(super) fn circle_centre(&self, request: &Request) -> (Position, Option<String>) {
         if self.are_none() {
             return (request.to, None);
         }
         let radius_m = self.circle_radius_m();
-        // Who circles where it is climbs or descends on the circle; elsewhere it arrives at the altitude.
+        // A vehicle that circles at its present place climbs or descends on the circle; elsewhere it arrives at the altitude.
         let is_here = geodesy::distance_m(request.from, request.to) < radius_m;
         let from_altitude_m = if is_here { request.from_altitude_m } else { request.to_altitude_m };
         let shut_by = |centre: Position| {
@@ -139,7 +139,7 @@ impl Limits {
     }
 }
 
-/// Returns the point of a line at a distance along it from its beginning, before it where negative, and the course there.
+/// Returns the point on a line at a distance from its beginning (negative: before it), and the course there.
 pub(super) fn on_line(from: Position, to: Position, along_m: f64) -> (Position, f64) {
     let azimuth_deg = geodesy::azimuth_deg(from, to);
     let there = if along_m >= 0.0 {

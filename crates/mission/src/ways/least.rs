@@ -1,8 +1,8 @@
 //! Least violation of requirements, if no path keeps all of them.
 //!
-//! The order is third parties on the ground, loss of the aircraft, airspace, mission. So the reach of landing places is abandoned
-//! last. Of airspace, that is broken which takes the least time: an end that lies where it is forbidden to be is left, or
-//! reached, by the shortest leg; zones that enclose everything are passed through one by one.
+//! The order of protection is third parties on the ground, loss of the aircraft, airspace, mission; so the reach of landing places is
+//! given precedence over airspace. Of airspace, the violation with the least time is chosen: a forbidden start or destination is left or
+//! reached by the shortest leg; zones that enclose everything are crossed one by one.
 
 use super::limits::{GROUND, Limits, TURN_WIDTH};
 use super::route::{MARGIN_SHARES, Strictness};
@@ -12,22 +12,22 @@ use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Network, TravelError};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
-/// A way around weak links takes at most this many times as long as the straight one, and this many seconds more.
+/// Greatest detour around weak links: as a multiple of the straight path's time, and in additional seconds.
 const WEAK_DETOUR: f64 = 3.0;
 const WEAK_DETOUR_S: f64 = 120.0;
-/// Distances at which a permitted place is searched: the first, the factor from one to the next, the last.
+/// Distances at which a permitted place is searched: the first, the factor between successive ones, the last.
 const LOOK_M_FIRST: f64 = 200.0;
 const LOOK_GROWTH: f64 = 1.08;
 const LOOK_M_MAX: f64 = 2_000_000.0;
 const LOOK_DIRECTIONS: usize = 48;
-/// Distance by which wind and turns may carry the vehicle off its path at its ends, where it keeps no margin.
+/// Distance in metres by which wind and turns may move the vehicle off its path at its ends, where no margin is kept.
 const EDGE_M: f64 = 500.0;
 /// Share of the margins that a way keeps which breaks a requirement already.
 const MARGINS_LEFT: f64 = 0.2;
 
 impl Limits {
-    /// Returns the way of a request, around weak links where such a way is not much longer: with every requirement where that can be, else
-    /// with the least broken. `None` if it is straight.
+    /// Returns the path of a request, around weak links if that is not much longer: with every requirement if possible, otherwise with
+    /// the least violation. `None` if it is straight.
     pub(super) fn best_way(&self, request: &Request) -> Option<Way> {
         match self.way_around_weak_links(request, true) {
             Some(way) => way,
@@ -46,7 +46,7 @@ impl Limits {
         Some(around.unwrap_or_else(|| self.required_way(request)))
     }
 
-    /// Returns a way that keeps every requirement and avoids weak links; within: `None` if it is straight and may be.
+    /// Returns a path that keeps every requirement and avoids weak links; the inner `None` if it is straight and that is permitted.
     fn way_around_weak_links(&self, request: &Request, may_be_straight: bool) -> Option<Option<Way>> {
         let limits = self.around_weak([request.from, request.to])?;
         if may_be_straight && limits.is_straight_open(request) {
@@ -59,7 +59,7 @@ impl Limits {
         ways.next().filter(of_use).map(Some)
     }
 
-    /// Returns a way with turns, whatever the links.
+    /// Returns a path with turns, ignoring links.
     fn required_way(&self, request: &Request) -> Way {
         let mut first = None;
         for margins in MARGIN_SHARES {
@@ -80,7 +80,7 @@ impl Limits {
         way.unwrap_or_else(|| self.straight_anyway(request, why))
     }
 
-    /// Returns the way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
+    /// Returns the path with its violations: the requirement that the search ignored, and every zone that the path crosses. Where the
     /// vehicle chooses its turns itself, every zone near them counts.
     fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
         let clearance_m = TURN_WIDTH * self.turn_radius_m_over_ground();
@@ -136,7 +136,8 @@ impl Limits {
         Some(self.breaking(request, Way { via, ..found }, (&name, &why), false))
     }
 
-    /// Returns the nearest place to `position` at which it is allowed to be, and why it is not there; within: `None` if it is.
+    /// Returns the nearest permitted place to `position`, and the reason for which `position` is not permitted; the inner `None` if it
+    /// is.
     fn nearest_permitted(
         &self,
         network: &mut Network,
@@ -154,7 +155,7 @@ impl Limits {
                 let azimuth_deg = 360.0 * index as f64 / LOOK_DIRECTIONS as f64;
                 let there = geodesy::destination(position, azimuth_deg, distance_m);
                 if trouble_at(there).is_none() {
-                    // A little farther, so that the way from there has clearance.
+                    // A little farther, so that the path from there has clearance.
                     let on_m = distance_m + 100.0;
                     let on = geodesy::destination(position, azimuth_deg, on_m);
                     let there = if trouble_at(on).is_none() { on } else { there };
@@ -166,8 +167,7 @@ impl Limits {
         None
     }
 
-    /// Returns the path through the zone that takes the least time, or through all of them; as a last resort beyond the reach of landing
-    /// places.
+    /// Returns the fastest path through the zone, or through all of them; as a last resort beyond the reach of landing places.
     fn through_zones(&self, request: &Request, why: &str) -> Option<Way> {
         let mut names: Vec<String> = Vec::new();
         for zone in &self.zones {
@@ -192,7 +192,7 @@ impl Limits {
             without(of.to_vec(), false).map(|way| self.breaking(request, way, (&of.join("; "), why), false))
         };
         through_one(true)
-            // Only the turns have no clearance: the vehicle turns where it can.
+            // Only the turns lack clearance: the vehicle turns where it can.
             .or_else(|| through_all(&[]))
             .or_else(|| through_one(false))
             .or_else(|| through_all(&restricted))

@@ -18,7 +18,7 @@ pub(super) struct Patch {
     pub(super) elevation_m: f64,
 }
 
-/// The requirements of a mission that concern where the vehicle may be, and how it flies.
+/// The requirements of a mission on the position of the vehicle, and the vehicle's flight performance.
 #[derive(Clone, Debug)]
 pub struct Limits {
     pub(super) zones: Vec<AirspaceZone>,
@@ -28,7 +28,7 @@ pub struct Limits {
     pub(super) landing_distance_m_max: Option<f64>,
     pub(super) wind: WindField,
     pub(super) patches: Vec<Patch>,
-    /// The ground between them, where the mission knows it.
+    /// The terrain between these patches, if the mission has one.
     pub(super) terrain: Option<Arc<Terrain>>,
     /// Distance kept from zones.
     pub(super) margin_m: f64,
@@ -64,7 +64,7 @@ pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
 
 /// Name of the requirement to stay above the ground, in reports of its violation.
 pub(super) const GROUND: &str = "ground";
-/// Width of a turn, across, and its overshoot, as multiples of the radius over ground.
+/// Width of a turn, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that paths keep: fixed wing, rotorcraft. The first is 1,000 feet, the minimum height over open country
 /// (ICAO Annex 2, 4.6); the second is the usual distance of small aircraft from obstacles.
@@ -78,7 +78,7 @@ const FIELD_M: f64 = 200.0;
 const APPROACH_STEP_M: f64 = 1_500.0;
 const APPROACH_WIDTH_M: f64 = 500.0;
 
-/// Returns the height over ground that ways keep: that of the requirement where the ground is known.
+/// Returns the height over ground that paths keep: that of the requirement if the ground is known.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
     let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
     let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());

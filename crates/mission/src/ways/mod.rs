@@ -1,9 +1,8 @@
-//! Ways in flight: how to get from where the vehicle is to a place, a circle, a line or a field, by what the mission permits.
+//! Paths in flight: from the vehicle's position to a place, a circle, a line or an airfield, within the mission's requirements.
 //!
-//! A flight command goes straight. Library `vehicle` asks the functions of this module before each command, and again when a
-//! task continues after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
-//! its ends keep out of everything, the answer is nothing. A function depends on its arguments and the mission's data only, so
-//! a replay gets the same answers.
+//! A flight command flies straight. Library `vehicle` calls the functions of this module before each command, and again when a task
+//! continues after an interruption; the result is passed to the command as `:via`. If the straight path and the turns at its ends are
+//! open, the result is nil. A function depends only on its arguments and the mission's data, so a replay gets the same results.
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
 
 mod answers;
@@ -22,7 +21,7 @@ pub(crate) use segment::Segment;
 
 use apex_model::problem::Position;
 
-/// From where to where, as a vehicle in flight asks.
+/// Start and destination of a path, as requested by a vehicle in flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     /// Position of the vehicle.
@@ -41,7 +40,7 @@ pub struct Request {
     pub to_track_rad: Option<f64>,
     /// Room for circles around the place.
     pub circle_radius_m: f64,
-    /// Length of the stay there.
+    /// Duration of the stay there, in seconds.
     pub stay_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Ways around, over and under zones, by the network of travel.
+//! Paths around, over and under zones, through the travel network.
 
 use super::limits::Limits;
 use super::straight::{ABOVE_ZONE_M, LATE_S, LATE_SHARE, RIM_M};
@@ -13,7 +13,7 @@ use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 pub(super) struct Strictness {
     /// Share of the margins.
     pub(super) margins: f64,
-    /// True if turns have their real radius.
+    /// True if turns are computed with their radius.
     pub(super) turns: bool,
     /// True if landing places must be in reach.
     pub(super) reach: bool,
@@ -30,20 +30,20 @@ impl Strictness {
 
 /// Shares of the margins that are tried in sequence.
 pub(super) const MARGIN_SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
-/// Points of a turn are left out while the course changes by less than this.
+/// Points of a turn are left out while the course changes by less than this angle.
 const CHORD_DEG: f64 = 15.0;
 /// Room for a circle that begins in its middle, as a multiple of its radius.
 pub(super) const CIRCLE_ROOM: f64 = 2.2;
 /// Waits shorter than this do not pay for a circle.
 const HOLD_S_MIN: f64 = 5.0;
-/// Zones begin to count this much before they are active and continue after it.
+/// Zones count from this much before their active time until this much after it.
 const EARLY_S: f64 = 120.0;
 
 impl Limits {
     /// Returns the fastest path at any altitude that is of use.
     ///
     /// # Errors
-    /// What prevents a way at the altitude of the place.
+    /// The reason for which no path exists at the altitude of the place.
     pub(super) fn way(&self, request: &Request, strict: &Strictness) -> Result<Way, TravelError> {
         let mut found: Option<Way> = None;
         let mut trouble = None;
@@ -54,7 +54,7 @@ impl Limits {
                 Ok(_) => {}
                 Err(reason) => trouble = trouble.or(Some(reason)),
             }
-            // At the altitude of the place nothing else is asked for: others only where that way is long.
+            // Other altitudes are only examined if the path at the altitude of the place is long.
             if let Some(way) = &found
                 && way.altitude_m == request.to_altitude_m
                 && self.is_nearly_straight(request, way)
@@ -76,7 +76,7 @@ impl Limits {
         way.hold_s <= 0.0 && way.time_s < 1.1 * straight_s + 120.0
     }
 
-    /// Altitudes to fly at: that of the place, the present one, and those just above and below zones between.
+    /// Returns the candidate altitudes: that of the place, the present one, and those just above and below zones in between.
     fn altitudes_m(&self, request: &Request) -> Vec<f64> {
         let lowest_m = self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
         let floor_m = self.elevation_m_at(request.from).max(self.elevation_m_at(request.to)) + self.ground_margin_m;
@@ -90,7 +90,7 @@ impl Limits {
         };
         let mut altitudes_m = vec![request.to_altitude_m];
         if request.to_track_rad.is_some() {
-            // A line is met at its own altitude; where the ground between is higher, the way to it is not flown there.
+            // A line is joined at its own altitude; if the ground in between is higher, the path to it is flown higher.
             altitudes_m.extend((self.terrain.is_some() && lowest_m > request.to_altitude_m).then_some(lowest_m));
             return altitudes_m;
         }
@@ -105,7 +105,8 @@ impl Limits {
         unique_m
     }
 
-    /// Returns the time to circle before leaving so that the altitude is reached on the way: 0 if the vehicle can do so at the end.
+    /// Returns the time to circle before departure so that the altitude is reached on the way; 0 if the vehicle can climb or descend at
+    /// the end.
     fn climb_hold_s(&self, request: &Request, altitude_m: f64, way_s: f64) -> f64 {
         let climb_m = altitude_m - request.from_altitude_m;
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
@@ -118,8 +119,8 @@ impl Limits {
         if must_be_level && late_s > 0.0 && has_room() { late_s } else { 0.0 }
     }
 
-    /// Returns the place to wait: next to the vehicle, with space for a circle between its altitude and that of the path, for which it
-    /// climbs or descends while it waits; none where it is.
+    /// Returns the place to wait near the vehicle, with space for a circle between its altitude and that of the path, on which it climbs
+    /// or descends; `None` if there is no such place.
     ///
     /// # Errors
     /// No place within reach has space for a circle.
@@ -147,7 +148,7 @@ impl Limits {
         if altitude_m < needs_m {
             return Err(TravelError::Shut);
         }
-        // Where the present and the place's altitude differ from that of the way, circles at its end make up for it.
+        // If the present altitude and that of the place differ from that of the path, circles at its end make up the difference.
         let climb_m = request.to_altitude_m - altitude_m;
         let there = Request { from: request.to, from_altitude_m: altitude_m, ..*request };
         if climb_m != 0.0 && self.shut_by(&there, (CIRCLE_ROOM * self.circle_radius_m(), strict.margins)).is_some() {
@@ -156,7 +157,7 @@ impl Limits {
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let way_s = trip.arrive_s - trip.depart_s;
         let hold_s = (trip.depart_s - request.at_s).max(self.climb_hold_s(request, altitude_m, way_s));
-        // Below the ground ahead an aircraft climbs before it leaves.
+        // An aircraft below the ground ahead climbs before it leaves.
         let below_m = if self.terrain.is_some() { needs_m.min(altitude_m) - request.from_altitude_m } else { 0.0 };
         let hold_s = hold_s.max(below_m / self.climb_rate_mps);
         let mut via = thinned(&path);
@@ -200,12 +201,12 @@ impl Limits {
         Network::new(&setting, air).map_err(|_| TravelError::TooFar)
     }
 
-    /// Returns the zones that count: restricted ones with times last longer, permitted ones shorter and are smaller.
+    /// Returns the zones with their tolerances: restricted zones with times last longer, permitted ones shorter and are smaller.
     fn counted(&self, request: &Request, strict: &Strictness) -> Vec<AirspaceZone> {
         let counts = |zone: &&AirspaceZone| !strict.without.contains(&zone.name);
         let mut zones: Vec<AirspaceZone> = self.zones.iter().filter(counts).cloned().collect();
         for zone in &mut zones {
-            // The farther away in time, the less is known of when one is there.
+            // The time of passage is less certain the later it is.
             let spread_s = |time_s: f64| {
                 let ahead_s = (time_s - request.at_s).max(0.0);
                 strict.margins * (EARLY_S + LATE_SHARE * ahead_s).min(LATE_S)
@@ -229,7 +230,7 @@ fn cost_s(way: &Way) -> f64 {
     way.hold_s + way.time_s
 }
 
-/// Returns points of a path that are needed to fly it, without its beginning and its end.
+/// Returns the points that suffice to fly a path, without its first and last.
 fn thinned(path: &[Position]) -> Vec<Position> {
     let mut kept = Vec::new();
     let mut turned_deg = 0.0;
@@ -243,7 +244,7 @@ fn thinned(path: &[Position]) -> Vec<Position> {
         if let Some(before_deg) = before_deg {
             let change_deg = geodesy::wrap_180(azimuth_deg - before_deg).abs();
             turned_deg += change_deg;
-            // A turn begins and ends where a leg is much longer than the one next to it.
+            // A turn begins and ends where a leg is much longer than the neighbouring one.
             let edge = change_deg > 0.1 && (length_m > 3.0 * chord_m || chord_m > 3.0 * length_m);
             if turned_deg >= CHORD_DEG || edge {
                 kept.push(*from);
@@ -256,7 +257,7 @@ fn thinned(path: &[Position]) -> Vec<Position> {
     kept
 }
 
-/// Returns the polygon made smaller by `rim_m` on all sides; as it is where that would not be a polygon.
+/// Returns the polygon shrunk by `rim_m` on all sides; unchanged if the result would not be a polygon.
 fn inset(corners: &[Position], rim_m: f64) -> Vec<Position> {
     let smaller = || {
         let plane = Plane::around(corners);

@@ -33,13 +33,13 @@ pub struct SegmentWay {
     pub is_reversed: bool,
     /// Time until the vehicle is where the line continues.
     pub total_s: f64,
-    /// The way to the end of the segment that comes first.
+    /// The path to the first end of the segment.
     pub way: Way,
 }
 
 impl Limits {
-    /// Returns the fastest way to fly a segment again, in the direction that costs least together with the rest of its line; `None` for a
-    /// vehicle that needs no turns, and where no way is permitted.
+    /// Returns the fastest way to fly a segment again, in the direction with the least cost including the rest of its line; `None` for a
+    /// vehicle that needs no turns, and if no path is permitted.
     pub fn segment_again(&self, request: &Request, segment: &Segment) -> Option<SegmentWay> {
         let Segment { begin, until, line_end, altitude_m } = *segment;
         let segment_m = geodesy::distance_m(begin, until);
@@ -89,8 +89,8 @@ mod tests {
     use crate::Mission;
     use apex_model::problem::{FOREVER_S, WindLayer};
 
-    /// Wind along the track and across it, m/s, and the shortest time for 1 km again, from its end to its end or its beginning: an optimum
-    /// of Dubins paths in the wind, computed apart from this program (speed 95 m/s, bank 18 degrees, 5 s of straight flight before).
+    /// Wind along the track and across it, m/s, and the shortest time to fly 1 km again, from its end to its end or its beginning: an
+    /// optimum of Dubins paths in the wind, computed with another program (speed 95 m/s, bank 18 degrees, 5 s of straight flight before).
     const TABLE: [(f64, f64, f64); 11] = [
         (0.0, 0.0, 218.4),
         (10.0, 0.0, 232.2),
@@ -104,7 +104,7 @@ mod tests {
         (0.0, 30.0, 180.1),
         (15.0, 15.0, 203.5),
     ];
-    /// The same in still air for other lengths, m.
+    /// The shortest times in still air for other lengths, m.
     const LENGTHS: [(f64, f64); 5] =
         [(300.0, 203.6), (600.0, 210.0), (2_000.0, 239.4), (3_000.0, 254.9), (5_000.0, 275.9)];
     const TIMES_MAX: f64 = 1.3;

@@ -5,7 +5,7 @@ use super::limits::{GROUND, Limits, TURN_WIDTH};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
-/// Time that a flight may take longer than planned, and the earlier or later end of a zone's activity that it is prepared for.
+/// Share by which a flight may take longer than planned, and by which a zone's active time may begin earlier or end later.
 pub(super) const LATE_SHARE: f64 = 0.1;
 pub(super) const LATE_S: f64 = 900.0;
 /// Distance from the edge of a permitted area and from the end of the reach of landing places.
@@ -70,7 +70,7 @@ impl Leg {
         let meets = zone.altitude_m_min <= self.high_m
             && self.low_m < zone.altitude_m_max
             && zone.active.overlaps(self.span_s.0, self.span_s.1);
-        // What cannot be drawn on one map is left to the network.
+        // Areas that cannot be drawn on one plane map are left to the network.
         let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
             !plane::inside(a, &corners) && plane::segment_to_edges(a, b, &corners) >= distance_m
         };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A time later than every mission, for windows without end; finite, so that it survives JSON.
+/// A time later than the end of every mission, for windows without end; finite, so that JSON can represent it.
 pub const FOREVER_S: f64 = 1e18;
 
 /// A point on the WGS84 ellipsoid.
@@ -74,7 +74,7 @@ impl Area {
     }
 }
 
-/// Wind in one layer of air over one area during one span of time.
+/// Wind in one layer of air over one area during one interval of time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindLayer {
@@ -97,8 +97,8 @@ pub struct WindLayer {
     pub edr: f64,
 }
 
-/// A wind forecast, or the wind that truly blows. Where layers overlap the later one in the list wins; where none
-/// holds the air is still and smooth. Queries are in `apex_geo::wind`.
+/// A wind forecast, or the true wind. Where layers overlap, the later one in the list counts; without a layer the air is still and
+/// smooth. Queries are in `apex_geo::wind`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindField {

@@ -1,10 +1,10 @@
-//! The single-visit problem: see a subset of targets once each, in the best order and way (paper, section II.B).
+//! The single-visit problem: observe a subset of targets once each, in the best order and way (paper, section II.B).
 
 use super::{AirspaceZone, LandingPlace, LeftOut, Position, TimeWindow, TravelTimes, WindField};
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// Choose targets, order and manoeuvres so that the mission score is highest.
+/// Choose targets, order and manoeuvres for the highest mission score.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SingleVisitProblem {
@@ -20,9 +20,9 @@ pub struct SingleVisitProblem {
     pub start_s: f64,
     /// Required end of the flight; `None` is anywhere.
     pub base: Option<Position>,
-    /// Time after which the vehicle must be down; none leaves it to endurance and fuel.
+    /// Latest time at which the vehicle must have landed; `None` if only endurance and fuel limit it.
     pub end_s: Option<f64>,
-    /// Civil time (seconds since 1970-01-01T00:00Z) of the problem's time zero: the sun needs it.
+    /// Civil time (seconds since 1970-01-01T00:00Z) of the problem's time zero, for the position of the sun.
     pub zero_unix_s: f64,
     /// `(earlier, later)`: if `later` is observed, then after `earlier`.
     pub precedence: Vec<(String, String)>,
@@ -40,13 +40,13 @@ pub struct SingleVisitProblem {
     pub crew: Vec<CrewMember>,
     /// Cost of a failure.
     pub failure: FailureTerm,
-    /// Travel times given as numbers: from the start, between targets (from the end of an observation to where the next
-    /// begins), to the base. Airspace, wind and altitudes then play no part, and positions are for display. None: the
-    /// vehicle flies, and times follow from speed, wind and airspace.
+    /// Given travel times: from the start, between targets (from the end of an observation to the beginning of the next), to the base.
+    /// Airspace, wind and altitudes are then ignored, and positions are for display. `None`: the vehicle flies, and times follow from
+    /// speed, wind and airspace.
     pub travel: Option<TravelTimes>,
 }
 
-/// Something to be observed once.
+/// A target to be observed once.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SingleVisitTarget {
@@ -58,13 +58,13 @@ pub struct SingleVisitTarget {
     pub value: f64,
     /// Ways to observe it, best guess first; at least one.
     pub manoeuvres: Vec<Manoeuvre>,
-    /// The observation must begin in one of these, both ends included; empty is any time. Other windows of time are
-    /// half-open ([`TimeWindow`]).
+    /// Windows, both ends included, in one of which the observation must begin; empty for any time. Other windows of time are half-open
+    /// ([`TimeWindow`]).
     pub windows: Vec<TimeWindow>,
-    /// Light wanted from beginning to end of the observation.
+    /// Required light from the beginning to the end of the observation.
     pub light: Light,
-    /// `(time_s, factor 0..1)` by rising time: the timing factor `o(t)` of an observation that begins at `time_s`;
-    /// straight between points, constant outside. Empty is 1.
+    /// `(time_s, factor 0..1)` by rising time: the timing factor `o(t)` of an observation that begins at `time_s`; linear between points,
+    /// constant outside. Empty means 1.
     pub timing: Vec<(f64, f64)>,
 }
 
@@ -95,7 +95,7 @@ pub enum Light {
     Night,
 }
 
-/// One way to observe a target: lines flown at an altitude, with what they are predicted to give.
+/// One way to observe a target: lines flown at an altitude, with their predicted results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manoeuvre {
@@ -106,8 +106,8 @@ pub struct Manoeuvre {
     /// Straight lines `(from, to)` in order; the last `to` is the exit, and the first `from` the entry unless `entry` says
     /// otherwise. Empty means overhead at the target's position.
     pub lines: Vec<(Position, Position)>,
-    /// Begin of the manoeuvre: on the extension of the first line, as far before it as the wings need to come level.
-    /// `None`: the begin of the first line.
+    /// Beginning of the manoeuvre: on the extension of the first line, at the distance that levelling the wings needs. `None`: the
+    /// beginning of the first line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub entry: Option<Position>,
     /// Time from entry to exit, turns included.
@@ -131,12 +131,12 @@ pub struct PictureWork {
     pub at: Option<String>,
     /// Pictures in all.
     pub count: u32,
-    /// Distance over ground between pictures; none: they are taken from a standstill.
+    /// Distance over ground between pictures; `None` if they are taken from a hover.
     pub every_m: Option<f64>,
     /// True airspeed along the lines, m/s; with a `form` that of the manoeuvre, of a rotorcraft its ground speed.
     pub true_airspeed_mps: f64,
-    /// The manoeuvre whose path is flown, as PDL writes it, for example `(orbit :radius 60m :height 40m)`; none: the lines. The lines
-    /// follow its path for the checks of airspace.
+    /// The manoeuvre whose path is flown, in PDL, for example `(orbit :radius 60m :height 40m)`; `None` for the lines. The lines follow
+    /// its path for the checks of airspace.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub form: Option<Value>,
 }
@@ -145,7 +145,7 @@ pub struct PictureWork {
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QualityFactors {
-    /// Share of what should be seen that is seen.
+    /// Share of the wanted ground that is seen.
     pub coverage: QualityFactor,
     /// Wanted against obtained resolution.
     pub resolution: QualityFactor,
@@ -198,8 +198,8 @@ pub struct SingleVisitVehicle {
     pub endurance_s: f64,
     /// Flight time that must be left at the end.
     pub endurance_reserve_s: f64,
-    /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor
-    /// space. Otherwise targets are left and reached in the directions of their lines.
+    /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor space. With a radius,
+    /// targets are left and reached in the directions of their lines.
     #[serde(default)]
     pub turn_radius_m: f64,
 }
@@ -212,7 +212,7 @@ pub struct CrewMember {
     pub role: String,
     /// Pay per hour, in units of target value.
     pub wage_per_hour: f64,
-    /// Hours worked whatever the flight takes (briefing, standby).
+    /// Hours worked independently of the flight (briefing, standby).
     pub fixed_hours: f64,
     /// Share of the flight time that they work.
     pub flight_share: f64,
@@ -235,7 +235,7 @@ pub struct FailureTerm {
 }
 
 impl FailureTerm {
-    /// Returns the same failure where one point represents `money_per_point`, and the costs here are money.
+    /// Returns the failure costs in points, if they are given in money and one point represents `money_per_point`.
     pub fn in_points(self, money_per_point: f64) -> FailureTerm {
         FailureTerm {
             vehicle_cost: self.vehicle_cost / money_per_point,
@@ -245,7 +245,7 @@ impl FailureTerm {
     }
 }
 
-/// One observation, with the way to it.
+/// One observation, with the path to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedVisit {
     /// The target's name.
@@ -254,8 +254,8 @@ pub struct PlannedVisit {
     pub manoeuvre: usize,
     /// Way points from the exit before to this entry, both included; detours around airspace are in between.
     pub route: Vec<Position>,
-    /// Flown path from end to end of the route, turns included: its points are within a thousandth of the vehicle's
-    /// turn radius of the flight. Empty if turns are not limited: then the route itself is flown.
+    /// Flown path between both ends of the route, turns included: its points deviate from the flight by at most a thousandth of the
+    /// vehicle's turn radius. Empty if turns are not limited: the route itself is then flown.
     #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
     /// Departure from the exit before (or from the start); later than the end of the visit before if the vehicle holds
@@ -271,7 +271,7 @@ pub struct PlannedVisit {
     pub timing: f64,
     /// Value times all factors.
     pub worth: f64,
-    /// Predicted coverage, resolution and clarity, as the manoeuvre has them; none where the planner did not repeat them.
+    /// Predicted coverage, resolution and clarity of the manoeuvre; `None` if the planner did not copy them.
     #[serde(default)]
     pub quality: Option<QualityFactors>,
 }
@@ -309,8 +309,8 @@ pub struct SingleVisitPlan {
 }
 
 impl SingleVisitPlan {
-    /// Returns how much more benefit the best plan may have, as a share of the bound: 0 is proven optimal. `None` if no
-    /// bound is known.
+    /// Returns how much more benefit the best plan may have, as a share of the bound: 0 means proven optimal. `None` if no bound is
+    /// known.
     pub fn gap(&self) -> Option<f64> {
         let bound = self.benefits_bound?;
         Some(if bound > 0.0 { ((bound - self.benefits) / bound).max(0.0) } else { 0.0 })

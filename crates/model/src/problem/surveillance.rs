@@ -1,4 +1,4 @@
-//! The surveillance problem: watch targets so that the expected cost of ignorance is least (paper, sections II and V.C).
+//! The surveillance problem: observe targets repeatedly for the least expected cost of ignorance (paper, sections II and V.C).
 
 use super::{LeftOut, Position, TravelTimes};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ pub enum CostFunction {
     },
     /// Nothing before the deadline, `maximum` from then on.
     Step {
-        /// Age at which it is too late.
+        /// Age from which on it is too late.
         deadline_s: f64,
         /// Cost of being late.
         maximum: f64,
@@ -124,7 +124,7 @@ pub struct SurveillancePlan {
     pub cycle: Vec<String>,
     /// Every visit that ends by the horizon.
     pub visits: Vec<SurveillanceVisit>,
-    /// Return to the base, if the problem asks for it.
+    /// Return to the base, if the problem requires it.
     pub return_s: Option<f64>,
     /// Expected cost of ignorance over the horizon.
     pub expected_cost: f64,
@@ -137,8 +137,8 @@ pub struct SurveillancePlan {
 }
 
 impl SurveillancePlan {
-    /// Returns how much more the plan may cost than the best one, as a share of its cost: 0 is proven optimal. `None`
-    /// if no bound is known.
+    /// Returns how much more the plan may cost than the best one, as a share of its cost: 0 means proven optimal. `None` if no bound is
+    /// known.
     pub fn gap(&self) -> Option<f64> {
         let bound = self.expected_cost_bound?;
         Some(if self.expected_cost > 0.0 { ((self.expected_cost - bound) / self.expected_cost).max(0.0) } else { 0.0 })

@@ -1,26 +1,26 @@
-//! Travel times given as numbers, for one departure or for several: then straight lines lead from one to the next.
+//! Given travel times, for one departure or for several, with linear interpolation between them.
 //!
 //! Bound: O(1) for times that do not depend on the departure, O(log departures) else.
 
 use serde::{Deserialize, Serialize};
 
-/// A travel time that means there is no way; finite, so that it survives JSON. Every time at or above counts.
+/// A travel time that means that no path exists; finite, so that JSON can represent it. Every greater time means the same.
 pub const UNREACHABLE_S: f64 = 1e15;
 
-/// Travel times in seconds, in general not symmetric (wind). [`UNREACHABLE_S`] is no way. Indices are those of the problem's
+/// Travel times in seconds, in general asymmetric (wind). [`UNREACHABLE_S`] means that no path exists. Indices are those of the problem's
 /// targets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TravelTimes {
     /// From the start to each target.
     pub from_start_s: Vec<f64>,
-    /// `between_s[from][to]`; the diagonal is what it takes to observe the same target again at once.
+    /// `between_s[from][to]`; the diagonal is the time to observe the same target again at once.
     pub between_s: Vec<Vec<f64>>,
-    /// From each target to the base; may be empty where the problem does not ask for a return.
+    /// From each target to the base; may be empty if the problem requires no return.
     pub to_base_s: Vec<f64>,
-    /// Times for later departures, by rising departure; empty if times do not depend on the departure. The times above
-    /// are then for a departure at 0 or before. Between two departures times change linearly, after the last one they
-    /// stay. A vehicle that departs later does not arrive earlier.
+    /// Times for later departures, by rising departure; empty if times do not depend on the departure. The times above are then for a
+    /// departure at 0 or before. Between two departures times change linearly, after the last one they stay constant. A vehicle that
+    /// departs later does not arrive earlier.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub later: Vec<LaterTimes>,
 }
@@ -66,7 +66,7 @@ impl LaterTimes {
 }
 
 impl TravelTimes {
-    /// Takes all ways to a target and from it away, at every departure.
+    /// Removes all paths to and from a target, at every departure.
     pub fn shut(&mut self, target: usize) {
         fn shut(from_start_s: &mut [f64], between_s: &mut [Vec<f64>], target: usize) {
             from_start_s.get_mut(target).into_iter().for_each(|time_s| *time_s = UNREACHABLE_S);
@@ -129,7 +129,7 @@ impl TravelTimes {
         self.least_of(LegEnds::Home(from))
     }
 
-    /// Returns constant times that are a lower bound for every departure: between two departures times lie between those of the two.
+    /// Returns constant times that are a lower bound for every departure: between two departures, times lie between those of both.
     pub fn least(&self) -> TravelTimes {
         self.merged(|leg| self.least_of(leg))
     }

@@ -1,10 +1,10 @@
 //! Assignment of the passes of a cell to wanted looks, where several looks are wanted.
 //!
-//! A pass serves one wanted look, or more where the mission lets it. The assignment with the greatest sum of values is found
-//! by a dynamic programme over the passes in order of time; its state is the set of served looks and the last pass that
-//! counts, from which the interval to the next one is measured. So a pass more never lowers the sum. The interval between
-//! two looks is judged by the need of the later one, or, where that has none, by the need of the earlier one.
-//! With a wanted share of coverage below 1 the assignment is made before the best cells are chosen.
+//! A pass serves one wanted look, or more if the mission permits it. Dynamic programming over the passes in order of time finds the
+//! assignment with the greatest sum of values; its state is the set of served looks and the last pass that counts, from which the
+//! interval to the next one is measured. So an additional pass never lowers the sum. The interval between two looks is evaluated by the
+//! need of the later one or, if that has none, by the need of the earlier one. With a wanted share of coverage below 1, the assignment is
+//! made before the best cells are chosen.
 //! Bound: at most [`PASSES_MAX`] passes, the best ones, and [`WANTED_LOOKS_MAX`] looks.
 
 use super::by_cell::ByCell;
@@ -13,19 +13,19 @@ use super::worth::StripWorth;
 use crate::sensor::scanner::ramp_down;
 use crate::target::{IntervalNeed, WANTED_LOOKS_MAX};
 
-/// Passes that are assigned to one cell; worse ones are left out.
+/// Maximum number of passes that are assigned to one cell; worse ones are left out.
 pub(super) const PASSES_MAX: usize = 10;
 
 /// The entries of a cell that serve each wanted look.
 pub(super) enum Chosen {
-    /// One look is wanted: every entry may serve it.
+    /// There is a single wanted look, which every entry may serve.
     All,
     /// For each wanted look the passes that serve it, with the factor of their interval.
     Passes(Vec<Vec<(u32, f64)>>),
 }
 
 impl Chosen {
-    /// Returns the entries of a cell for wanted look `k`, with the factor of their interval.
+    /// Returns the entries of a cell for wanted look `k`, each with the factor of its interval.
     pub(super) fn of<'a>(
         &'a self,
         k: usize,
@@ -41,7 +41,7 @@ impl Chosen {
     }
 }
 
-/// A pass that sees the cell, with its expected worth to each wanted look.
+/// A pass that sees the cell, with its expected value for each wanted look.
 struct PassWorth {
     pass: u32,
     time_s: f64,
@@ -52,7 +52,7 @@ struct PassWorth {
 #[derive(Clone, Copy)]
 struct PartialAssignment {
     served: usize,
-    /// The last pass that counts and the set of wanted looks that it serves.
+    /// The last pass that counts, with the set of wanted looks that it serves.
     last: Option<(usize, usize)>,
     sum: f64,
     /// Pass of each wanted look, and the factor of its interval.
@@ -74,7 +74,7 @@ pub(super) fn assign(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>
     for (served, assigned) in chosen.iter_mut().zip(best.chosen) {
         served.extend(assigned);
     }
-    // A spare pass backs up the wanted look it is worth most to; a pass worth nothing shows what an unserved look lacks.
+    // A spare pass backs up the wanted look for which it has the most value; a pass without value shows what an unserved look lacks.
     for pass in passes.iter().filter(|pass| !is_used(pass.pass)) {
         let gain = |k: &usize| {
             let worth = pass.worths.get(*k).copied().unwrap_or(0.0);
@@ -136,7 +136,7 @@ fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> PartialAs
     states.into_iter().fold(start, |best, state| if state.sum > best.sum { state } else { best })
 }
 
-/// Returns the state in which this pass serves the wanted looks in `set` as well; `None` if that is not allowed or is worth nothing.
+/// Returns the state in which this pass also serves the wanted looks in `set`; `None` if that is not permitted or has no value.
 fn extended(
     state: &PartialAssignment,
     set: usize,

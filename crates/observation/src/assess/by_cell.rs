@@ -1,4 +1,4 @@
-//! The looks of each cell, gathered from the passes.
+//! The looks of each cell, collected from the passes.
 
 use crate::looks::{CellLook, TargetPass};
 

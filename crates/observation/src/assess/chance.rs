@@ -1,9 +1,9 @@
 //! The best look of a cell, and the expected best of predicted looks.
 //!
-//! Looks are sorted by worth; look l counts with the probability that it is valid and no better one is:
-//! `E[best] = sum_l q_l P(l valid, all better ones not)`. Turbulence is independent between looks. Cloud is one draw per
-//! hour: of looks in the same hour the one with the smaller probability of a clear line is clear only if the other is.
-//! A flown look is certain, so that only the best of them counts.
+//! Looks are sorted by value; look l counts with the probability that it is valid and no better one is: `E[best] = sum_l q_l P(l valid,
+//! all better ones not)`. Turbulence is independent between looks. Cloud has one random state per hour: of two looks in the same hour,
+//! the one with the smaller probability of a clear line is clear only if the other is. A flown look is certain, so only the best of them
+//! counts.
 
 use super::by_cell::ByCell;
 use super::worth::{CAUSES, LookWorth, StripWorth, add};
@@ -19,11 +19,11 @@ pub(super) struct CellWorth {
     pub(super) sr: f64,
     /// Mean worth.
     pub(super) sro: f64,
-    /// The look that counts most.
+    /// The look with the greatest probability to count.
     pub(super) best: Option<(u32, u32)>,
 }
 
-/// One look that may count.
+/// A look that may count.
 #[derive(Clone, Copy, Debug)]
 struct LookCandidate {
     entry: (u32, u32),
@@ -40,7 +40,7 @@ pub(super) struct Scratch {
     candidates: Vec<LookCandidate>,
 }
 
-/// Returns the sums of one cell over the looks in `entries`, each with the factor of its interval.
+/// Returns the sums of one cell over the looks in `entries`, each multiplied by the factor of its interval.
 pub(super) fn outcome(
     by_cell: &ByCell<'_>,
     worth: &StripWorth<'_>,
@@ -75,7 +75,7 @@ pub(super) fn outcome(
     sum
 }
 
-/// The probability with which each candidate counts; they are sorted, the best first.
+/// Computes the probability with which each candidate counts; candidates are sorted, best first.
 fn share_out(candidates: &mut [LookCandidate]) {
     let is_plain = candidates.iter().all(|candidate| candidate.worth.clear >= 1.0);
     let mut left = 1.0;
@@ -95,7 +95,8 @@ fn share_out(candidates: &mut [LookCandidate]) {
     }
 }
 
-/// Returns the probability that `other` is valid and clear, given that a line of sight of the same hour with probability `clear` is.
+/// Returns the probability that `other` is valid and clear, given that a line of sight of the same hour whose probability is `clear` is
+/// clear.
 fn given_clear(other: &LookCandidate, clear: f64) -> f64 {
     let share = if clear > 0.0 { (other.worth.clear / clear).min(1.0) } else { 1.0 };
     other.worth.valid * share
@@ -122,7 +123,7 @@ fn other_hours_invalid(better: &[LookCandidate], hour: i64) -> f64 {
     product
 }
 
-/// Returns the losses of the cell of the last [`outcome`] by cause; together with its worth they sum to 1.
+/// Adds the losses of the cell of the last [`outcome`] by cause; together with its value they sum to 1.
 pub(super) fn losses(
     by_cell: &ByCell<'_>,
     worth: &StripWorth<'_>,

@@ -1,9 +1,9 @@
 //! Assessment of passes: the factors of each wanted look of a target, chained per cell.
 //!
-//! Per look of a cell: clarity s, resolution r, timing o; the best look of a cell counts for each wanted look. With N the
-//! wanted weight and sums weighted by cell: `c = A(seen)/N`, `s = sum s / A(seen)`, `r = sum s r / sum s`,
-//! `o = sum s r o / sum s r`; so `c s r o = (1/N) sum s r o` exactly, and more ground seen never scores less.
-//! Looks that are only predicted count by the probability that they are the best valid one (`chance`).
+//! For each look of a cell: clarity s, resolution r, timing o; the best look of a cell counts for each wanted look. With N the wanted
+//! weight and sums weighted by cell: `c = A(seen)/N`, `s = sum s / A(seen)`, `r = sum s r / sum s`, `o = sum s r o / sum s r`; so `c s r
+//! o = (1/N) sum s r o` exactly, and seeing more ground never lowers the score. Predicted looks count with the probability that they are
+//! the best valid one (`chance`).
 //! Bound: O(cell looks), times the assignments of a cell's passes where several looks are wanted (`assign`).
 
 mod assign;
@@ -23,8 +23,8 @@ use chance::CellWorth;
 use std::collections::BTreeSet;
 use worth::{CAUSES, StripWorth};
 
-/// Returns the factors, points and losses of every wanted look of a target, from all passes in `looks`, which belong to `grid`
-/// ([`TargetLooks::on_grid`] takes them to another one).
+/// Returns the factors, points and losses of every wanted look of a target, from all passes in `looks`, which must belong to `grid`
+/// ([`TargetLooks::on_grid`] moves them to another grid).
 pub fn assess(
     target: &ObservedTarget,
     grid: &TargetGrid,
@@ -71,7 +71,7 @@ pub fn assess(
     TargetResult { name: target.name.clone(), looks: results.collect() }
 }
 
-/// Returns the cells that count with the share of each: all of them, or the best up to the wanted share.
+/// Returns the cells that count, each with its share: all of them, or the best ones up to the wanted share.
 fn counted(look: &WantedLook, grid: &TargetGrid, cells: &[CellWorth]) -> (f64, Vec<(usize, f64)>) {
     let share = if look.coverage_share.is_nan() { 1.0 } else { look.coverage_share.clamp(0.0, 1.0) };
     if share >= 1.0 {

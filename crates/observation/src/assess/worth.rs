@@ -1,4 +1,4 @@
-//! Worth of one look for one wanted look, as a product of factors.
+//! Value of one look for one wanted look, as a product of factors.
 
 use super::context::{AssessContext, Product};
 use crate::clarity::clear_probability;
@@ -23,19 +23,19 @@ struct StripTiming {
     product: f64,
 }
 
-/// Worth of looks for one wanted look.
+/// Values of looks for one wanted look.
 pub(super) struct StripWorth<'a> {
     /// The wanted look.
     pub(super) look: &'a WantedLook,
     grid: &'a TargetGrid,
     timings: Vec<Vec<StripTiming>>,
-    /// Direction of the sun at each strip, where light is wanted.
+    /// Direction of the sun at each strip, if light is required.
     suns: Vec<Vec<[f64; 3]>>,
-    /// True if a look has worth and the time of its arrival on the ground is not known.
+    /// True if a look has a value but the time of its arrival on the ground is unknown.
     pub(super) is_arrival_missing: bool,
 }
 
-/// The worth of one look of a cell.
+/// The value of one look of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LookWorth {
     /// Probability that the line is valid; 1 as flown.
@@ -51,7 +51,7 @@ pub(super) struct LookWorth {
 }
 
 impl LookWorth {
-    /// Returns the expected worth of this look alone.
+    /// Returns the expected value of this look alone.
     pub(super) fn expected(&self) -> f64 {
         self.valid * self.clear * self.sro
     }
@@ -102,7 +102,7 @@ impl<'a> StripWorth<'a> {
         self.look.resolution.factor(f64::from(look.pixel_along_m), f64::from(look.pixel_across_m))
     }
 
-    /// Returns the worth of a look; `interval` is the factor of the time since the previous look that counts.
+    /// Returns the value of a look; `interval` is the factor of the time since the previous look that counts.
     pub(super) fn of(&self, pass: u32, look: &CellLook, strip: &StripFacts, interval: f64) -> LookWorth {
         let clear = clear_of(look, strip);
         let steady = strip.weights.steady() * f64::from(look.glint);
@@ -156,8 +156,8 @@ impl<'a> StripWorth<'a> {
         }
     }
 
-    /// Adds the loss of a cell that no predicted look sees validly, with probability `missed`, split between roll and cloud
-    /// as for its best look.
+    /// Adds the loss of a cell that no predicted look sees validly, with probability `missed`, divided between roll and cloud as for its
+    /// best look.
     pub(super) fn add_missed(&self, look: &CellLook, strip: &StripFacts, missed: f64, losses: &mut [f64; CAUSES]) {
         let (valid, clear) = (strip.weights.roll, clear_of(look, strip));
         let whole = 1.0 - valid * clear;
@@ -205,7 +205,8 @@ impl StripTiming {
     }
 }
 
-/// Returns the instant at which the image of a strip is on the ground: with the strip, or by the earliest product that holds it.
+/// Returns the instant at which the image of a strip is on the ground: that of the strip, otherwise that of the earliest product that
+/// contains it.
 fn arrival_s(strip: &StripFacts, products: &[Product]) -> Option<f64> {
     let holds = |product: &&Product| product.from_s <= strip.time_s && strip.time_s <= product.until_s;
     let received = products.iter().filter(holds).map(|product| product.on_ground_s);

@@ -1,4 +1,4 @@
-//! The ground of observed targets: cut into cells at first, and again where a target has grown before it is seen.
+//! The ground of observed targets: divided into cells at first, and again if a target has grown before it is seen.
 
 use super::{FlownObservation, ObservationError, TargetObservations};
 use crate::footprint::Ground;
@@ -25,7 +25,7 @@ impl TargetObservations {
 }
 
 impl FlownObservation {
-    /// Gives a target of which nothing has been seen yet another ground; a target that has been seen keeps its own.
+    /// Replaces the ground of a target that has not been seen yet; a target that has been seen keeps its ground.
     ///
     /// # Errors
     /// The area cannot be divided into cells: the target keeps its ground.

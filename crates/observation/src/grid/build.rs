@@ -108,7 +108,7 @@ fn check(positions: &[Position]) -> Result<EqualAreaPlane, String> {
     };
     let plane = EqualAreaPlane::new(centre);
     let reach_m = positions.iter().fold(0.0, |most: f64, position| most.max(plane.project(*position).length()));
-    // A wide target near a pole is a narrow one on the plane, so that the reach is measured there.
+    // Near a pole, a target that is wide in longitude is narrow on the plane, so its extent is measured there.
     if reach_m > 0.5 * EXTENT_M_MAX {
         return Err(format!("it spans {:.0} km; split it into targets of at most 1,000 km", 2e-3 * reach_m));
     }
@@ -195,7 +195,7 @@ fn area(
     Ok(from_dense(target, plane, origin, cell_m, columns, &areas))
 }
 
-/// `min(W_use / 30, max(g_want, sqrt(area / cells)))`, with the finest wanted resolution.
+/// Returns the cell size `min(W_use / 30, max(g_want, sqrt(area / cells)))`, with the finest wanted resolution.
 fn cell_size_m(target: &ObservedTarget, area_m2: f64, settings: GridSettings) -> f64 {
     let finest_m = target.looks.iter().fold(f64::INFINITY, |finest, look| finest.min(look.resolution.wanted_m));
     let finest_m = if finest_m.is_finite() { finest_m } else { 0.0 };
@@ -233,8 +233,8 @@ fn middles_inside(rings: &Rings, origin: Point, cell_m: f64, (rows, columns): (u
     inside
 }
 
-/// Moves the area of a border cell whose middle is outside to its largest neighbour whose middle is inside, so that ground
-/// is judged where it is wanted. A cell without such a neighbour keeps its area.
+/// Moves the area of a border cell whose centre is outside to its largest neighbour whose centre is inside, so that only wanted ground is
+/// evaluated. A cell without such a neighbour keeps its area.
 fn gather_inside(inside: &[bool], columns: usize, areas: &mut [f64]) {
     let is_inside = |index: usize| inside.get(index).copied().unwrap_or(false);
     let outside: Vec<usize> = (0..areas.len()).filter(|index| !is_inside(*index)).collect();
@@ -267,7 +267,7 @@ fn gather_inside(inside: &[bool], columns: usize, areas: &mut [f64]) {
     }
 }
 
-/// Returns the distance of each cell's middle from the nearest edge, where it is less than `half_m` and a cell; infinite elsewhere.
+/// Returns the distance of each cell's centre from the nearest edge, if it is less than `half_m` plus a cell; infinite otherwise.
 fn edge_distances_m(rings: &Rings, origin: Point, cell_m: f64, size: (usize, usize), half_m: f64) -> Vec<f64> {
     let (rows, columns) = size;
     let mut distances_m = vec![f64::INFINITY; rows * columns];

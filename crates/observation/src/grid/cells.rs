@@ -4,9 +4,9 @@ use crate::footprint::Ground;
 use crate::plane::{EqualAreaPlane, Point};
 use apex_geo::geodesy::Position;
 
-/// Coarse crossings of the rows with a narrow strip: most rows have no middle of a cell in it, and need no exact crossings.
+/// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings.
 struct Glance {
-    /// Lower end of each edge, upper y, and change of x for each metre of y; none for anything but four edges at most.
+    /// Lower end of each edge, its upper y, and its change of x per metre of y; `None` for anything but at most four edges.
     edges: [Option<(Point, f64, f64)>; 4],
     cells_per_m: f64,
     /// Bound of the error of a coarse crossing, in cells.
@@ -26,7 +26,7 @@ impl Glance {
         Glance { edges: found, cells_per_m: 1.0 / cell_m, slack: 1e-6 + 1e-9 * most_m / cell_m }
     }
 
-    /// True if no middle of a cell of the row at `y`, whose middles are whole cells east of `west`, can lie inside. Only certain for
+    /// Returns true if no cell centre of the row at `y`, whose centres are whole cells east of `west`, can be inside. Certain only for
     /// exactly two crossings.
     fn misses(&self, y: f64, west: f64) -> bool {
         let (mut count, mut low, mut high) = (0, f64::INFINITY, f64::NEG_INFINITY);
@@ -73,7 +73,7 @@ pub struct TargetGrid {
 }
 
 impl TargetGrid {
-    /// Returns the grid with the elevation of each cell from `ground`. Where it is not known, the target's elevation is used and
+    /// Returns the grid with the elevation of each cell from `ground`. Where that is unknown, the target's elevation is used and
     /// [`TargetGrid::is_terrain_missing`] is true.
     pub fn with_elevations(mut self, ground: &dyn Ground) -> TargetGrid {
         let mut elevations_m = Vec::with_capacity(self.x.len());
@@ -161,7 +161,7 @@ impl TargetGrid {
         self.rows.iter().flat_map(|row| self.plane.row_positions(row.y, self.row_cells(row)))
     }
 
-    /// Returns the cell whose middle is nearest to a point among those of the nearest row; `None` without cells.
+    /// Returns the cell of the nearest row whose centre is nearest to a point; `None` without cells.
     pub fn nearest_cell(&self, point: Point) -> Option<usize> {
         let above = self.rows.partition_point(|row| row.y < point.y);
         let near_rows = self.rows.iter().take(above + 1).skip(above.saturating_sub(1));
@@ -173,7 +173,7 @@ impl TargetGrid {
         Some(row.first + nearest.0)
     }
 
-    /// Calls `hit` for every cell whose middle lies in the polygon (even-odd rule), with its index and its middle.
+    /// Calls `hit` for every cell whose centre is in the polygon (even-odd rule), with its index and its centre.
     pub fn rasterise(&self, polygon: &[Point], mut hit: impl FnMut(usize, Point)) {
         let (mut low_y, mut high_y) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut low_x, mut high_x) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -219,7 +219,7 @@ impl TargetGrid {
         }
     }
 
-    /// Returns the first of the cells of a row whose middle is not west of `x`. Middles are a cell or more apart, and mostly one.
+    /// Returns the first cell of a row whose centre is not west of `x`. Centres are a cell or more apart, mostly exactly one.
     fn first_from(&self, cells: &[f64], x: f64) -> usize {
         let Some(west) = cells.first() else { return 0 };
         let guess = libm::ceil((x - west) / self.cell_m).clamp(0.0, cells.len() as f64) as usize;
@@ -247,7 +247,7 @@ mod tests {
     use crate::grid::GridSettings;
     use crate::target::{ObservedTarget, Polygon, TargetArea, WantedLook};
 
-    /// The definition: cells whose middle has an odd number of crossings to its west.
+    /// Returns the cells by the definition: those whose centre has an odd number of crossings to its west.
     fn by_definition(grid: &TargetGrid, polygon: &[Point]) -> Vec<usize> {
         let middles = grid.centres().enumerate();
         let inside = middles.filter(|(_, (x, y))| {
@@ -259,7 +259,7 @@ mod tests {
         inside.map(|(cell, _)| cell).collect()
     }
 
-    /// Strips of a scanner in all directions, some as thin as a picture line, some with a twist, some with an edge on a row of middles.
+    /// Strips of a scanner in all directions, some as thin as a picture line, some twisted, some with an edge on a row of centres.
     #[test]
     fn strips_hit_the_cells_of_the_definition() {
         let corners = [(40.0, -120.0), (40.1, -120.02), (40.12, -119.9), (40.05, -119.95), (40.01, -119.88)];

@@ -3,8 +3,8 @@
 use crate::plane::Point;
 use apex_geo::plane::doubled_area;
 
-/// Splits a polygon at a line, `ahead` giving the signed distance of a point beyond it, into the parts before and beyond; a corner on the
-/// line belongs to both. Edges along the line may be counted twice in opposite directions, which leaves the areas exact.
+/// Splits a polygon at a line into the parts before and beyond it; `ahead` is the signed distance of a point beyond the line. A corner on
+/// the line belongs to both parts. Edges along the line may be counted twice in opposite directions, which leaves the areas exact.
 fn split(polygon: &[Point], ahead: impl Fn(Point) -> f64, before: &mut Vec<Point>, beyond: &mut Vec<Point>) {
     before.clear();
     beyond.clear();

@@ -1,8 +1,8 @@
-//! Arc over the target with tilt tracking: at the tilt limit of the camera the vehicle slows, turns by 180 degrees and
-//! finishes tail first (the paper's example 3).
+//! Arc over the target with tilt tracking: at the tilt limit of the camera the vehicle slows, turns by 180 degrees and continues tail
+//! first (the paper's example 3).
 //!
-//! Either an arch of constant distance in a vertical plane, or a level pass. `beta` is the elevation angle of the vehicle as
-//! seen from the target; the camera looks down by it, so a mount that ends at -90 degrees reaches its limit overhead.
+//! Either an arch of constant distance in a vertical plane, or a level pass. `beta` is the elevation angle of the vehicle as seen from
+//! the target; the camera is depressed by that angle, so a mount with a limit of -90 degrees reaches it overhead.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::{Scene, along};
@@ -35,7 +35,7 @@ pub struct Arc {
     pub azimuth_deg: f64,
     /// Shape.
     pub shape: ArcShape,
-    /// Elevation angle at which it begins, and at which it ends on the other side.
+    /// Elevation angle at its beginning, and at its end on the other side.
     pub from_elevation_deg: f64,
     /// Speed on the path.
     pub speed_mps: f64,
@@ -58,11 +58,11 @@ pub struct ArcFigures {
     pub tilt_rate_deg_s: f64,
     /// Distance flown while turning.
     pub turn_drift_m: f64,
-    /// The same as an angle seen from the target.
+    /// The drift during the turn as an angle seen from the target.
     pub turn_drift_deg: f64,
-    /// Share of the path on which the target is in view, with the turn.
+    /// Share of the path on which the target is in view, including the turn.
     pub tracked_share: f64,
-    /// The same without the turn, for a tilt limit of -90 degrees.
+    /// Share of the path in view without the turn, for a tilt limit of -90 degrees.
     pub tracked_share_without_turn: f64,
 }
 
@@ -145,7 +145,7 @@ impl Arc {
         libm::sqrt(slow * slow + 2.0 * self.acceleration_mps2 * beyond_m).min(self.speed_mps)
     }
 
-    /// Distances from overhead of the points of the path: the ends of the slow part are among them.
+    /// Returns the distances from overhead of the points of the path, including the ends of the slow part.
     fn distances_m(&self) -> Vec<f64> {
         let (half_m, turning_m) = (self.half_length_m(), 0.5 * self.turn_speed_mps * 180.0 / self.yaw_rate_deg_s);
         let step_m = Self::STEP_DEG * RAD_PER_DEG * self.overhead_m();

@@ -1,4 +1,4 @@
-//! The vehicle as manoeuvres need it: speeds, turns, accelerations, and what it drains at each airspeed.
+//! The vehicle's properties for manoeuvres: speeds, turns, accelerations, and the drain at each airspeed.
 //!
 //! Callers convert vehicle files to these figures. Units are in the names; wind is over ground, airspeeds are true.
 
@@ -51,7 +51,7 @@ pub struct Craft {
 /// Drain of fuel (kg/s) or battery (W) in level flight by true airspeed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrainTable {
-    /// Airspeed in m/s and drain per second, airspeeds rising; at least one.
+    /// Airspeed in m/s and drain per second, in order of airspeed; at least one pair.
     pub points: Vec<(f64, f64)>,
 }
 

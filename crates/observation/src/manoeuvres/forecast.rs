@@ -23,7 +23,7 @@ use apex_geo::plane::Point;
 const VIDEO_S: f64 = 1.0;
 /// Pictures of one forecast.
 const PICTURES_MAX: usize = 5_000;
-/// Chords in directions nearer than this are one line of a scanner, degrees.
+/// Greatest difference of direction, in degrees, between chords that form one line of a scanner.
 const STRAIGHT_DEG: f64 = 0.05;
 
 /// Input of a forecast in addition to manoeuvre, vehicle, sensor and scene.
@@ -33,7 +33,7 @@ pub struct ForecastContext<'a> {
     pub target: &'a ObservedTarget,
     /// Its ground.
     pub grid: &'a TargetGrid,
-    /// The air, what has been seen before, and the rest.
+    /// The air, earlier observations, and the other conditions.
     pub prediction: PredictionContext<'a>,
 }
 
@@ -50,7 +50,7 @@ pub struct Forecast {
     pub length_m: f64,
     /// Energy, kg or J.
     pub energy: f64,
-    /// Turns: fewer are better at equal worth.
+    /// Number of turns: fewer are better at equal value.
     pub turns: usize,
     /// Pictures, 0 for a scanner.
     pub pictures: usize,
@@ -60,7 +60,7 @@ pub struct Forecast {
     pub on_ground_s: Option<f64>,
     /// The poses.
     pub flown: FlownPath,
-    /// The result of the first wanted look; none for a target that wants none.
+    /// The result of the first wanted look; `None` for a target without wanted looks.
     pub look: Option<LookResult>,
 }
 
@@ -117,7 +117,7 @@ fn factors_of(result: &TargetResult) -> Factors {
     result.looks.first().map_or(none, |look| look.factors)
 }
 
-/// Returns lines of a scanner: the observed chords, those of one direction together.
+/// Returns lines of a scanner: consecutive observed chords of one direction form one line.
 fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> Vec<PlannedLine> {
     let mut lines: Vec<PlannedLine> = Vec::new();
     let mut track_deg = f64::NAN;
@@ -196,7 +196,7 @@ fn planned_pictures(
     pictures
 }
 
-/// Returns the pose at a share of the way to the next one.
+/// Returns the pose at a fraction of the way to the next one.
 fn between(from: &PathPose, to: &PathPose, share: f64) -> PathPose {
     PathPose {
         time_s: from.time_s + share * (to.time_s - from.time_s),
@@ -255,7 +255,7 @@ fn weights_of(
         ..ExposureMotion::default()
     };
     let mut weights = camera.planned_weights(&motion, &craft.hold, air.edr);
-    // A bank that the mount does not take out counts as roll.
+    // A bank that the mount does not compensate counts as roll.
     if !camera.is_stabilised {
         weights.roll *= camera.roll.weight(pose.attitude.roll_deg);
     }

@@ -1,4 +1,4 @@
-//! The manoeuvre as one value: its path with the modes in which it is flown, checked and timed.
+//! The manoeuvre as one value: its path with its modes, checked and timed.
 
 use super::arc::Arc;
 use super::craft::Craft;
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 pub enum FlightPath {
     /// One line over the target.
     StraightOver(StraightOver),
-    /// One line aside of it.
+    /// One line offset from the target.
     StandOff(StandOff),
     /// Circles of growing radius.
     Spiral(Spiral),
@@ -39,7 +39,7 @@ pub enum FlightPath {
     Strafe(Strafe),
     /// Circles around the target.
     Orbit(Orbit),
-    /// One place to look from.
+    /// One hover point.
     VantagePoint(VantagePoint),
     /// A growing square around a datum.
     ExpandingSquare(ExpandingSquare),
@@ -64,7 +64,7 @@ pub struct Manoeuvre {
 }
 
 impl FlightPath {
-    /// Names of all paths, as PDL writes them.
+    /// Names of all paths in PDL.
     pub const NAMES: [&'static str; 11] = [
         StraightOver::NAME,
         StandOff::NAME,
@@ -110,7 +110,7 @@ impl Manoeuvre {
     /// Computes the track of the manoeuvre for a vehicle and a sensor in a scene.
     ///
     /// # Errors
-    /// A limit of vehicle, sensor or wind, with the nearest thing that works.
+    /// The violated limit of vehicle, sensor or wind, with the nearest possible value.
     pub fn track(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<Track, Refusal> {
         let name = self.path.name();
         let airspeed_mps = self.speed.turn_airspeed_mps(craft);

@@ -1,5 +1,5 @@
-//! At-target manoeuvres: flight path x attitude mode x speed profile x payload x data handling, as one typed value with what
-//! it is predicted to see and to cost.
+//! At-target manoeuvres: flight path, attitude mode, speed profile, payload and data handling as one typed value, with its predicted
+//! observations and cost.
 //!
 //! Each path has a file with its parameters, its limits by vehicle and sensor, and its geometry. Time, attitude and energy
 //! come from one pass along the track (`timing`), coverage, resolution and clarity from the model that also scores flights

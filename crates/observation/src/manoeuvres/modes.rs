@@ -1,4 +1,4 @@
-//! Modes of flying and recording along a path: attitude, speed, payload and data, each as a value.
+//! Modes of flying and recording along a path, each as a value: attitude, speed, payload and data.
 
 use super::craft::Craft;
 use super::refusal::{Limit, Refusal};
@@ -35,7 +35,7 @@ pub enum SpeedProfile {
     Overlap(f64),
     /// This ground speed, slower where the mount could not follow the target: `min(v, rate h / sin^2 beta)`.
     SlowAtClosest(f64),
-    /// As fast as pictures smear by so many pixels, no faster than cruise.
+    /// The speed at which pictures smear by this many pixels, at most cruise speed.
     Smear(f64),
 }
 
@@ -59,7 +59,7 @@ pub enum PayloadUse {
 pub enum DataHandling {
     /// Stored on board and read after landing.
     Store,
-    /// Sent as it is recorded; needs a link that is as fast.
+    /// Sent while it is recorded; needs a link with that rate.
     Stream {
         /// Rate of the data.
         rate_bit_s: f64,
@@ -120,7 +120,7 @@ impl AttitudeMode {
         }
     }
 
-    /// Refuses a nose that is not in the direction of flight for a vehicle that cannot fly so.
+    /// Rejects a nose direction other than that of flight for a vehicle that cannot fly so.
     pub(crate) fn check(&self, manoeuvre: &str, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
         let is_free = craft.can_hover || matches!(self, AttitudeMode::Coordinated);
         let by_mount = matches!(self, AttitudeMode::Pointing) && instrument.pans();
@@ -137,7 +137,7 @@ impl SpeedProfile {
     /// Returns the ground speed on a track at a height over the target's level and a horizontal distance from the target.
     ///
     /// # Errors
-    /// The wind is too strong for the track, or the speed is outside of what the vehicle flies.
+    /// If the wind is too strong for the track, or the speed is outside of the vehicle's range.
     pub(crate) fn ground_speed_mps(
         &self,
         (manoeuvre, track_deg): (&str, f64),
@@ -169,7 +169,7 @@ impl SpeedProfile {
                 instrument.smear_speed_mps(libm::hypot(height_m, distance_m), *pixels).min(cruise()?)
             }
         };
-        // A fixed wing flies no slower than it can, whatever the profile wants.
+        // A fixed wing cannot fly slower than its least speed, whatever the profile requests.
         let slowest_mps = if craft.can_hover { 0.0 } else { at_airspeed(craft.true_airspeed_mps_min).unwrap_or(0.0) };
         let wanted_mps = wanted_mps.max(slowest_mps);
         check_airspeed(manoeuvre, track_deg, wanted_mps, craft, wind)?;
@@ -185,7 +185,7 @@ impl SpeedProfile {
     }
 }
 
-/// Refuses a ground speed whose airspeed is outside of what the vehicle flies.
+/// Rejects a ground speed whose airspeed is outside of the vehicle's range.
 fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft, wind: Wind) -> Result<(), Refusal> {
     let airspeed_mps = airspeed_of(track_deg, speed_mps, wind);
     let limit = Limit { manoeuvre, figure: "a true airspeed", unit: "m/s" };
@@ -202,7 +202,7 @@ pub(crate) fn airspeed_of(track_deg: f64, speed_mps: f64, wind: Wind) -> f64 {
 }
 
 impl PayloadUse {
-    /// Refuses a payload that the sensor does not record, and one that the path gives no chance to.
+    /// Rejects a payload that the sensor does not record, and one that cannot be used on the path.
     pub(crate) fn check(
         &self,
         (manoeuvre, curve_radius_m): (&str, Option<f64>),

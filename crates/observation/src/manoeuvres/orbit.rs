@@ -18,9 +18,9 @@ pub struct Orbit {
     pub radius_m: f64,
     /// Height above the target.
     pub height_m: f64,
-    /// Number of circles; a part of one is an arc.
+    /// Number of circles; a fraction is an arc.
     pub turns: f64,
-    /// Azimuth at which it begins, seen from the target.
+    /// Azimuth of the beginning, seen from the target.
     pub from_deg: f64,
     /// True for clockwise.
     pub clockwise: bool,
@@ -88,7 +88,7 @@ impl Orbit {
         self.check(airspeed_mps, craft, scene)?;
         let sweep_deg = 360.0 * self.turns * if self.clockwise { 1.0 } else { -1.0 };
         let circle = arc_points(Point { x: 0.0, y: 0.0 }, self.radius_m, self.from_deg, sweep_deg, chord_m_max(craft));
-        // A vehicle that hovers needs acceleration to turn.
+        // A hovering vehicle needs acceleration to turn.
         let fastest = if craft.can_hover { libm::sqrt(craft.braking_mps2 * self.radius_m) } else { f64::INFINITY };
         let place = |point: Point| TrackPoint { point, height_m: self.height_m, speed_mps_max: fastest };
         let points = circle.into_iter().map(place).collect();

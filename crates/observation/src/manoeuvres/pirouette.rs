@@ -1,4 +1,4 @@
-//! Pirouette: the vehicle stands still and turns on the spot; its camera sees a ring of the ground.
+//! Pirouette: the vehicle hovers and turns on the spot; its camera sees a ring of the ground.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
@@ -17,7 +17,7 @@ pub struct Pirouette {
     pub height_m: f64,
     /// Angle of the camera below the horizon, positive.
     pub depression_deg: f64,
-    /// Share of a picture that the next one repeats.
+    /// Share of a picture that the next one overlaps.
     pub overlap: f64,
     /// Direction of the first picture, clockwise from north.
     pub from_deg: f64,
@@ -29,7 +29,7 @@ impl Pirouette {
     /// Name in PDL.
     pub const NAME: &'static str = "pirouette";
 
-    /// Pictures of a full turn: `ceil(360 / (HFOV (1 - overlap)))`.
+    /// Returns the number of pictures of a full turn: `ceil(360 / (HFOV (1 - overlap)))`.
     pub fn frames(&self, wide_deg: f64) -> usize {
         libm::ceil(360.0 / (wide_deg * (1.0 - self.overlap)) - 1e-9).max(1.0) as usize
     }

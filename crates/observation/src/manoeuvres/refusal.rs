@@ -1,4 +1,4 @@
-//! Refusal of a manoeuvre: the limit, the figure, and the nearest manoeuvre that can be flown.
+//! Rejection of a manoeuvre: the violated limit, its figure, and the nearest possible manoeuvre.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// A manoeuvre that vehicle, sensor or wind do not permit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refusal {
-    /// The manoeuvre, as PDL writes it.
+    /// The manoeuvre in PDL.
     pub manoeuvre: String,
     /// The figure that breaks a limit, by name.
     pub figure: String,
@@ -40,7 +40,7 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Returns a number as operators read it: whole from 100 on, else three digits.
+/// Returns a number in readable form: an integer from 100 on, otherwise three digits.
 pub(crate) fn short(number: f64) -> String {
     if number.abs() >= 100.0 || number == libm::trunc(number) {
         format!("{number:.0}")
@@ -59,7 +59,7 @@ pub(crate) struct Limit<'a> {
 }
 
 impl Limit<'_> {
-    /// Refuses a value above `limit`, and one that is not a number.
+    /// Rejects a value above `limit`, and one that is not a number.
     pub(crate) fn at_most(
         &self,
         value: f64,
@@ -70,7 +70,7 @@ impl Limit<'_> {
         if value <= limit { Ok(()) } else { Err(self.refusal(value, limit, because, nearest())) }
     }
 
-    /// Refuses a value below `limit`, and one that is not a number.
+    /// Rejects a value below `limit`, and one that is not a number.
     pub(crate) fn at_least(
         &self,
         value: f64,

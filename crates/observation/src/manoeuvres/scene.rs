@@ -1,4 +1,4 @@
-//! Scene of a manoeuvre: target, wind, approach, and the sensor that observes.
+//! Conditions of a manoeuvre: target, wind, approach, and the sensor.
 
 use crate::predict::PredictedScanner;
 use crate::sensor::CameraSetting;
@@ -13,9 +13,9 @@ pub struct Scene {
     pub target: Position,
     /// Elevation of the target above mean sea level.
     pub elevation_m: f64,
-    /// Wind at the altitude of the manoeuvre: where the air goes.
+    /// Wind at the altitude of the manoeuvre, as the velocity of the air.
     pub wind: Wind,
-    /// Point from which the vehicle comes.
+    /// Point from which the vehicle arrives.
     pub approach: Point,
     /// Instant of the beginning.
     pub from_s: f64,

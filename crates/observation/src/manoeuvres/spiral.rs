@@ -43,7 +43,7 @@ impl Spiral {
         0.5 * pitch * (part(self.outer_radius_m) - part(self.inner_radius_m))
     }
 
-    /// Returns the length by the rings it replaces: `pi (r1^2 - r0^2) / s`.
+    /// Returns the approximate length, that of concentric rings: `pi (r1^2 - r0^2) / s`.
     pub fn length_m_about(&self) -> f64 {
         let squares = self.outer_radius_m * self.outer_radius_m - self.inner_radius_m * self.inner_radius_m;
         PI * squares / self.spacing_m

@@ -1,5 +1,4 @@
-//! Aside of the target (stand-off): a line parallel to it, at the distance that gives the wanted look angle. For targets that
-//! must not be overflown.
+//! Stand-off: a line parallel to the target at the distance that gives the wanted look angle. For targets that must not be overflown.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
@@ -19,7 +18,7 @@ pub enum Side {
     Right,
 }
 
-/// One line aside of the target.
+/// One line offset from the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StandOff {

@@ -1,4 +1,4 @@
-//! Strafe: sideways along a line or facade, the nose and the camera at right angles to it.
+//! Strafe: the vehicle moves sideways along a line or facade, with the nose and the camera at right angles to it.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::{Scene, along};
@@ -15,7 +15,7 @@ pub struct Strafe {
     pub track_deg: f64,
     /// Length of the facade.
     pub length_m: f64,
-    /// Distance over ground from it; it lies to the right of the motion.
+    /// Distance over ground from the line, which is to the right of the motion.
     pub distance_m: f64,
     /// Height above its foot.
     pub height_m: f64,

@@ -1,4 +1,4 @@
-//! Straight over the target: one level line, with a lead-in on which the wings come level.
+//! Straight over the target: one level line, with a lead-in for levelling the wings.
 
 use super::refusal::{Refusal, positive};
 use super::scene::{Scene, along};
@@ -7,7 +7,7 @@ use super::{Craft, Instrument};
 use apex_geo::plane::Point;
 use serde::{Deserialize, Serialize};
 
-/// One line over the middle of the target.
+/// One line over the centre of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StraightOver {

@@ -1,8 +1,8 @@
 //! Sweep: parallel lines over an area, from the nearest corner, in alternate directions, along the track that is fastest in
 //! the wind.
 //!
-//! A fixed wing turns between lines on the shortest path in the wind; where lines are nearer than two turn radii it may fly
-//! every k-th line instead, if that is faster. Bound: 24 directions of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
+//! A fixed wing turns between lines on the shortest path in the wind; if lines are nearer than two turn radii, it may fly every k-th line
+//! instead, if that is faster. Bound: 24 directions of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
@@ -35,10 +35,10 @@ pub struct Sweep {
 impl Sweep {
     /// Name in PDL.
     pub const NAME: &'static str = "sweep";
-    /// Directions tried in addition to those of the edges.
+    /// Number of candidate directions in addition to those of the edges.
     const DIRECTIONS: u32 = 18;
 
-    /// Returns lines over a width across the track: `ceil((D - S) / S_p) + 1`, one if the swath is as wide.
+    /// Returns the number of lines over a width across the track: `ceil((D - S) / S_p) + 1`; one if the swath is at least as wide.
     pub fn line_count(width_m: f64, swath_m: f64, spacing_m: f64) -> usize {
         if width_m <= swath_m { 1 } else { libm::ceil((width_m - swath_m) / spacing_m - 1e-9) as usize + 1 }
     }
@@ -47,7 +47,7 @@ impl Sweep {
         self.corners.iter().map(|(x, y)| Point { x: *x, y: *y }).collect()
     }
 
-    /// Returns the sidelap with which the lines are spread evenly over the width: at least what is wanted.
+    /// Returns the sidelap of lines spread evenly over the width: at least the wanted one.
     fn spread_sidelap(&self, track_deg: f64) -> f64 {
         let across = super::scene::along(track_deg + 90.0, 1.0);
         let sides = self.points().into_iter().map(|point| point.dot(across));
@@ -81,7 +81,7 @@ impl Sweep {
         Ok(lines.into_iter().map(|(from, to)| (scene.point(from), scene.point(to))).collect())
     }
 
-    /// Directions of edges, at right angles to them, and others.
+    /// Returns the directions of edges, directions at right angles to them, and others.
     fn directions_deg(&self) -> Vec<f64> {
         let points = self.points();
         let edges = points.iter().zip(points.iter().cycle().skip(1)).filter_map(|(from, to)| {
@@ -92,12 +92,12 @@ impl Sweep {
         all.extend((0..Self::DIRECTIONS).map(|index| f64::from(index) * 180.0 / f64::from(Self::DIRECTIONS)));
         all.sort_by(f64::total_cmp);
         all.dedup_by(|next, before| *next - *before < 0.5);
-        // Areas with many corners: those of the longest edges are among the others within 5 degrees.
+        // For areas with many corners: the directions of the longest edges are within 5 degrees of the others.
         all.truncate(60);
         all
     }
 
-    /// Returns the time of the lines and the turns between them; infinite where the wind is too strong.
+    /// Returns the time of the lines and the turns between them; infinite if the wind is too strong.
     fn time_s(&self, lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
         let each = lines.iter().map(|(from, to)| {
             let step = to.minus(*from);
@@ -150,8 +150,7 @@ impl Sweep {
     }
 }
 
-/// Lines are spread wider by this share than the width demands: lengths on the plane of
-/// `sweep_lines` and on the ellipsoid differ by 0.3 %.
+/// Share by which lines are spread wider than the width: lengths on the plane of `sweep_lines` and on the ellipsoid differ by 0.3 %.
 const SPREAD_SHARE: f64 = 6e-3;
 
 /// Returns the time of the turns between successive lines, lead-ins included.
@@ -167,7 +166,7 @@ fn turns_s(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &S
     total_s
 }
 
-/// Returns the time of the fastest turn of a fixed wing from the end of a line to the lead-in of another, and of the lead-in.
+/// Returns the time of a fixed wing's fastest turn from the end of a line to the lead-in of another, plus that of the lead-in.
 pub fn turn_s(
     (from, exit): (Point, Point),
     (next, to): (Point, Point),
@@ -192,7 +191,8 @@ pub fn turn_s(
     }
 }
 
-/// Returns every k-th line first, so that turns are at least two radii wide; `None` if lines are as far apart as they are, or few.
+/// Returns an order that flies every k-th line first, so that turns are at least two radii wide; `None` if the lines are far enough apart
+/// or few.
 fn skip_order(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft) -> Option<Vec<(Point, Point)>> {
     let (first, second) = (lines.first()?, lines.get(1)?);
     let along = first.1.minus(first.0).unit()?;

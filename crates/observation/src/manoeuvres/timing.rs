@@ -1,4 +1,4 @@
-//! Time on a track: speed from the profile, the wind and the accelerations, attitude and energy from the speed.
+//! Time along a track: speed from the profile, the wind and the accelerations; attitude and energy from the speed.
 //!
 //! A vehicle that hovers begins and ends at rest and slows at corners; a fixed wing flies on. Bound: O(points).
 
@@ -11,11 +11,11 @@ use crate::attitude::Attitude;
 use apex_geo::geodesy::{RAD_PER_DEG, wrap_180, wrap_360};
 use apex_geo::plane::Point;
 
-/// A turn of more than this between two legs is a corner for a vehicle that hovers: it slows.
+/// Least turn between two legs that is a corner for a hovering vehicle, at which it slows.
 pub const CORNER_DEG: f64 = 25.0;
 /// Time in which the direction of flight changes at a corner.
 pub const CORNER_S: f64 = 1.0;
-/// Longest piece of a path with one speed and attitude.
+/// Number of pieces with constant speed and attitude into which a path is divided at least.
 const PIECE_SHARE: usize = 20;
 
 /// The vehicle at an instant of a manoeuvre.
@@ -54,7 +54,7 @@ pub struct FlownPath {
     pub energy: f64,
     /// Greatest bank.
     pub bank_deg_max: f64,
-    /// Turns of more than 30 degrees.
+    /// Number of turns of more than 30 degrees.
     pub turns: usize,
 }
 
@@ -133,7 +133,7 @@ pub struct PacedPoint {
     pub is_observed: bool,
 }
 
-/// Returns the followed points of a track with their speeds; empty for one that only hovers.
+/// Returns the followed points of a track with their speeds; empty for a track that only hovers.
 ///
 /// # Errors
 /// Like [`fly`].
@@ -266,7 +266,7 @@ pub fn corner_speed_mps(turn_deg: f64, acceleration_mps2: f64) -> f64 {
     acceleration_mps2 * CORNER_S / (2.0 * libm::sin(0.5 * turn_deg * RAD_PER_DEG)).max(1e-6)
 }
 
-/// Returns the time over a chord from one speed to another, with a greatest speed between.
+/// Returns the time over a chord from one speed to another, with a greatest speed in between.
 fn chord_s(chord: &Chord, (from, to): (f64, f64), craft: &Craft) -> f64 {
     let (a, b, length) = (craft.acceleration_mps2, craft.braking_mps2, chord.length_m);
     let peak = libm::sqrt(((2.0 * a * b * length + b * from * from + a * to * to) / (a + b)).max(0.0));
@@ -362,7 +362,7 @@ fn hover(
         nose = Some(*heading_deg);
         flown.poses.push(pose(time_s, *heading_deg, true));
         time_s += dwell_s;
-        // Nothing is recorded while it turns.
+        // Nothing is recorded during the turn.
         flown.poses.push(pose(time_s, *heading_deg, false));
         flown.observed_s += dwell_s;
     }

@@ -1,7 +1,7 @@
-//! Tracks: where a manoeuvre leads, before time and attitude are known.
+//! Tracks: the path of a manoeuvre, before time and attitude are computed.
 //!
-//! A track is followed over ground: its turns are made for the wind of the scene, so that a guidance that follows it needs
-//! no more bank than planned. Bound: `POINTS_MAX` points.
+//! A track is followed over ground: its turns are computed for the wind of the scene, so that following it needs no more bank than
+//! planned. Bound: `POINTS_MAX` points.
 
 use super::Craft;
 use super::refusal::{Limit, Refusal};
@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(crate) const POINTS_MAX: usize = 20_000;
 /// Angle of a chord of a curve.
 pub(crate) const CHORD_DEG: f64 = 7.5;
-/// Chords of turns leave the turn by this share of its radius at most.
+/// Greatest deviation of chords from a turn, as a share of its radius.
 const CHORD_SHARE: f64 = 2e-3;
 
 /// A point of a track.
@@ -25,7 +25,7 @@ pub struct TrackPoint {
     pub point: Point,
     /// Height above the target.
     pub height_m: f64,
-    /// Speed along the path that is not exceeded at the point; between two points the greater one holds.
+    /// Greatest speed along the path at the point; between two points the greater one applies.
     pub speed_mps_max: f64,
 }
 
@@ -39,7 +39,7 @@ pub enum Element {
         /// True if the sensor records.
         is_observed: bool,
     },
-    /// Standing still, with the nose in one direction after the other.
+    /// Hovering, with the nose in several directions in sequence.
     Hover {
         /// Point of the track.
         at: TrackPoint,
@@ -120,12 +120,12 @@ pub(crate) fn arc_points(centre: Point, radius_m: f64, from_deg: f64, sweep_deg:
     (0..=count).map(at).collect()
 }
 
-/// Returns the longest chord of a curve: a fixed wing flies a chain of chords as a turn where they are short against its turn radius.
+/// Returns the longest chord of a curve: a fixed wing flies a chain of chords as a turn if they are short compared with its turn radius.
 pub(crate) fn chord_m_max(craft: &Craft) -> f64 {
     if craft.can_hover { f64::INFINITY } else { 0.4 * craft.turn_radius_m(craft.true_airspeed_mps) }
 }
 
-/// Returns the lines in order, each with a straight lead-in and the turns between them. A vehicle that hovers needs neither.
+/// Returns the lines in order, each with a straight lead-in, and the turns between them. A hovering vehicle needs neither.
 ///
 /// # Errors
 /// The wind is too strong for a line.
@@ -177,11 +177,11 @@ fn turn_points(
         let because = "a line cannot be flown against it";
         return Err(limit.refusal(scene.wind_mps(), airspeed_mps, because, "wait for less wind".to_string()));
     };
-    // Chords shorter than half the radius, so that they are flown as a turn.
+    // Chords are shorter than half the radius, so that they are flown as a turn.
     Ok(Some(path.points(CHORD_SHARE * flyer.turn_radius_m)))
 }
 
-/// Returns the vehicle as the planner of turns takes it.
+/// Returns the vehicle in the form of the turn planner.
 pub(crate) fn flyer(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Flyer {
     Flyer {
         true_airspeed_mps: airspeed_mps,
@@ -195,11 +195,11 @@ pub(crate) fn fillet_m(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
     if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) }
 }
 
-/// Rounding of corners as a multiple of the tightest turn, where the legs are long enough: guidance lags behind a turn that needs all of
-/// the bank.
+/// Radius of rounded corners as a multiple of the tightest turn, if the legs are long enough: guidance lags behind a turn that needs the
+/// whole bank.
 const WIDE: f64 = 1.4;
 
-/// Returns the radius of roundings where a turn begins `room_m` before a corner at most.
+/// Returns the radius of a rounded corner whose turn begins at most `room_m` before the corner.
 pub(crate) fn wide_fillet_m(least_m: f64, turn_deg: f64, room_m: f64) -> f64 {
     let most_m = room_m / libm::tan(0.5 * turn_deg * RAD_PER_DEG);
     (WIDE * least_m).min(most_m).max(least_m)

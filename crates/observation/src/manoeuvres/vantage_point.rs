@@ -30,7 +30,7 @@ pub struct VantageNeeds {
     pub pixel_rad: f64,
     /// Wanted look angles off the vertical.
     pub look_angle_deg: (f64, f64),
-    /// Azimuth and elevation of the sun; none where light does not matter.
+    /// Azimuth and elevation of the sun; `None` if light does not matter.
     pub sun_deg: Option<(f64, f64)>,
     /// Strongest wind in which the vehicle hovers steadily.
     pub wind_mps_max: f64,
@@ -47,14 +47,14 @@ pub struct VantageScore {
     pub resolution: f64,
     /// Light: the target is seen from the lit side, and not against the sun.
     pub sun: f64,
-    /// Wind: the share of it that the vehicle has to spare.
+    /// Wind: the share of the vehicle's wind limit that remains.
     pub wind: f64,
     /// Link to the ground.
     pub link: f64,
 }
 
 impl VantageScore {
-    /// Returns the product: what places are compared by.
+    /// Returns the product of the factors, by which places are compared.
     pub fn product(&self) -> f64 {
         self.sight * self.angle * self.resolution * self.sun * self.wind * self.link
     }
@@ -74,7 +74,7 @@ impl VantagePoint {
         self.slant_m * libm::sin(self.look_angle_deg * RAD_PER_DEG)
     }
 
-    /// Returns the factors of the place. `sight` and `link` (0 to 1) are what terrain and radio leave.
+    /// Returns the factors of the place. `sight` and `link` (0 to 1) are the shares that terrain and radio leave.
     pub fn score(&self, needs: &VantageNeeds, (sight, link): (f64, f64), wind_mps: f64) -> VantageScore {
         let cosine = libm::cos(self.look_angle_deg * RAD_PER_DEG).max(1e-6);
         let pixel_m = needs.pixel_rad * self.slant_m / cosine;
@@ -84,7 +84,7 @@ impl VantagePoint {
             if elevation_deg <= 0.0 {
                 return 0.0;
             }
-            // From the side of the sun the target is lit; towards the sun it is seen in its shadow.
+            // From the sun's side the target is lit; towards the sun its shadow side is seen.
             0.5 + 0.5 * libm::cos(wrap_180(self.azimuth_deg - azimuth_deg) * RAD_PER_DEG)
         });
         VantageScore {

@@ -1,5 +1,5 @@
-//! Cameras as they are mounted and operated: field of view, mount, exposure, limits of motion and light; what a picture is
-//! worth by the motion of the vehicle, and how fast it may move.
+//! Cameras as mounted and operated: field of view, mount, exposure, limits of motion and light; the weight of a picture for the vehicle's
+//! motion, and the greatest permitted motion.
 
 use super::gimbal::{Gimbal, GimbalAngles};
 use super::scanner::{RateLimits, RollLimits};
@@ -7,12 +7,12 @@ use crate::attitude::{Attitude, Vector};
 use crate::clarity::{AttitudeHold, ClarityWeights, share_within};
 use apex_geo::geodesy::RAD_PER_DEG;
 
-/// A camera that takes pictures one by one, or a video camera of which single pictures count.
+/// A camera for single pictures, or a video camera of which single pictures count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraSetting {
     /// Name in commands and events.
     pub name: String,
-    /// Full field of view along the rows of a picture: across the track where it looks straight down.
+    /// Full field of view along the rows of a picture, which are across the track when it looks straight down.
     pub wide_deg: f64,
     /// Full field of view along the columns.
     pub high_deg: f64,
@@ -24,13 +24,13 @@ pub struct CameraSetting {
     pub interval_s_min: f64,
     /// Limits of the mount; both ends of a range are equal where it does not move.
     pub mount: Gimbal,
-    /// True if the mount keeps tilt to the horizon and pan to the heading; false if it is fixed to the body.
+    /// True if the mount holds tilt relative to the horizon and pan relative to the heading; false if it is fixed to the body.
     pub is_stabilised: bool,
     /// Limits of the vehicle's roll.
     pub roll: RollLimits,
     /// Limits of the smear of a picture.
     pub smear: RateLimits,
-    /// Least elevation of the sun; none: it works by night.
+    /// Least elevation of the sun; `None` if the camera works at night.
     pub sun_deg_min: Option<f64>,
 }
 
@@ -82,7 +82,7 @@ impl CameraSetting {
         self.smear.full_pixels * self.pixel_rad() * slant_m / self.exposure_s
     }
 
-    /// Weights of a flown picture. Cloud is not known here: `clear_share` is 1.
+    /// Returns the weights of a flown picture. Cloud is unknown here: `clear_share` is 1.
     pub fn weights(&self, motion: &ExposureMotion) -> ClarityWeights {
         let smear = self.smear_pixels(motion.ground_speed_mps, motion.rotation_rad_s, motion.slant_m);
         ClarityWeights {
@@ -100,7 +100,7 @@ impl CameraSetting {
         ClarityWeights { roll: share_within(hold.roll_sigma_deg(edr), &self.roll), ..self.weights(&level) }
     }
 
-    /// 1 where the sun is high enough for the exposure, or nothing is known of the sun; else 0.
+    /// Returns 1 if the sun is high enough for the exposure or its elevation is unknown; otherwise 0.
     fn exposed(&self, sun_deg: Option<f64>) -> f64 {
         match (self.sun_deg_min, sun_deg) {
             (Some(least_deg), Some(sun_deg)) if sun_deg < least_deg => 0.0,

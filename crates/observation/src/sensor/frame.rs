@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A camera that takes pictures one by one.
+/// A camera that takes single pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrameCamera {
-    /// Pixels across the track (the long side when mounted so).
+    /// Pixels across the track (the long side, if it is mounted so).
     pub pixels_across: u32,
     /// Pixels along the track.
     pub pixels_along: u32,
@@ -42,8 +42,8 @@ impl FrameCamera {
         height_m * self.pixel_rad()
     }
 
-    /// Returns metres per pixel of an oblique view: along the scan plane, and in the plane of view where the ground is met at
-    /// `incidence_rad`. `slant_m` is the distance to the ground point.
+    /// Returns metres per pixel of an oblique view: along the scan plane, and in the plane of view where the line of sight meets the
+    /// ground at `incidence_rad`. `slant_m` is the distance to the ground point.
     pub fn oblique_sample_m(&self, slant_m: f64, incidence_rad: f64) -> (f64, f64) {
         let sample_m = self.pixel_rad() * slant_m;
         (sample_m, sample_m / libm::cos(incidence_rad))

@@ -1,13 +1,13 @@
 //! Gimbals: pan and tilt of a line of sight, the cone around the nadir, pointing tolerance, sun keep-out.
 //!
-//! Tilt 0 looks ahead, -90 straight down; pan is positive to the right. Straight below the vehicle pan is undetermined:
-//! inside a cone around the axis of pan it is held, and only the error of the sight line counts.
+//! Tilt 0 points ahead, -90 straight down; pan is positive to the right. Straight below the vehicle pan is undetermined: inside a cone
+//! around the pan axis it is held, and only the error of the sight line counts.
 
 use crate::attitude::{Rotation, Vector};
 use apex_geo::geodesy::{RAD_PER_DEG, wrap_180};
 use serde::{Deserialize, Serialize};
 
-/// A two-axis mount, or one that tilts only (`pan_deg` of zero width).
+/// A two-axis mount, or one with tilt only (`pan_deg` of zero width).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gimbal {
@@ -48,18 +48,18 @@ pub struct PointingTolerance {
 pub struct Pointing {
     /// Angles to take, inside the limits.
     pub angles: GimbalAngles,
-    /// Angle that remains between sight line and wanted line because of limits, a missing pan axis or the nadir cone.
+    /// Remaining angle between the sight line and the wanted line, because of limits, a missing pan axis or the nadir cone.
     pub error_deg: f64,
     /// True if the line is inside the cone around the axis of pan, where pan is held.
     pub is_in_nadir_cone: bool,
 }
 
-/// Half the angle of the cone around the axis of pan in which pan is held, unless a slow pan axis needs a wider one.
+/// Half angle of the cone around the pan axis in which pan is held, unless a slow pan axis needs a wider one.
 pub const NADIR_CONE_DEG: f64 = 3.0;
 
 impl PointingTolerance {
-    /// Returns the angle between sight line and target that is accepted: the largest of a twentieth of the field of view, two standard
-    /// deviations of the attitude, and a pixel.
+    /// Returns the accepted angle between sight line and target: the largest of a twentieth of the field of view, two standard deviations
+    /// of the attitude, and a pixel.
     pub fn tolerance_deg(&self) -> f64 {
         (self.field_of_view_deg / 20.0).max(2.0 * self.attitude_sigma_deg).max(self.pixel_mrad * 1e-3 / RAD_PER_DEG)
     }
@@ -81,7 +81,7 @@ pub fn line_of(angles: GimbalAngles) -> Vector {
 }
 
 impl Gimbal {
-    /// Returns the half the angle of the cone around the axis of pan in which pan is held. A target that moves through the body axes at
+    /// Returns the half angle of the cone around the pan axis in which pan is held. A target that moves through the body axes at
     /// `sight_rate_deg_s` needs the pan rate `sight rate / sin(cone)`; the cone is wide enough for the axis to follow.
     pub fn nadir_cone_deg(&self, sight_rate_deg_s: f64) -> f64 {
         let ratio = (sight_rate_deg_s / self.rate_deg_s).clamp(0.0, 1.0);
@@ -95,7 +95,7 @@ impl Gimbal {
         let is_in_nadir_cone = level < libm::sin(cone_deg * RAD_PER_DEG) * line.length();
         let pan_deg = if is_in_nadir_cone { present.pan_deg } else { self.reachable_pan_deg(wanted.pan_deg) };
         let pan_deg = pan_deg.clamp(self.pan_deg.0, self.pan_deg.1);
-        // With pan as it is, the best tilt looks along the projection of the line on the plane of tilt.
+        // With the present pan, the best tilt points along the projection of the line on the plane of tilt.
         let pan_rad = pan_deg * RAD_PER_DEG;
         let ahead = line.x * libm::cos(pan_rad) + line.y * libm::sin(pan_rad);
         let tilt_deg = -libm::atan2(line.z, ahead) / RAD_PER_DEG;
@@ -103,8 +103,8 @@ impl Gimbal {
         Pointing { angles, error_deg: line_of(angles).angle_rad(line) / RAD_PER_DEG, is_in_nadir_cone }
     }
 
-    /// Returns the angle between the sight line of these angles and a target's line, both in north-east-down axes: pan is not
-    /// compared, so that a target straight below is judged by the sight line alone.
+    /// Returns the angle between the sight line of these angles and the target's line, both in north-east-down axes. Pan is not compared
+    /// separately, so that for a target straight below only the sight line counts.
     pub fn sight_error_deg(angles: GimbalAngles, body: &Rotation, target: Vector) -> f64 {
         body.to_ground(line_of(angles)).angle_rad(target) / RAD_PER_DEG
     }
@@ -145,8 +145,8 @@ pub fn keep_out_deg(field_of_view_deg: f64, margin_deg: f64) -> f64 {
     0.5 * field_of_view_deg + margin_deg
 }
 
-/// Returns the least angle between the sun and the boresight while it slews on the great circle from one direction to another. All
-/// are unit vectors in the same axes. Between opposite ends no great circle is distinguished: the angle is then 0.
+/// Returns the least angle between the sun and the boresight during a slew on the great circle from one direction to another. All are
+/// unit vectors in the same axes. Between opposite directions the great circle is undetermined: the angle is then 0.
 pub fn least_sun_angle_deg(from: Vector, to: Vector, sun: Vector) -> f64 {
     let ends_rad = from.angle_rad(sun).min(to.angle_rad(sun));
     let normal = from.cross(to);

@@ -7,7 +7,7 @@
 use apex_geo::geodesy::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
-/// One way to operate a line scanner: a scan head, or a setting of one.
+/// One mode of a line scanner: a scan head, or a setting of one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScannerMode {
@@ -29,8 +29,8 @@ pub struct ScannerMode {
 pub struct RollLimits {
     /// Lines with at most this roll angle are valid.
     pub valid_deg: f64,
-    /// Roll angle from which a line is worth nothing; between the two the worth falls linearly. None: nothing is worth
-    /// anything beyond `valid_deg`.
+    /// Roll angle from which on a line has no value; between the two angles the value falls linearly. `None`: lines have no value beyond
+    /// `valid_deg`.
     pub zero_deg: Option<f64>,
 }
 
@@ -38,9 +38,9 @@ pub struct RollLimits {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RateLimits {
-    /// Shift up to which a line is worth everything.
+    /// Shift up to which a line has its full value.
     pub full_pixels: f64,
-    /// Shift from which a line is worth nothing.
+    /// Shift from which on a line has no value.
     pub zero_pixels: f64,
 }
 
@@ -99,8 +99,8 @@ impl ScannerMode {
         height_m * (libm::tan(roll_rad + half_rad) + libm::tan(half_rad - roll_rad))
     }
 
-    /// Returns the largest look angle with pixels of at most `wanted_m` across the track; at most half the field of view, 0 when not even
-    /// the nadir pixel is fine enough.
+    /// Returns the largest look angle with pixels of at most `wanted_m` across the track; at most half the field of view, and 0 if even
+    /// the nadir pixel is too large.
     pub fn useful_half_angle_rad(&self, height_m: f64, wanted_m: f64) -> f64 {
         let squared = self.pixel_rad() * height_m / wanted_m;
         if squared >= 1.0 {
@@ -109,7 +109,8 @@ impl ScannerMode {
         self.half_field_rad().min(libm::acos(libm::sqrt(squared.max(0.0))))
     }
 
-    /// Returns the width of the strip with pixels of at most `wanted_m` across the track, wings level: line spacing is planned on it.
+    /// Returns the width of the strip with pixels of at most `wanted_m` across the track with level wings; line spacing is planned with
+    /// it.
     pub fn useful_swath_m(&self, height_m: f64, wanted_m: f64) -> f64 {
         2.0 * height_m * libm::tan(self.useful_half_angle_rad(height_m, wanted_m))
     }
@@ -146,8 +147,8 @@ impl ScannerMode {
             .fold(None, |best: Option<f64>, rate| Some(best.map_or(rate, |b| b.max(rate))))
     }
 
-    /// Returns the lowest scan rate without gaps (a higher one oversamples), or the fastest if none suffices. `None` if the rates
-    /// are not known.
+    /// Returns the lowest scan rate without gaps (a higher one oversamples), or the fastest if none suffices. `None` if the rates are
+    /// unknown.
     pub fn choose_scan_rate_hz(&self, height_m: f64, ground_speed_mps: f64) -> Option<f64> {
         let least_hz = self.scan_rate_hz_min(height_m, ground_speed_mps);
         let enough = self.scan_rates_hz.iter().copied().filter(|rate| *rate >= least_hz);
@@ -187,7 +188,7 @@ impl RollLimits {
 }
 
 impl RateLimits {
-    /// Returns the worth of a line that is shifted by this many pixels from the line before it.
+    /// Returns the weight of a line that is shifted by this many pixels from the preceding one.
     pub fn weight(&self, pixels: f64) -> f64 {
         ramp_down(pixels.abs(), self.full_pixels, self.zero_pixels)
     }

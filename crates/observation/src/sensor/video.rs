@@ -21,7 +21,7 @@ pub struct VideoCamera {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViewerTask {
-    /// See that something is there.
+    /// Notice that an object is there.
     Detect,
     /// See how it lies.
     Orient,

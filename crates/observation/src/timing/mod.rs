@@ -101,7 +101,7 @@ pub struct LatencyNeed {
     pub zero_s: f64,
 }
 
-/// 1 at or below a limit, falling linearly to 0 over `ramp` beyond it; at once for a ramp of 0.
+/// Returns 1 at or below a limit, falling linearly to 0 over `ramp` beyond it; at once for a ramp of 0.
 fn off_limit(beyond: f64, ramp: f64) -> f64 {
     ramp_down(beyond, 0.0, ramp)
 }

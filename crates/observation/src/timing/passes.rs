@@ -1,8 +1,8 @@
 //! Passes of satellites over a place, by SGP4.
 //!
-//! The element set gives the position in TEME; rotation by Greenwich mean sidereal time gives Earth-fixed axes. A pass is a minimum
-//! of the slant range above the horizon. Source: D. Vallado et al., "Revisiting Spacetrack Report #3", AIAA 2006-6753; constants
-//! WGS72, as element sets are made with. Bound: O(span / 20 s) propagations, at most [`SCAN_STEPS_MAX`].
+//! The element set gives the position in TEME; rotation by Greenwich mean sidereal time gives Earth-fixed axes. A pass is a minimum of
+//! the slant range above the horizon. Source: D. Vallado et al., "Revisiting Spacetrack Report #3", AIAA 2006-6753; constants WGS72,
+//! which element sets assume. Bound: O(span / 20 s) propagations, at most [`SCAN_STEPS_MAX`].
 
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
 use std::fmt;
@@ -37,7 +37,7 @@ impl fmt::Debug for Satellite {
 pub struct PassLimits {
     /// Half the scan angle of the instrument, measured at the satellite from the nadir.
     pub half_scan_deg: f64,
-    /// Greatest wanted angle from the nadir at the satellite, for pixels that are not too large; 45 is usual.
+    /// Greatest wanted angle from the nadir at the satellite, which limits the pixel size; 45 is usual.
     pub nadir_angle_deg_max: f64,
 }
 
@@ -63,7 +63,7 @@ pub struct Pass {
 /// An element set that cannot be used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrbitError {
-    /// Defect, as the reader of element sets reports it.
+    /// Error message of the reader of element sets.
     pub reason: String,
 }
 
@@ -173,9 +173,9 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// Returns all passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to
-/// 0.1 s. Passes outside the instrument's swath are included; [`PassLimits::sees`] tells them apart. A search stops after
-/// thirty days or where the orbit has decayed.
+/// Returns all passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to 0.1 s.
+/// Passes outside the instrument's swath are included; [`PassLimits::sees`] distinguishes them. A search ends after thirty days, or when
+/// the orbit has decayed.
 pub fn passes(satellite: &Satellite, place: Position, zero_unix_s: f64, from_s: f64, until_s: f64) -> Vec<Pass> {
     let site = Site::new(place);
     let look = |time_s: f64| site.look(satellite, zero_unix_s + time_s);

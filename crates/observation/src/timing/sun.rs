@@ -11,7 +11,7 @@ const DAYS_PER_CENTURY: f64 = 36_525.0;
 /// Position of the sun in the sky of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolarPosition {
-    /// Elevation of the sun's centre without refraction. Light needs are judged by it.
+    /// Elevation of the sun's centre without refraction, by which light needs are evaluated.
     pub elevation_deg: f64,
     /// Elevation as seen through the standard atmosphere.
     pub apparent_elevation_deg: f64,
@@ -19,7 +19,7 @@ pub struct SolarPosition {
     pub azimuth_deg: f64,
 }
 
-/// Direction of the sun from the middle of the Earth, in axes that turn with the Earth.
+/// Direction of the sun from the centre of the Earth, in Earth-fixed axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunDirection {
     sine_declination: f64,
@@ -57,8 +57,8 @@ impl SunDirection {
         }
     }
 
-    /// Returns the direction as a function of time between two instants less than a day apart. Declination and subsolar longitude
-    /// turn evenly: over 6 hours the error is below 0.001 degrees.
+    /// Returns the direction as a function of time between two instants less than a day apart, interpolating declination and subsolar
+    /// longitude linearly: over 6 hours the error is below 0.001 degrees.
     pub fn track(from_unix_s: f64, until_unix_s: f64) -> impl Fn(f64) -> SunDirection {
         let (first, last) = (SunDirection::at(from_unix_s), SunDirection::at(until_unix_s));
         let span_s = until_unix_s - from_unix_s;
@@ -149,7 +149,7 @@ pub fn glint_angle_deg(sun_zenith_deg: f64, view_zenith_deg: f64, azimuth_differ
     libm::acos(cosine.clamp(-1.0, 1.0)) / RAD_PER_DEG
 }
 
-/// Returns the worth of a look over water by its glint angle: 0 below 20 degrees, rising to 1 at 30 (assumption).
+/// Returns the weight of a look over water by its glint angle: 0 below 20 degrees, rising to 1 at 30 (assumption).
 pub fn glint_weight(glint_angle_deg: f64) -> f64 {
     ((glint_angle_deg - 20.0) / 10.0).clamp(0.0, 1.0)
 }

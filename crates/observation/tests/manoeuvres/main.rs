@@ -53,7 +53,7 @@ fn a_mapping_flight_has_12_lines_and_takes_13_7_minutes() {
     near(std::f64::consts::PI * radius_m + 56.8 - 2.0 * radius_m, 84.9, 0.2);
     let whole_s: f64 = lines.iter().map(|(from, to)| to.minus(*from).length() / 13.0).sum::<f64>() + 11.0 * 84.9 / 13.0;
     near(whole_s / 60.0, 13.7, 0.05);
-    // What is flown takes as long, with turns by Dubins: lead-ins are part of the lines here.
+    // The flown path takes as long, with Dubins turns; the lines here include the lead-ins.
     let craft = Craft { settle_s: 0.0, ..mapper() };
     let manoeuvre = with(
         FlightPath::Sweep(path),
@@ -82,7 +82,7 @@ fn lines_across_the_wind_are_quicker_than_along_it() {
     };
     near(time_s(0.0), 15.9, 0.1);
     near(time_s(90.0), 14.1, 0.1);
-    // The direction that is chosen is the one across.
+    // The chosen direction is the one across.
     let path = sweep(800.0, 800.0, 120.0, 149.4, 0.6, None);
     let lines = path.best_lines(13.0, &mapper(), &windy(0.0, -6.0)).unwrap();
     let step = lines[0].1.minus(lines[0].0);
@@ -215,7 +215,7 @@ fn the_arc_of_the_reference_takes_28_5_seconds_and_tracks_all_of_the_time() {
     assert_eq!(Arc::limit_elevation_deg(-90.0, 0.0), 90.0);
     assert_eq!(Arc::limit_elevation_deg(-90.0, 5.0), 85.0);
     assert_eq!(Arc::limit_elevation_deg(-80.0, 0.0), 80.0);
-    // As flown it begins and ends at rest: half of 8 m/s over 1.5 m/s^2 more at both ends.
+    // As flown it begins and ends at rest: half of the time for 8 m/s at 1.5 m/s^2 more at both ends.
     let manoeuvre =
         with(FlightPath::Arc(arch()), AttitudeMode::Pointing, SpeedProfile::GroundSpeed(8.0), PayloadUse::Video);
     let found = forecast(&manoeuvre, &helicopter(), &camera(false), &still(), (20.0, 20.0), 1.0);

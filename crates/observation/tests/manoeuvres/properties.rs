@@ -9,7 +9,8 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Every point of the square that is searched is within half a spacing of a leg, except for a corner at the datum: an independent, naive distance.
+    /// Every point of the searched square is within half a spacing of a leg, except for a corner at the datum: an independent, naive
+    /// distance.
     #[test]
     fn every_point_of_an_expanding_square_is_within_half_a_spacing(
         spacing_m in 20.0..500.0_f64, rounds in 1_u32..7, first_deg in 0.0..360.0_f64,
@@ -17,7 +18,7 @@ proptest! {
     ) {
         let square = ExpandingSquare { spacing_m, rounds, height_m: 50.0, first_track_deg: Some(first_deg) };
         let corners = square.corners(&still());
-        // The part that whole turns of the square enclose.
+        // The part enclosed by whole turns of the square.
         let reach_m = spacing_m * f64::from((rounds - 1) / 2);
         let (sine, cosine) = (libm::sin(first_deg.to_radians()), libm::cos(first_deg.to_radians()));
         let (a, b) = (along * reach_m, across * reach_m);
@@ -33,7 +34,7 @@ proptest! {
         prop_assert!(reach_m == 0.0 || nearest <= most * spacing_m + 1e-6, "{nearest} of {spacing_m}");
     }
 
-    /// The wind from the other side takes the same path backwards: a circle takes as long, a line and back, too.
+    /// With reversed wind the same path can be flown backwards: a circle takes as long, and so does a line there and back.
     #[test]
     fn a_reversed_wind_is_symmetric(east in -8.0..8.0_f64, north in -8.0..8.0_f64, radius_m in 80.0..400.0_f64) {
         let manoeuvre = with(FlightPath::Orbit(orbit(radius_m, 100.0)), AttitudeMode::Coordinated, SpeedProfile::Airspeed(20.0), PayloadUse::Video);
@@ -71,7 +72,7 @@ proptest! {
         prop_assert!((low - swath_m / 20_000.0).abs() < 0.01, "{low} of {}", swath_m / 20_000.0);
     }
 
-    /// Poses follow each other in time, no faster than the vehicle, and their distances are what their speeds say.
+    /// Poses follow each other in time, within the vehicle's speed, and their distances agree with their speeds.
     #[test]
     fn poses_are_continuous(spacing_m in 60.0..300.0_f64, rounds in 1_u32..6, east in -4.0..4.0_f64, north in -4.0..4.0_f64) {
         let square = ExpandingSquare { spacing_m, rounds, height_m: 50.0, first_track_deg: None };

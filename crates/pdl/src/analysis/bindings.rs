@@ -46,7 +46,7 @@ fn is_simple(procedure: &Procedure) -> bool {
 struct VariableFacts<'l> {
     procedure: &'l Procedure,
     index: Bound<'l>,
-    /// Tags, and what some form assigns: when is not followed.
+    /// Tags, and variables that a form assigns; the time of the assignment is not analysed.
     given: Lookup<&'l Symbol, ()>,
     /// Results with the steps that have them.
     results: BTreeMap<&'l Symbol, Vec<usize>>,
@@ -57,7 +57,7 @@ struct VariableFacts<'l> {
 enum Moment {
     /// Before or while its waitfor is judged.
     Waiting,
-    /// As it becomes enabled, and whenever later; results that the activity uses are there.
+    /// The moment at which it becomes enabled, or a later one; the results that the activity uses exist then.
     Later,
     /// After its own result is bound.
     End,
@@ -88,7 +88,7 @@ impl<'l> VariableFacts<'l> {
     fn step(&self, number: usize, step: &'l Step, report: &mut FindingCollector<'_>) {
         let waitfor = by_all(&step.waitfor);
         let mut told: BTreeSet<Symbol> = BTreeSet::new();
-        // Uses of what the step does not surely know.
+        // Uses of variables that the step does not certainly know.
         let mut uses: Vec<(Symbol, Moment)> = Vec::new();
         let is_known = |name: &Symbol| self.is_given(name) || waitfor.surely.contains(name);
         for condition in &step.waitfor {
@@ -107,7 +107,7 @@ impl<'l> VariableFacts<'l> {
         };
         variables::of_activity(&step.activity, &mut later);
         step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut later));
-        // What the activity uses has been waited for; these have not.
+        // The step has waited for the results that its activity uses, but not for these.
         let awaited: BTreeSet<Symbol> = uses.iter().map(|(name, _)| name.clone()).collect();
         let mut at = |moment: Moment, exprs: &mut dyn Iterator<Item = &Expr>| {
             exprs.for_each(|expr| {
@@ -312,7 +312,7 @@ fn report_own_result(step: &Step, name: &Symbol, report: &mut FindingCollector<'
     report.add(diagnostic);
 }
 
-/// Reports a variable that one alternative binds and another does not, or that occurs only below a negation.
+/// Reports a variable that only some alternatives bind, or that occurs only below a negation.
 fn report_branch(
     place: Place,
     name: &Symbol,

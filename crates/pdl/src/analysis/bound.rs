@@ -1,4 +1,4 @@
-//! Variables that patterns and conditions bind: surely, at every match, or only in some of their ways to match.
+//! Variables that patterns and conditions bind: certainly, at every match, or only in some of their alternatives.
 
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::pattern::Pattern;
@@ -6,14 +6,14 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Variables with what is known of them.
+/// Variables, by the certainty of their binding.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bound<'l> {
     /// Have a value whenever the match succeeded.
     pub(crate) surely: BTreeSet<&'l Symbol>,
-    /// Have a value after some matches; the condition that binds them, where it is one.
+    /// Bound after some matches; with the condition that binds them, if it is one.
     pub(crate) perhaps: BTreeMap<&'l Symbol, Option<Place>>,
-    /// Occurs only where it is not bound: below a negation.
+    /// Occurs only below a negation, where it is not bound.
     pub(crate) never: BTreeMap<&'l Symbol, Option<Place>>,
 }
 
@@ -26,7 +26,7 @@ impl<'l> Bound<'l> {
         self.surely.is_empty() && self.perhaps.is_empty() && self.never.is_empty()
     }
 
-    /// Returns what is bound if both match.
+    /// Returns the variables bound if both match.
     pub(crate) fn and(mut self, other: Bound<'l>) -> Bound<'l> {
         if self.is_nothing() {
             return other;
@@ -37,7 +37,7 @@ impl<'l> Bound<'l> {
         self
     }
 
-    /// Returns what is bound if one of them matches.
+    /// Returns the variables bound if one of them matches.
     fn or(parts: Vec<Bound<'l>>, places: impl Iterator<Item = Option<Place>>) -> Bound<'l> {
         let mut result = Bound::default();
         let mut shared: Option<BTreeSet<&'l Symbol>> = None;

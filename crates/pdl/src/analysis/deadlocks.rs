@@ -1,7 +1,7 @@
 //! Resources that are taken in opposite orders by steps that run at the same time: each may hold what the other needs.
 //!
-//! A warning: whether the tasks meet is a question of time. Orders are read from constant names of resources of which one
-//! task at a time takes all; what is taken together is taken at once, and makes no order.
+//! The result is a warning, because the times decide whether the tasks meet. Orders are read from constant names of resources that one
+//! task at a time takes whole; resources of one profile are taken together and have no order.
 
 use super::methods::Method;
 use super::{FindingCollector, Program};
@@ -16,15 +16,15 @@ use std::collections::BTreeSet;
 
 /// Procedures within procedures that are followed.
 const DEPTH_MAX: usize = 12;
-/// Orders of one step that are compared with those of others.
+/// Maximum number of orders of one step that are compared with those of others.
 const ORDERS_MAX: usize = 200;
 /// Tasks in one circle.
 const CIRCLE_MAX: usize = 4;
 
-/// A resource, and where it is asked for.
+/// A resource with the place of its request.
 type Taken<'l> = (&'l Symbol, Place);
 
-/// `needed` is asked for while `held` is held.
+/// `needed` is requested while `held` is held.
 #[derive(Clone)]
 struct AcquisitionOrder<'l> {
     held: Taken<'l>,
@@ -123,7 +123,7 @@ fn within<'l>(
                 });
                 add(taken.collect(), held, orders);
             }
-            // What is given back is not looked into: fewer orders are read than there are.
+            // Released resources are not analysed: fewer orders are found than exist.
             Activity::BuiltIn(BuiltInActivity::ReleaseResource, _) => return,
             _ => pursue(program, (number, index), step, held, orders, depth),
         }

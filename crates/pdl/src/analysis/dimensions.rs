@@ -1,5 +1,5 @@
-//! Dimensions beyond literals: what functions, indexicals and `let`s yield, what clauses need, what procedures do with the
-//! words of a goal.
+//! Dimensions of computed values: results of functions, indexicals and `let`s, requirements of clauses, and uses of goal words in
+//! procedures.
 
 use super::kinds::{Kind, Kinds, is_zero};
 use super::methods::Method;
@@ -35,7 +35,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     words(program, report);
 }
 
-/// Functions whose numbers must be of one dimension.
+/// Functions whose numeric arguments must have the same dimension.
 const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
 fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
@@ -43,7 +43,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     if arguments.len() < 2 || !ONE_DIMENSION.contains(&function.folded()) {
         return;
     }
-    // What a variable of a function holds is not known here: it is checked where the function is called.
+    // The values of a function's parameters are unknown here: they are checked where the function is called.
     let mut first: Option<(Dimension, &Expr)> = None;
     for argument in arguments.iter().filter(|argument| !is_zero(argument)) {
         let Kind::Number(dimension) = Kinds::of(program.library, argument) else { continue };
@@ -75,7 +75,7 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
     let Some(declared) = declared.filter(|declared| declared.unit.is_some()) else { return };
     for right in lists.into_iter().flatten().flat_map(sides) {
         let Kind::Number(found) = Kinds::of(program.library, right) else { continue };
-        // A bare number is in the variable's unit, however it is computed.
+        // A bare number is in the variable's unit, whatever computed it.
         if found != declared.dimension && found != Dimension::NONE {
             let wanted = Kind::Number(declared.dimension).words();
             let message = format!("`({attribute} ..)` is {wanted}, but this is {}", Kind::Number(found).words());
@@ -164,7 +164,7 @@ fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut FindingCo
         return;
     }
     let message = format!("a plain number is needed here, but this is {}", kind.words());
-    // It counts as absent, or without its unit: that is no reason not to fly.
+    // The clause counts as absent, or the value as without unit; neither prevents a flight.
     let diagnostic = Diagnostic::new(Severity::Warning, codes::NOT_PLAIN, report.locator.span(expr.place), message)
         .reason("priorities, ranks and interrupt costs are compared with each other, whatever they are computed from")
         .help("write a number without unit, or divide: `(in-unit QUANTITY 'm)`");
@@ -175,20 +175,20 @@ fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut FindingCo
 #[derive(Clone, Copy)]
 struct Requirement {
     dimension: Dimension,
-    /// A bare number will do: it is in the unit of a state variable.
+    /// True if a bare number suffices: it has the unit of a state variable.
     or_bare: bool,
     place: Place,
 }
 
 type Requirements<'l> = BTreeMap<&'l Symbol, Requirement>;
 
-/// Goals whose words are of another dimension than what serves them needs.
+/// Reports goals whose words have another dimension than the procedures that serve them need.
 fn words(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut of_procedures: Vec<Requirements<'_>> =
         program.library.procedures.iter().map(|procedure| of_procedure(program, procedure)).collect();
     let of_primitives: Vec<Requirements<'_>> =
         program.library.primitives.iter().map(|primitive| of_primitive(program, primitive)).collect();
-    // What is handed on is needed by the one that serves it: one level at a time, few levels are written.
+    // Requirements are passed up from the serving procedure, one level at a time; programs have few levels.
     for _ in 0..LEVELS_MAX {
         let mut more: Vec<(usize, &Symbol, Requirement)> = Vec::new();
         for (number, procedure) in program.library.procedures.iter().enumerate() {
@@ -271,8 +271,7 @@ impl<'l> Word<'l> {
         }
     }
 
-    /// Returns true if it is not a number of this dimension. Names may mean anything, such as a setting of the
-    /// vehicle.
+    /// Returns true if the expression is not a number of this dimension. A name may have any value, such as a setting of the vehicle.
     fn misfit(self, program: &Program<'l>, needed: Requirement) -> Option<Kind> {
         let (kind, is_zero) = match self {
             Word::Value(value) => match value.as_number() {
@@ -287,7 +286,7 @@ impl<'l> Word<'l> {
     }
 }
 
-/// Visits the words of a step's goal that the one who surely serves it needs to be of some dimension.
+/// Visits the words of a step's goal for which the method that certainly serves it needs a dimension.
 fn each_word<'l>(
     program: &Program<'l>,
     (number, index): (usize, usize),

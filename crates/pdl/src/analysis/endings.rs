@@ -1,6 +1,6 @@
 //! Activities that can end, and activities that provably take no time.
 //!
-//! "Can end" errs on the side of yes, "takes no time" on the side of no: what is concluded from either is proven.
+//! "Can end" may be true wrongly, "takes no time" may be false wrongly: conclusions from their opposites are proven.
 
 use super::horn::{Horn, HornAtom, Solution};
 use super::methods::{Method, Methods};
@@ -31,7 +31,7 @@ struct Nodes {
 pub(crate) struct Endings {
     ending: (Nodes, Solution),
     instant: (Nodes, Solution),
-    /// Some activity ends a task that is not a step of its procedure: any task may be ended so.
+    /// True if an activity ends a task that is not a step of its procedure: any task may then be ended.
     pub(crate) is_wild: bool,
 }
 
@@ -75,7 +75,7 @@ fn holds((nodes, solution): &(Nodes, Solution), method: Method) -> Option<bool> 
     node.map(|node| solution.holds(node))
 }
 
-/// Returns the truth of a test if it is known.
+/// Returns the truth of a constant test; `None` if it is not constant.
 pub(crate) fn known_truth(test: Option<&Expr>) -> Option<bool> {
     match &test?.kind {
         ExprKind::Constant(value) => Some(value.is_true()),
@@ -83,14 +83,14 @@ pub(crate) fn known_truth(test: Option<&Expr>) -> Option<bool> {
     }
 }
 
-/// Returns true for a repetition that nothing written in it ends.
+/// Returns true for a repetition that none of its clauses ends.
 pub(crate) fn is_endless(clause: &Repetition) -> bool {
     let goes_on = clause.while_true.is_none() || known_truth(clause.while_true.as_ref()) == Some(true);
     goes_on && (clause.until.is_none() || known_truth(clause.until.as_ref()) == Some(false))
 }
 
-/// Returns true for a step that repeats or responds without end by its clause (not by its tests), so that the end of its procedure does not
-/// wait for it.
+/// Returns true for a step that repeats or responds endlessly by its clause (whatever its tests): the end of its procedure does not wait
+/// for it.
 pub(crate) fn is_uncounted(step: &Step) -> bool {
     let bounded = |clause: &Repetition| clause.while_true.is_some() || clause.until.is_some();
     step.responding.is_some() || step.repeating.as_deref().is_some_and(|clause| !bounded(clause))
@@ -148,7 +148,7 @@ fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all:
     node
 }
 
-/// Finds the methods that may end. Waits are ignored here: they are assumed to be satisfied.
+/// Finds the methods that may end. Waits are assumed to be satisfied.
 fn ending(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_>) -> (Nodes, Solution) {
     let mut horn = Horn::default();
     let mut nodes = Nodes { procedures: Vec::new(), primitives: Vec::new() };
@@ -215,7 +215,7 @@ pub(crate) fn is_stopped(step: &Step, terminated: &BTreeSet<&Symbol>) -> bool {
     step.transitions.end_when.is_some() || terminated.contains(&step.tag)
 }
 
-/// Does the step begin again whenever it ends? In a sequence one response is enough for the next step.
+/// Returns true if the step begins again whenever it ends. In a sequence one response suffices for the next step.
 pub(crate) fn goes_on(procedure: &Procedure, step: &Step) -> bool {
     let responding = step.responding.as_deref().filter(|_| procedure.kind != ProcedureKind::Sequential);
     step.repeating.as_deref().or(responding).is_some_and(is_endless)
@@ -258,7 +258,7 @@ fn instantaneous(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_
     (nodes, horn.solve())
 }
 
-/// Returns the step whose end this condition waits for, and nothing else.
+/// Returns the step for whose end the condition waits; `None` if it waits for anything else.
 pub(crate) fn is_end_of(condition: &Condition) -> Option<&Symbol> {
     match &condition.kind {
         ConditionKind::TaskEnded(tag) => Some(tag),
@@ -312,7 +312,7 @@ impl<'l> Reaching<'l> {
         let mut acts = false;
         walk::primitive(primitive, &mut |expr| {
             if let ExprKind::Call { function, .. } | ExprKind::FunctionName(function) = &expr.kind {
-                // Of a function that nothing here defines everything is possible.
+                // An undefined function may do anything.
                 acts |= matches!(function.folded(), "complete" | "command")
                     || self.acting.contains(function)
                     || !self.names.is_operator(function);

@@ -1,4 +1,4 @@
-//! Messages about steps that never begin: circles of waits, waits for what never ends, steps after the end.
+//! Messages about steps that never begin: circles of waits, waits for steps that never end, steps after the end.
 
 use super::endings::{ends_procedure, goes_on, never_completing};
 use super::methods::Method;
@@ -134,7 +134,7 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// Further places shown of one circle.
+/// Maximum number of further places shown for one circle.
 const LABELS_MAX: usize = 8;
 
 fn report_endless(

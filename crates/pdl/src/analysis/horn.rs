@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct HornAtom(u32);
 
-/// Nodes with the premises that they still need, and which premise serves which node.
+/// Nodes with the number of premises that they still need, and the conclusions of each premise.
 #[derive(Default)]
 pub(crate) struct Horn {
     needs: Vec<u32>,
@@ -17,7 +17,7 @@ impl Horn {
         self.node(0)
     }
 
-    /// Returns a node that is true when one of its premises is; without any it never is.
+    /// Returns a node that is true if one of its premises is; without premises it is false.
     pub(crate) fn any(&mut self) -> HornAtom {
         self.node(1)
     }
@@ -59,10 +59,10 @@ impl Horn {
         Solution(is_true)
     }
 
-    /// Returns the conclusions of the rules, those of one premise in a row, and where those of each premise begin: one
-    /// entry more than there are nodes.
+    /// Returns the conclusions of the rules, grouped by premise, and the index at which each group begins, with one more entry than there
+    /// are nodes.
     fn by_premise(&self) -> (Vec<u32>, Vec<u32>) {
-        // Counted one place later, so that what is before the place is where the premise begins.
+        // Counts are stored one index later, so that their prefix sums are the beginnings of the groups.
         let mut first = vec![0_u32; self.needs.len() + 1];
         for (premise, _) in &self.rules {
             if let Some(count) = first.get_mut(index(*premise) + 1) {

@@ -1,4 +1,4 @@
-//! Conditions that cannot hold whatever happens: limits that exclude each other, tests that are false as written.
+//! Conditions that can never hold: limits that exclude each other, tests that are false as written.
 
 use super::endings::known_truth;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, Timing};
@@ -54,7 +54,7 @@ fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossib
     Some(Impossible { place, reason: format!("the duration {reason}") })
 }
 
-/// Statistics that are never below zero, and a count never below one: nothing is said of no sample.
+/// Statistics that are never below zero, and the count, which is never below one because no verdict is given without samples.
 fn statistic(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) -> Option<Impossible> {
     groups.iter().find_map(|(name, constraints)| {
         let least = match name.folded() {
@@ -66,7 +66,7 @@ fn statistic(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Libra
     })
 }
 
-/// Limits on a trend; a frequency and a level of significance are positive, and a level of one asks for nothing.
+/// Limits on a trend: a frequency and a level of significance are positive, and a level of one requires nothing.
 fn trend(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) -> Option<Impossible> {
     groups.iter().find_map(|(name, constraints)| match (name.folded(), constraints.as_slice()) {
         ("significance", [Constraint::Compare { right, .. }]) => {
@@ -103,7 +103,7 @@ fn never(
 pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),
-        // An indexical that is defined as a literal; one step only, so that a circle of definitions does no harm.
+        // An indexical defined as a literal is resolved, one step only, so that circular definitions are harmless.
         ExprKind::Indexical(name) => match &library.indexicals.get(name)?.kind {
             ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),
             _ => None,
@@ -112,7 +112,7 @@ pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     }
 }
 
-/// Range that limits which are known beforehand leave open.
+/// Range that the constant limits permit.
 struct Range {
     low: f64,
     low_included: bool,

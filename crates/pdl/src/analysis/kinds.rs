@@ -11,18 +11,18 @@ use apex_model::value::Value;
 /// The kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Not known before it is there.
+    /// Unknown before it is evaluated.
     Unknown,
     /// A number, quantity or span of time of this dimension.
     Number(Dimension),
     /// A point in time.
     Instant,
-    /// Something else, as text.
+    /// Another kind, as text.
     Other(&'static str),
 }
 
 impl Kind {
-    /// Returns the kind as text, with an article where there is one.
+    /// Returns the kind as text, with an article if it needs one.
     pub(crate) fn words(self) -> String {
         match self {
             Kind::Unknown => "unknown".to_string(),
@@ -41,7 +41,7 @@ impl Kind {
 
 /// Calls of functions and indexicals that are followed into each other.
 const DEPTH_MAX: usize = 8;
-/// Maximum number of expressions inspected for one.
+/// Maximum number of expressions inspected for the kind of one expression.
 const STEPS_MAX: usize = 2_000;
 
 /// Finds kinds.
@@ -54,7 +54,7 @@ pub(crate) struct Kinds<'l> {
 }
 
 impl<'l> Kinds<'l> {
-    /// Returns the kind of `expr`, which stands outside of functions.
+    /// Returns the kind of `expr`, an expression outside of functions.
     pub(crate) fn of(library: &'l Library, expr: &'l Expr) -> Kind {
         Kinds { library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
     }

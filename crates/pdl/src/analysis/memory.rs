@@ -183,7 +183,7 @@ fn growing(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>
     }
 }
 
-/// Queries of a history whose instant lies any time ago.
+/// Reports queries of a history at an instant of unlimited age.
 fn queries(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let mut tags: BTreeSet<&Symbol> = BTreeSet::new();
     walk::conditions_of(procedure, &mut |condition| tags.extend(&condition.tag));
@@ -242,5 +242,5 @@ fn published(expr: &Expr, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Functions whose results are new again and again.
+/// Functions that can return a new result at each call.
 const COUNTING: &[&str] = &["*", "+", "-", "/", "1+", "1-", "concatenate", "format", "intern"];

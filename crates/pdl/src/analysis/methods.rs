@@ -12,7 +12,7 @@ use apex_model::symbol::Symbol;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// Something that serves goals, by its index in the library. Orders as selection does among equals.
+/// A method that serves goals, by its index in the library. The order is that of selection among equally specific ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Method {
     /// A procedure.
@@ -23,7 +23,7 @@ pub(crate) enum Method {
     Solver(usize),
 }
 
-/// More methods that may serve one goal than are followed: then the goal may have any result.
+/// Maximum number of methods followed for one goal; with more, the goal may have any result.
 const CANDIDATES_MAX: usize = 64;
 
 #[derive(Default)]
@@ -37,7 +37,7 @@ pub(crate) struct Methods<'l> {
     library: &'l Library,
     by_head: BTreeMap<&'l Symbol, MethodGroup>,
     open: Vec<Method>,
-    /// Methods that may serve the goals of steps, by procedure and step: every check needs them.
+    /// Methods that may serve the goals of steps, by procedure and step; stored because every check needs them.
     of_steps: Vec<Vec<Option<Vec<Method>>>>,
 }
 
@@ -98,7 +98,7 @@ impl<'l> Methods<'l> {
         if found.len() > 1 {
             found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
         }
-        // No method after one that surely matches is ever chosen, where every agent knows that one.
+        // A method after one that certainly matches is never chosen, if every agent knows that one.
         let is_sure = |method: &Method| self.is_known_to_all(*method) && self.surely(goal, *method);
         if found.len() > 1
             && let Some(sure) = found.iter().position(is_sure)
@@ -175,7 +175,7 @@ mod tests {
             let found = methods.serving(&goal).expect("a head");
             found.into_iter().map(|method| matches!(method, Method::Primitive(number) if number < 9)).count()
         };
-        // The constant one is chosen; no other is asked.
+        // The constant index is chosen; no other method is considered.
         assert_eq!(serving("(go home)"), 1);
         assert_eq!(serving("(go 2.0)"), 1);
         assert_eq!(serving("(go away)"), 1);

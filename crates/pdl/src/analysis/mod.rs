@@ -1,7 +1,7 @@
-//! Checks over the finished library: what it is bound to do, and what in it is probably not meant.
+//! Checks of a complete library: certain errors of its behaviour, and probable mistakes.
 //!
-//! They run when lowering has found no error, so that no message is about the consequence of another one. An error is
-//! proven; what is only likely is a warning.
+//! They run if lowering has found no error, so that no message describes the consequence of another one. An error is proven; a probable
+//! mistake is a warning.
 
 mod bindings;
 mod bound;
@@ -40,16 +40,16 @@ use methods::Methods;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Maximum number of messages: the first ones.
+/// Maximum number of messages; the first ones are kept.
 const MESSAGES_MAX: usize = 200;
 
-/// A library and what was found out about it once.
+/// A library with the results that several checks share.
 pub(crate) struct Program<'l> {
     library: &'l Library,
     names: &'l Names,
-    /// It is a piece of something larger, which may serve and define more.
+    /// True if the text is a part of something larger, which may define and serve more.
     fragment: bool,
-    /// Files that came as libraries: what they define need not be used.
+    /// Files loaded as libraries: their definitions need not be used.
     foreign: &'l BTreeSet<u32>,
     methods: Methods<'l>,
     endings: Endings,
@@ -94,7 +94,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
 
 /// Returns the diagnostics of `conditions` without a program, in terms of `library`.
 pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], names: &Names) -> Vec<Diagnostic> {
-    // The checks inspect procedures: each condition becomes what the step of one waits for.
+    // The checks inspect procedures, so each condition becomes the wait of a step in one.
     let mut whole = library.clone();
     whole.procedures.extend(conditions.iter().map(|condition| Arc::new(waiting_for(condition))));
     let methods = Methods::new(&whole);

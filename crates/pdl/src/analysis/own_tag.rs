@@ -1,4 +1,4 @@
-//! Messages that wait for the step's own task: a variable of the pattern has the name of the step.
+//! Reports messages that wait for the step's own task: a variable of the pattern has the name of the step.
 
 use super::{FindingCollector, Program, walk};
 use crate::codes;
@@ -44,7 +44,7 @@ fn has(pattern: &Pattern, name: &Symbol) -> bool {
         Pattern::Variable(variable) | Pattern::Is { variable, .. } => variable == name,
         Pattern::Segment { variable, .. } => variable.as_ref() == Some(name),
         Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => parts.iter().any(|part| has(part, name)),
-        // `<?x>` says that the value is known; the others bind nothing.
+        // `<?x>` requires a known value; the others bind nothing.
         Pattern::Literal(_)
         | Pattern::BoundVariable(_)
         | Pattern::Anonymous

@@ -1,4 +1,4 @@
-//! Messages about `:probing`: spans and counts that are none, and goals that need what the condition is still to bind.
+//! Messages about `:probing`: invalid spans and counts, and goals with variables that only the condition itself binds.
 
 use super::bound::{Bound, by_all, by_pattern};
 use super::impossible::number;
@@ -70,7 +70,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingColle
     }
 }
 
-/// Goals whose variables only the waitfor that they probe for gives a value. A `select` is checked elsewhere.
+/// Reports goals whose variables are bound only by the waitfor that they probe for. A `select` is checked elsewhere.
 fn needs_itself(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let mut goals: Vec<(Place, &Template)> = Vec::new();
     for condition in &step.waitfor {

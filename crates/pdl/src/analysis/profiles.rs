@@ -1,4 +1,4 @@
-//! Resources that can never be granted: amounts beyond the total, and holders that never let go.
+//! Resources that can never be granted: amounts beyond the total, and holders that never release.
 
 use super::endings::{ends_procedure, terminated_tags};
 use super::methods::Method;
@@ -58,7 +58,7 @@ fn total(program: &Program<'_>, resource: &Symbol) -> (f64, Dimension) {
     }
 }
 
-/// Returns the least that an entry asks for, as a number and as text.
+/// Returns the least amount that an entry requests, as a number and as text.
 fn least(program: &Program<'_>, resource: &Symbol, need: &ResourceNeed) -> Option<f64> {
     let (total, dimension) = total(program, resource);
     match need.amount.as_ref().map(|amount| &amount.kind) {
@@ -71,7 +71,7 @@ fn least(program: &Program<'_>, resource: &Symbol, need: &ResourceNeed) -> Optio
     }
 }
 
-/// Reports resources of which the profiles, which are added up, ask more than there is.
+/// Reports resources of which the sum of the profiles exceeds the total.
 fn shortage(
     program: &Program<'_>,
     profiles: &[&[ResourceNeed]],
@@ -160,7 +160,7 @@ fn useless_release(step: &Step, holds: bool, report: &mut FindingCollector<'_>) 
     }
 }
 
-/// Steps of a concurrent procedure that need what an earlier one takes and never gives back.
+/// Reports steps of a concurrent procedure that need a resource that an earlier step takes and never releases.
 fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     if program.endings.is_wild || procedure.kind == ProcedureKind::Sequential {
         return;
@@ -203,7 +203,7 @@ fn has_say(step: &Step) -> bool {
     !step.priority.is_empty() || step.rank.is_some() || step.interrupt_cost.is_some()
 }
 
-/// Resources of which one task at a time takes all, needed by the step or by what surely serves it.
+/// Returns the resources that one task at a time takes whole, needed by the step or by the method that certainly serves it.
 fn whole_needs<'l>(program: &Program<'l>, at: (usize, usize), step: &'l Step) -> Vec<&'l Symbol> {
     let needs = step.profile.iter().chain(profile_of_served(program, at, step));
     needs.filter(|need| need.amount.is_none()).filter_map(resource_of).collect()

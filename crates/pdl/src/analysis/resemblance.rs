@@ -1,5 +1,5 @@
-//! Names that nothing needs to define, and that look like a misspelling of another one: messages, state variables,
-//! resources. Anything may come from outside, so a name is suspected only where a near one is known and it is not.
+//! Names that need no definition but resemble another name: messages, state variables, resources. Inputs from outside may have any name,
+//! so a name is suspected only if it is unknown and a similar name is known.
 
 use super::{FindingCollector, Program, walk};
 use crate::codes;
@@ -68,7 +68,7 @@ fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Messages said once, awaited by no step, next to others that are sent elsewhere, too, and awaited.
+/// Reports messages that are sent once and awaited by no step, and that resemble messages that are both sent elsewhere and awaited.
 fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut FindingCollector<'_>) {
     let heard = || said.keys().filter(|name| waited.contains_key(*name)).map(|name| name.printed());
     let suspects = said.iter().filter(|(name, places)| places.len() == 1 && !waited.contains_key(*name));
@@ -85,7 +85,7 @@ fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut FindingCollect
     }
 }
 
-/// Messages that something in the program says.
+/// Returns the messages that the program sends.
 fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
     let mut messages: Vec<(&'l Expr, Place)> = Vec::new();
     walk::library(program.library, &mut |expr| {
@@ -149,7 +149,7 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         if let Some(declaration) =
             declared.get(&known_symbol).filter(|_| places.len() > 1 && !used.contains_key(&known_symbol))
         {
-            // Several uses agree against one declaration that nothing uses.
+            // Several uses agree, and contradict a declaration that no form uses.
             let span = report.locator.word(declaration.place, &known_symbol);
             let message = format!("state variable `{known}` is declared and never used, but `{name}` is used");
             let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
@@ -172,7 +172,7 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Resources named once and declared nowhere, next to others.
+/// Reports resources that are named once, are not declared, and resemble others.
 fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let mut used: Uses<'_> = BTreeMap::new();
@@ -194,7 +194,7 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let known: Vec<&str> = common.chain(library.resources.keys()).map(Symbol::printed).collect();
     let suspects = used.iter().filter(|(name, places)| places.len() == 1 && !library.resources.contains_key(**name));
     for (name, places) in suspects.take(SUSPECTS_MAX) {
-        // None of the known ones is itself a suspect.
+        // No known name is itself a suspect.
         let found = meant(name, known.iter().copied());
         let (Some(known), Some(place)) = (found, places.first()) else { continue };
         let span = report.locator.span(*place);
@@ -207,7 +207,7 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Outcomes of `terminate` that mean something; every other word is a success.
+/// Outcomes of `terminate` with a special meaning; every other word means success.
 const OUTCOMES: &[&str] = &["success", "failure", "fail", "failed", "cut", "abort", "aborted"];
 
 fn outcomes(program: &Program<'_>, report: &mut FindingCollector<'_>) {

@@ -1,5 +1,5 @@
-//! Goals that something serves, but not for everyone: what an agent pursues with the bundles it uses, and what a `plan`
-//! activity asks of solvers.
+//! Goals that are served, but not for every agent or activity: goals of an agent with its bundles, and goals of a `plan` activity, which
+//! only solvers serve.
 
 use super::methods::Method;
 use super::{FindingCollector, Program, walk};
@@ -54,7 +54,7 @@ fn plans(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Goals that the agent may come to pursue, and that only bundles serve that it does not use.
+/// Reports goals that the agent may pursue and that only bundles serve that it does not use.
 fn unknown_to(
     program: &Program<'_>,
     agent: &AgentDeclaration,

@@ -1,5 +1,4 @@
-//! Procedures, primitives and solvers that are never chosen, because another one that says more, or comes first, serves
-//! all of their goals.
+//! Procedures, primitives and solvers that are never chosen, because a more specific or earlier one serves all of their goals.
 
 use super::methods::Method;
 use super::{FindingCollector, Program, walk};
@@ -16,7 +15,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::BTreeMap;
 
-/// Methods with one first word that are compared pair by pair.
+/// Maximum number of methods with one first word that are compared pairwise.
 const COMPARED_MAX: usize = 100;
 
 struct IndexEntry<'l> {
@@ -78,11 +77,11 @@ fn hides(program: &Program<'_>, other: &IndexEntry<'_>, entry: &IndexEntry<'_>) 
     let wins = is_solver || general > special || general == special && other.method < entry.method;
     let matches_all =
         |shaped: bool| covers(other.index, entry.index) || shaped && shape(other.index) == shape(entry.index);
-    // Two of the same shape in one bundle are a separate error.
+    // Two with the same shape in one bundle are a separate error.
     both_used && wins && matches_all(other.bundle != entry.bundle) && !(is_solver && is_planned(program, entry.index))
 }
 
-/// A `plan` activity asks for solvers only.
+/// Returns true if only `plan` activities, which use solvers alone, pursue the goals of this index.
 fn is_planned(program: &Program<'_>, index: &Pattern) -> bool {
     let steps = program.library.procedures.iter().flat_map(|procedure| &procedure.steps);
     let mut activities = steps.flat_map(walk::activities);

@@ -1,7 +1,7 @@
 //! Steps that can begin, and the waits of the others that are never satisfied.
 //!
-//! A step begins when the step before it in a sequence has ended for good, its waitfor holds and the results that it
-//! uses are there. What does not follow from these rules never begins; the reason is searched for afterwards.
+//! A step begins when the preceding step of a sequence has ended finally, its waitfor holds, and the results that it uses exist. A step
+//! for which this cannot be derived never begins; the reason is searched afterwards.
 
 use super::endings::{Endings, ends_procedure, goes_on, is_stopped, terminated_tags};
 use super::horn::{Horn, HornAtom, Solution};
@@ -24,15 +24,15 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) enum Premise {
     /// The end of an instance of the step with this number.
     End { step: usize, place: Place },
-    /// The step before it in the sequence.
+    /// The preceding step of the sequence.
     Sequence { step: usize },
     /// That the step with this number has begun.
     Begin { step: usize, place: Place },
-    /// A result that one of these steps has.
+    /// A result that one of these steps binds.
     Result { name: Symbol, steps: Vec<usize> },
     /// A state that its own task is in only later.
     OwnState { place: Place },
-    /// A condition that can never hold; a separate message says why.
+    /// A condition that can never hold; a separate message states the reason.
     Impossible,
 }
 
@@ -46,7 +46,7 @@ enum Need {
 /// Reason for which a step never begins.
 #[derive(Debug)]
 pub(crate) enum Blocked {
-    /// Steps of a circle, each with what it waits for: the next one, the last one for the first.
+    /// Steps of a circle, each with its wait: for the next step, and the last one for the first.
     Circle(Vec<(usize, Premise)>),
     /// This step waits for another that begins, but does not end.
     Endless(usize, Premise),
@@ -69,8 +69,8 @@ pub(crate) struct Waits<'l> {
 }
 
 impl<'l> Waits<'l> {
-    /// Returns the waits of the procedure with this number; `None` if all of its steps begin: they wait for nothing, or only for
-    /// steps that stand before them and end.
+    /// Returns the waits of the procedure with this number; `None` if all of its steps begin, because they wait for nothing, or only for
+    /// earlier steps that end.
     pub(crate) fn new(library: &'l Library, number: usize, endings: &'l Endings) -> Option<Waits<'l>> {
         let procedure = library.procedures.get(number)?;
         let is_sequence = procedure.kind == ProcedureKind::Sequential && procedure.steps.len() > 1;
@@ -116,7 +116,7 @@ impl<'l> Waits<'l> {
         self.begins.get(step).is_none_or(|node| self.solution.holds(*node))
     }
 
-    /// Returns true if its activity ends once it has begun.
+    /// Returns true if the step's activity ends once it has begun.
     pub(crate) fn activity_ends(&self, step: usize) -> bool {
         self.procedure.steps.get(step).is_none_or(|template| can_end(template, self.number, step, self.endings))
     }
@@ -124,7 +124,7 @@ impl<'l> Waits<'l> {
     /// Returns every reason why steps never begin, each once, in order of the first step concerned.
     pub(crate) fn blocked(&self) -> Vec<Blocked> {
         let mut found = Vec::new();
-        // Steps by the walk that saw them first.
+        // For each step, the walk that visited it first.
         let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
         for start in (0..self.needs.len()).filter(|step| !self.begins(*step)) {
             let mut path: Vec<(usize, Premise)> = Vec::new();
@@ -190,8 +190,8 @@ impl<'l> Waits<'l> {
     }
 }
 
-/// Returns true if every step begins once those before it have done what they can. So it is in most procedures, and one check of each
-/// step then settles what takes many rules otherwise.
+/// Returns true if every step can begin after the earlier steps have done all they can. This holds for most procedures, and a single pass
+/// through the steps then replaces many rules.
 fn all_begin_in_order(
     procedure: &Procedure,
     number: usize,
@@ -199,7 +199,7 @@ fn all_begin_in_order(
     needs: &[Need],
     terminated: &BTreeSet<&Symbol>,
 ) -> bool {
-    // Of each step so far: it ends, it has ended for good.
+    // For each earlier step: true if it ends, true if it has ended finally.
     let mut before: Vec<(bool, bool)> = Vec::with_capacity(needs.len());
     procedure.steps.iter().zip(needs).enumerate().all(|(index, (step, need))| {
         let begins = is_met_by(&before, need);
@@ -298,7 +298,7 @@ impl<'l> StepResults<'l> {
         if producers.is_empty() {
             return StepResults { awaited: None, producers };
         }
-        // What the index or a hook gives a value is there without the step.
+        // Variables that the index or a hook binds do not need the step.
         variables::of_pattern(&procedure.index, &mut |name| {
             producers.remove(name);
         });

@@ -1,4 +1,4 @@
-//! Definitions without use: variables, and in a program with agents whole definitions.
+//! Definitions without use: variables, and, in a program with agents, whole definitions.
 
 use super::bound::by_pattern;
 use super::methods::Method;
@@ -76,7 +76,7 @@ fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     walk::procedure(procedure, &mut |expr| unused_let(expr, report));
 }
 
-/// Returns a variable that stands once in the procedure and is certainly a misspelling of `name`.
+/// Returns a variable that occurs once in the procedure and is certainly a misspelling of `name`.
 fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut FindingCollector<'_>) -> Option<(Span, Symbol)> {
     let datum = report.locator.datum(procedure.place)?;
     let mut found: BTreeMap<Symbol, (usize, Span)> = BTreeMap::new();
@@ -107,7 +107,7 @@ fn uses_of(procedure: &Procedure, note: &mut dyn FnMut(&Symbol)) {
         step.waitfor.iter().for_each(|each| variables::of_condition(each, note));
         walk::transitions(&step.transitions).for_each(|(_, each)| variables::of_condition(each, note));
         step.repeating.iter().chain(&step.responding).flat_map(|clause| &clause.for_new).for_each(&mut *note);
-        // A result that must equal what the variable holds already is a use of it.
+        // A result that must equal the variable's present value is a use of that variable.
         if let Some(Pattern::BoundVariable(name)) = step.binds.as_deref() {
             note(name);
         }
@@ -135,7 +135,7 @@ fn unused_let(expr: &Expr, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Procedures, primitives, functions, indexicals and resources of the program itself that nothing in it needs.
+/// Reports procedures, primitives, functions, indexicals and resources of the program that nothing in it uses.
 fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let is_own = |place: Place| !program.foreign.contains(&place.file);
@@ -178,7 +178,7 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Returns all methods that agents may come to pursue; `None` if a goal may be anything.
+/// Returns all methods that agents may pursue; `None` if a goal may have any form.
 fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
     let library = program.library;
     let mut reached: BTreeSet<Method> = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Walks over what is nested: expressions in expressions, conditions in conditions, and everything in a definition.
+//! Walks over nested expressions, nested conditions, and everything in a definition.
 
 use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing, VariablePattern};
 use apex_model::expression::{Expr, ExprKind, Template};
@@ -297,7 +297,7 @@ pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, 
     });
 }
 
-/// Returns the state variable that a condition watches, unless it watches something else.
+/// Returns the state variable that a condition watches; `None` if it watches something else.
 pub(crate) fn variable_of(condition: &Condition) -> Option<&VariablePattern> {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => Some(&measurement.variable),

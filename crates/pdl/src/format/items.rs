@@ -1,13 +1,13 @@
-//! The lossless tree without its white space: what the layout decides about.
+//! The lossless tree without its white space: the input of the layout.
 
 use crate::syntax::{SyntaxElement, SyntaxKind, SyntaxNode};
 
 /// A datum or comment in its list.
 pub(super) struct Entry {
     pub(super) piece: Piece,
-    /// At least one empty line stands before it.
+    /// True if an empty line precedes it.
     pub(super) blank_before: bool,
-    /// Nothing stands before it on its line.
+    /// True if it is the first item of its line.
     pub(super) own_line: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) enum DatumNode {
 }
 
 impl Entry {
-    /// Characters on one line; `None` if it does not fit on one, or nothing can follow it.
+    /// Returns its number of characters on one line; `None` if it does not fit on one line, or nothing can follow it.
     pub(super) fn flat_width(&self) -> Option<usize> {
         match &self.piece {
             Piece::Datum(node) => node.flat_width(),

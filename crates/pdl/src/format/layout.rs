@@ -1,4 +1,4 @@
-//! Line breaks: a form stays on one line if it fits, else its parts go below each other.
+//! Line breaks: a form stays on one line if it fits, otherwise its parts are placed below each other.
 
 use super::LINE_CHARACTERS_MAX;
 use super::items::{DatumNode, Entry, Piece};
@@ -120,7 +120,7 @@ impl Page {
         }
     }
 
-    /// Lays out a broken form: its head and what belongs to it on the first line, everything else below.
+    /// Lays out a form on several lines: its head and the items that belong to it on the first line, all others below.
     fn broken(&mut self, entries: &[Entry], head: &str, trailing: usize) {
         let start = self.column;
         let is_data = entries.first().and_then(Entry::node).is_none_or(|node| node.atom().is_none());
@@ -175,7 +175,7 @@ impl Page {
         }
         let fits = self.fits(entry.flat_width().map(|width| width + 1), role.after);
         if role.is_value {
-            // The value of an option starts on its line; if it must be broken, it is broken there.
+            // The value of an option begins on the option's line; if it must be broken, it is broken there.
             let start = self.column + 1 < LINE_CHARACTERS_MAX * 3 / 4;
             return if fits || start { BreakKind::SameLine } else { BreakKind::Aligned };
         }
@@ -196,9 +196,9 @@ struct Role {
     in_header: bool,
     /// It is an option's keyword.
     leads: bool,
-    /// An option's keyword stands before it.
+    /// True if an option's keyword precedes it.
     is_value: bool,
-    /// Characters that follow it on its line.
+    /// Number of characters that follow it on its line.
     after: usize,
 }
 
@@ -214,12 +214,12 @@ enum BreakKind {
     Below,
 }
 
-/// Atoms that belong to what follows them.
+/// Returns true for atoms that stay with the item that follows them.
 fn leads(node: &DatumNode) -> bool {
     node.is_keyword() || matches!(node.atom(), Some("=>" | ">>"))
 }
 
-/// Options whose value may be a keyword.
+/// Returns true for options whose value may be a keyword.
 fn takes_keyword(entry: &Entry) -> bool {
     let name = entry.node().and_then(DatumNode::atom).map(str::to_lowercase);
     matches!(name.as_deref(), Some(":quality" | ":estimation" | ":type" | ":use-bundles"))
@@ -238,7 +238,7 @@ fn always_broken(node: &DatumNode, entries: &[Entry]) -> bool {
     }
 }
 
-/// Forms that may have a tag before what they are about.
+/// Forms that may have a tag as their first argument.
 const TAGGED: &[&str] = &["step", ":episode", ":measurement", ":atomic-episode", ":cyclic"];
 
 /// Returns the number of entries of a broken form that may be on its first line, the head included.

@@ -7,13 +7,13 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::read::read_file;
 use crate::syntax::parse;
 
-/// Characters of a line, where the text allows it.
+/// Number of characters per line that the formatter aims at.
 pub(crate) const LINE_CHARACTERS_MAX: usize = 100;
 
 /// Lays PDL text out: two spaces of indentation, lines of at most 100 characters, comments and data unchanged.
 ///
 /// # Errors
-/// The first flaw of a text that is not well formed: such text is not touched.
+/// The first syntax error of a malformed text, which remains unchanged.
 #[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub fn format(text: &str) -> Result<String, Diagnostic> {
     format_steps(text).map(|(text, _)| text)

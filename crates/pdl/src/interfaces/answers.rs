@@ -50,7 +50,7 @@ fn constant(expr: &Expr) -> Option<&Value> {
     }
 }
 
-/// Returns the options, if they are all known.
+/// Returns the options if all are constant.
 fn constants(options: &Expr) -> Vec<&Value> {
     match constant(options) {
         Some(Value::List(items)) => items.iter().collect(),
@@ -81,7 +81,7 @@ fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findi
     findings.add(diagnostic);
 }
 
-/// Goals of the procedure in which the answer is a word: something must serve each of them.
+/// Reports goals of the procedure that contain the answer as a word and that no method serves for one of the options.
 fn answers(
     (library, methods): (&Library, &Methods<'_>),
     procedure: &Procedure,
@@ -125,7 +125,7 @@ fn mentions(goal: &Template, answer: &Symbol) -> bool {
     }
 }
 
-/// Returns the goal with the answer in it.
+/// Returns the goal with the answer filled in.
 fn fill(goal: &Template, answer: &Symbol, value: &Value) -> Template {
     match goal {
         Template::List(parts) => Template::List(parts.iter().map(|part| fill(part, answer, value)).collect()),
@@ -157,7 +157,7 @@ fn unused_index(library: &Library, goal: &Template) -> Option<Place> {
     indexes.find(|(index, _)| is_similar(index)).map(|(_, place)| place)
 }
 
-/// Returns the word after a keyword of the step, else the activity.
+/// Returns the word after a keyword of the step, otherwise the activity.
 fn after_keyword(findings: &mut Findings<'_>, step: &Step, keyword: &str, word: &Symbol) -> Span {
     let Some(datum) = findings.locator.datum(step.place) else { return findings.locator.span(step.place) };
     let mut found = None;

@@ -22,7 +22,7 @@ const PLACE_WORDS: &[&str] = &["here", "down"];
 pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
         if let Receiver::Declared(declaration) = &call.receiver {
-            // What a library sends is not compared with a declaration by which a program replaced the library's.
+            // Messages of a library are not compared with a declaration by which a program replaced the library's.
             if is_shipped(library, call.place) && !is_shipped(library, declaration.place) {
                 continue;
             }
@@ -39,17 +39,17 @@ pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, fin
     }
 }
 
-/// An argument that is not of the wanted type.
+/// The reason for which an argument does not have the wanted type.
 pub(super) enum Mismatch {
-    /// It is certainly something else: as text.
+    /// It certainly has another kind, stated as text.
     Other(String),
-    /// A number without unit, where a quantity is wanted.
+    /// A number without unit where a quantity is wanted.
     Bare(String),
     /// Not one of the words.
     Word(Symbol),
 }
 
-/// Returns the difference between an argument and its type; none where it does not, or where its value is not known.
+/// Returns the mismatch between an argument and its type; `None` if they agree or the value is unknown.
 fn mismatch(library: &Library, wanted: &ArgumentType, item: View<'_>) -> Option<Mismatch> {
     let kind = match item {
         View::Template(Template::Hole(expr)) if is_zero(expr) => return None,
@@ -119,7 +119,7 @@ fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
 fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismatch, findings: &mut Findings<'_>) {
     let span = call.argument_span(&mut findings.locator, number);
     let head = call.head().map_or("", Symbol::printed);
-    // The words of its author, `110s`, are better known than the same value in the words of Apex, `P1M50S`.
+    // The author's own notation, `110s`, is clearer in a message than the canonical form of the value, `P1M50S`.
     let value = call.items.get(number).and_then(|item| item.value()).map(|value| format!("`{value}`"));
     let written = findings.locator.text(span).filter(|text| !text.contains('\n')).map(|text| format!("`{text}`"));
     let as_written = |what: String| match (&value, &written) {

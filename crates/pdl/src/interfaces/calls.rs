@@ -1,4 +1,4 @@
-//! Every goal, message and command of a program with its arguments: where values meet declared types.
+//! Collects every goal, message and command of a program with its arguments, which are compared with declared types.
 
 use crate::analysis::methods::{Method, Methods};
 use crate::analysis::walk;
@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The receiver of arguments.
 pub(super) enum Receiver<'l> {
-    /// A goal: what may serve it.
+    /// A goal, with the methods that may serve it.
     Goal(Vec<Method>),
     /// A declared message or command.
     Declared(&'l InterfaceDeclaration),
@@ -27,19 +27,19 @@ pub(super) enum Receiver<'l> {
 
 /// One goal, message or command.
 pub(super) struct Call<'l> {
-    /// The procedure or primitive that it is written in.
+    /// The procedure or primitive that contains it.
     pub(super) owner: Option<Method>,
     /// The receiver of its arguments.
     pub(super) receiver: Receiver<'l>,
     /// Its parts, the head first, as far as their positions are known: up to the first splice.
     pub(super) items: Vec<View<'l>>,
-    /// True if nothing follows these parts.
+    /// True if no further parts follow.
     pub(super) is_complete: bool,
     /// The form itself.
     pub(super) view: View<'l>,
     /// True for a message.
     pub(super) is_message: bool,
-    /// The form that it is written in.
+    /// The place of the form.
     pub(super) place: Place,
 }
 
@@ -49,7 +49,7 @@ impl<'l> Call<'l> {
         self.items.first().and_then(|item| item.value()).and_then(Value::as_symbol)
     }
 
-    /// Returns the stretch of the argument with this number, else of the form.
+    /// Returns the range of the argument with this number, otherwise of the form.
     pub(super) fn argument_span(&self, locator: &mut Locator<'_>, number: usize) -> Span {
         let mut found = None;
         if let (Some(datum), Some(head)) = (locator.datum(self.place), self.head()) {
@@ -69,7 +69,7 @@ impl<'l> Call<'l> {
 pub(super) struct Calls<'l> {
     /// In order of the library.
     pub(super) all: Vec<Call<'l>>,
-    /// Messages that are computed: anything may be sent.
+    /// True if a message is computed: any message may then be sent.
     pub(super) is_wild: bool,
     /// Variables of goals whose values are sent as messages.
     forwarded: Vec<(Method, &'l Symbol)>,
@@ -109,7 +109,7 @@ impl<'l> Calls<'l> {
         calls
     }
 
-    /// Messages that are handed on as arguments of goals: what the callers of those goals give is sent.
+    /// Follows messages that are passed as arguments of goals: the callers of those goals determine the messages.
     fn follow(&mut self, library: &'l Library, methods: &Methods<'l>) {
         let mut seen: BTreeSet<(Method, &'l Symbol)> = BTreeSet::new();
         let mut reaching: BTreeMap<Method, Vec<usize>> = BTreeMap::new();
@@ -197,7 +197,7 @@ fn position(index: Option<&Pattern>, variable: &Symbol) -> Option<usize> {
     )
 }
 
-/// Returns the parts of a form up to the first splice, and whether these are all.
+/// Returns the parts of a form up to the first splice, and true if these are all.
 fn parts(view: View<'_>) -> (Vec<View<'_>>, bool) {
     match view {
         View::Template(Template::List(parts)) => {

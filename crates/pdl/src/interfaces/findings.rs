@@ -1,11 +1,11 @@
-//! Messages of these checks, with the texts in which their places are found.
+//! Collector of these checks' messages, with the texts in which their places are found.
 
 use crate::diagnostic::Diagnostic;
 use crate::locate::Locator;
 use apex_model::library::Library;
 use apex_model::source::{Place, SourceFile};
 
-/// Maximum number of messages: the first ones.
+/// Maximum number of messages; the first ones are kept.
 const MESSAGES_MAX: usize = 200;
 
 /// Collects messages.

@@ -22,14 +22,14 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct KnownNames {
     /// Names of each kind. A kind that is absent is not checked.
     pub names: BTreeMap<NameKind, BTreeSet<Symbol>>,
-    /// Planners; empty where they are not known.
+    /// Planners; empty if they are unknown.
     pub solvers: BTreeSet<Symbol>,
-    /// First words of messages that come from outside, in addition to the declared ones.
+    /// First words of messages from outside, in addition to the declared ones.
     pub messages: BTreeSet<Symbol>,
 }
 
 impl KnownNames {
-    /// Returns a message about `name`, unless the mission has it or the kind is not known.
+    /// Returns a message about `name`; `None` if the mission has it or names of this kind are unknown.
     fn unknown(&self, kind: NameKind, name: &Symbol, span: impl FnOnce() -> Span) -> Option<Diagnostic> {
         let known = self.names.get(&kind)?;
         if known.contains(name) || kind == NameKind::Place && is_place_word(name.folded()) {

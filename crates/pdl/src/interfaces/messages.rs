@@ -1,4 +1,4 @@
-//! Messages that steps wait for and that can never come: nothing sends them, or not with these arguments.
+//! Reports messages that steps wait for and that can never arrive: nothing sends them, or not with these arguments.
 
 use super::calls::{Call, Calls};
 use super::findings::{Findings, is_shipped};

@@ -114,7 +114,7 @@ impl<'l> Types<'l> {
         }
     }
 
-    /// Returns the type that argument `number` of the call must have, if it is known.
+    /// Returns the type that argument `number` of the call must have; `None` if it is unknown.
     pub(super) fn wanted(&self, call: &Call<'l>, number: usize) -> Option<ArgumentType> {
         match &call.receiver {
             Receiver::Message => None,

@@ -129,7 +129,7 @@ impl Lowering {
         })
     }
 
-    /// Choices: one list of them, one expression that yields it, or several in a row.
+    /// Lowers choices: one list of them, one expression that returns it, or several in a row.
     fn choices(&mut self, datum: &Datum, values: &[Datum]) -> Option<Expr> {
         match values {
             [] => Some(constant(Value::nil(), datum.span)),
@@ -184,7 +184,7 @@ impl Lowering {
     }
 }
 
-/// Returns an option of a result: nothing was asked for, or it could be lowered.
+/// Turns an optional result inside out: `Some(None)` if nothing was requested, `None` if lowering failed.
 pub(crate) fn swap<T>(option: Option<Option<T>>) -> Option<Option<T>> {
     match option {
         None => Some(None),

@@ -1,4 +1,4 @@
-//! The limits that an agent lowers for itself: `:limits (:tasks 200 :event-history 50)` (decision 0033).
+//! The limits that an agent sets lower for itself: `:limits (:tasks 200 :event-history 50)` (decision 0033).
 
 use super::Lowering;
 use super::clauses::{KeywordGroup, groups};

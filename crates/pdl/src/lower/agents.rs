@@ -1,4 +1,4 @@
-//! Agents, routers and what they say to each other by name (`pdl.md`, Applications).
+//! Agents, routers and the references between them by name (`pdl.md`, Applications).
 
 use super::clauses::{groups, values_of};
 use super::{Goal, Lowering, Scope};
@@ -19,7 +19,7 @@ const AGENT_SHAPE: &str =
     "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])";
 const ROUTER_SHAPE: &str = "(router NAME [:carries (TOPIC..)])";
 
-/// A name of something that another form must define.
+/// A name that another form must define.
 pub(crate) struct NameUse {
     kind: NameKind,
     name: Symbol,
@@ -36,7 +36,7 @@ pub(crate) enum NameKind {
 }
 
 impl Lowering {
-    /// Notes that `datum`, where it is a constant name, must name something of this kind.
+    /// Records that `datum`, if it is a constant name, must name something of this kind.
     pub(crate) fn use_name(&mut self, kind: NameKind, datum: &Datum) {
         let inner = match &datum.kind {
             DatumKind::Quote(inner) => inner,
@@ -197,7 +197,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Lowers `all`, or a list of patterns; a bare name is everything that begins with it.
+    /// Lowers `all`, or a list of patterns; a bare name matches everything that begins with it.
     fn topics(&mut self, datum: &Datum) -> Option<Topics> {
         if datum.is("all") || datum.is(":all") || datum.is("t") {
             return Some(Topics::All);
@@ -221,8 +221,8 @@ impl Lowering {
         patterns.map(Topics::Matching)
     }
 
-    /// Reports names of agents, routers and bundles that nothing defines. Agents are known only if some are declared:
-    /// a library does not know who will use it.
+    /// Reports names of agents, routers and bundles that nothing defines. Names of agents are checked only if some are declared, because
+    /// a library does not know the agents that will use it.
     pub(crate) fn report_unknown_company(&mut self, library: &Library) {
         let bundles: Vec<&str> = self.bundle_names.iter().map(|name| name.printed()).collect();
         let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Numbers that stand apart from their units: `55 min` is two parts of a goal, or two values, where `55min` is one.
+//! Numbers separated from their units: `55 min` is two parts of a goal, or two values, whereas `55min` is one.
 
 use super::expected::of_unit;
 use super::goals::GoalIndex;
@@ -9,10 +9,10 @@ use apex_model::expression::Template;
 use apex_model::quantity::{Unit, unit_named};
 use apex_model::value::Value;
 
-/// A number and the unit behind it: its place among the items, the number, the unit.
+/// A number and the unit after it: its index among the items, the number, the unit.
 type Apart = (usize, f64, &'static Unit);
 
-/// Returns a fix for `20 seconds`, which is one value and written as one word.
+/// Returns a fix that writes `20 seconds`, which is meant as one value, as one word.
 pub(super) fn apart_from_unit(values: &[Datum]) -> Option<Fix> {
     let [(0, ..)] = apart(values).as_slice() else { return None };
     let [number, unit] = values else { return None };
@@ -25,7 +25,7 @@ pub(super) fn apart_from_unit(values: &[Datum]) -> Option<Fix> {
     })
 }
 
-/// Makes one word of each number and its unit in a goal, if something serves the goal then. `text` gives what is written.
+/// Joins each number of a goal with its unit, if some method serves the goal then. `text` returns the written text.
 pub(super) fn joined(
     goal: &Datum,
     template: &Template,
@@ -51,7 +51,7 @@ pub(super) fn joined(
     words.reverse();
     fix.edits.reverse();
     fix.title = format!("write {}", words.join(" and "));
-    // Without holes a goal is one value.
+    // A goal without holes is a single value.
     let constant = |part: &Template| match part {
         Template::Constant(value) => Some(value.clone()),
         _ => None,
@@ -74,7 +74,7 @@ fn apart(items: &[Datum]) -> Vec<Apart> {
     items.windows(2).enumerate().filter_map(pair).collect()
 }
 
-/// Returns the one blank between the two; a line end or a comment there is not for a program to remove.
+/// Returns the single blank between the two; a line end or a comment there must not be removed automatically.
 fn gap(number: &Datum, unit: &Datum) -> Option<Span> {
     let gap = Span { start: number.span.end, end: unit.span.start, ..number.span };
     (gap.end == gap.start.saturating_add(1) && number.span.line == unit.span.line).then_some(gap)

@@ -10,11 +10,11 @@ use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Options that say something to an outside simulator.
+/// Options whose messages go to an outside simulator.
 const CUES: &[&str] = &["init", "start", "step", "stop", "reset"];
 const KINDS: &[&str] = &["native-sim", "realtime", "foreign-sim"];
 
-/// Options that mean something to the front end or to the command that flies missions.
+/// Options that the front end or the flying command reads.
 const OPTIONS: &[&str] = &[
     "agents",
     "airfields",
@@ -106,7 +106,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Checks that options for an outside simulator are given only with one. A text as `:start` is a mission's civil time.
+    /// Checks that options for an outside simulator are given only with one. A `:start` with text is a mission's civil time.
     fn check_cues(&mut self, options: &[KeywordGroup<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());

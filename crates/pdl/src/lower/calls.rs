@@ -17,10 +17,10 @@ const FUNCTION_FIRST: &[&str] =
     &["apply", "every", "find-if", "funcall", "mapcar", "reduce", "remove-if", "remove-if-not", "some"];
 /// Functions whose first argument is a datum with holes.
 const FORM_FIRST: &[&str] = &["cogevent", "command", "inform", "publish"];
-/// Functions whose numeric arguments must be of one dimension.
+/// Functions whose numeric arguments must have the same dimension.
 const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
-/// Unknown names reported; each costs a search for what was meant.
+/// Maximum number of reported unknown names, because each needs a search for suggestions.
 const UNKNOWN_NAMES_MAX: usize = 100;
 
 /// Words that authors write for functions with another name.
@@ -34,7 +34,7 @@ impl Lowering {
         }
         let function = self.resolve_call(name, at, datum.span, arguments.len());
         let canonical = function.clone().unwrap_or_else(|| name.clone());
-        // Of a misspelt `command` the form is still a form: one mistake has one message.
+        // The form of a misspelt `command` is still read as a form, so that one mistake gives one message.
         let is_unknown = self.names.function(name).is_none();
         let meant = is_unknown.then(|| nearest(name.printed(), FORM_FIRST.iter().copied())).flatten().map(Symbol::new);
         let mut lowered = Vec::with_capacity(arguments.len());
@@ -82,7 +82,7 @@ impl Lowering {
         self.expression(datum)
     }
 
-    /// Returns a function given to `mapcar` and the like: `#'f`, `f`, `'f`, a lambda or an expression that yields one.
+    /// Returns a function passed to `mapcar` and the like: `#'f`, `f`, `'f`, a lambda or an expression that returns one.
     fn function_argument(&mut self, datum: &Datum) -> Option<Expr> {
         match &datum.kind {
             DatumKind::Symbol(name) if !self.scope.is_local(name) => self.function_value(datum),

@@ -1,4 +1,4 @@
-//! Shapes that many forms share: keyword options, clauses that may stand once, single arguments.
+//! Shapes that many forms share: keyword options, clauses that may occur once, single arguments.
 
 use super::Lowering;
 use crate::codes;
@@ -19,7 +19,7 @@ pub(crate) struct KeywordGroup<'d> {
 /// Options whose value may itself be a keyword.
 const KEYWORD_VALUED: &[&str] = &["quality", "estimation", "type", "use-bundles", "join"];
 
-/// Splits `items` into keyword groups; the first part is what stands before the first keyword.
+/// Splits `items` into keyword groups; the first part is everything before the first keyword.
 pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<KeywordGroup<'_>>) {
     let first = items.iter().position(|item| item.keyword().is_some()).unwrap_or(items.len());
     let (before, mut rest) = items.split_at_checked(first).unwrap_or((items, &[]));
@@ -40,7 +40,7 @@ pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<KeywordGroup<'_>>) {
 }
 
 impl Lowering {
-    /// Refuses options that do not exist here or are given twice.
+    /// Rejects options that are unknown here or repeated.
     pub(crate) fn check_groups(&mut self, groups: &[KeywordGroup<'_>], known: &[&str], of: &str) -> Option<()> {
         let mut fine = true;
         for (index, group) in groups.iter().enumerate() {
@@ -74,7 +74,7 @@ impl Lowering {
         self.report(diagnostic);
     }
 
-    /// Reports a clause that is given again. One that says the same may go; of two that differ one has to be chosen.
+    /// Reports a repeated clause. An equal one may be removed; of two different ones the author must choose one.
     pub(crate) fn report_clause_twice(&mut self, first: &Datum, second: &Datum) {
         let name = first.head_name();
         let same = first.to_value() == second.to_value();

@@ -1,4 +1,4 @@
-//! Conditions made of conditions: logic, order, Allen relations, absence (`conditions.md`).
+//! Conditions composed of conditions: logic, order, Allen relations, absence (`conditions.md`).
 
 use super::Lowering;
 use super::clauses::groups;
@@ -9,7 +9,7 @@ use apex_model::condition::{AllenRelation, Condition, ConditionKind};
 use apex_model::symbol::Symbol;
 use std::sync::Arc;
 
-/// Every spelling of an Allen relation; the first of each is the one printed.
+/// Every spelling of an Allen relation; the first spelling of each is printed.
 const ALLEN: &[(&str, AllenRelation)] = &[
     ("before", AllenRelation::Before),
     ("after", AllenRelation::After),

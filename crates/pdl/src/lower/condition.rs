@@ -47,7 +47,7 @@ const CONDITION_KEYWORDS: &[&str] = &[
 const OUTCOMES: &[&str] = &["succeeded", "failed", "skipped", "exited", "precondition-failed", "invariant-violated"];
 
 impl Lowering {
-    /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
+    /// Lowers a sequence of conditions; `:quality Q` may follow an episode directly, as in the paper.
     pub(crate) fn conditions(&mut self, items: &[Datum]) -> Option<Vec<Condition>> {
         // Conditions are large and most clauses have one, so the vector has no spare capacity.
         let mut lowered = Vec::with_capacity(items.len());
@@ -67,7 +67,7 @@ impl Lowering {
         complete.then_some(lowered)
     }
 
-    /// Lowers conditions that stand alone, each in a separate scope.
+    /// Lowers separate conditions, each in its own scope.
     pub(crate) fn lone_conditions(&mut self, items: &[Datum]) -> Vec<Condition> {
         let goals = self.goals.len();
         let mut lowered = Vec::new();
@@ -82,7 +82,7 @@ impl Lowering {
             lowered.extend(condition);
             rest = next;
         }
-        // No task pursues goals here: they need not be served.
+        // No task pursues goals here, so no method need serve them.
         self.goals.truncate(goals);
         lowered
     }
@@ -308,7 +308,7 @@ impl Lowering {
         Some(ConditionKind::TaskState { task, state: self.pattern(state)? })
     }
 
-    /// Returns a tag that may stand before the rest of a condition, and the rest.
+    /// Returns the optional tag before the rest of a condition, and the rest.
     pub(crate) fn condition_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
         match items {
             [tag, second, ..] if second.as_list().is_some() => {

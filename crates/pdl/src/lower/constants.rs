@@ -1,4 +1,4 @@
-//! Constants: literals are known while text is loaded, the others are computed once, as an agent is loaded.
+//! Constants: literals are known when the text is loaded; others are computed once, when an agent is loaded.
 
 use super::{Lowering, Scope};
 use crate::codes;
@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const SHAPE: &str = "(defconstant NAME EXPRESSION)";
 
 impl Lowering {
-    /// Notes a constant. A literal one has its value at once.
+    /// Records a constant. A literal one has its value at once.
     pub(crate) fn collect_constant(&mut self, form: &Datum) -> Option<()> {
         let [name, value] = form.tail() else {
             return self.missing_part(form.span, "this `defconstant` has the wrong parts", SHAPE);
@@ -111,7 +111,7 @@ fn constant_name(datum: &Datum) -> Option<Symbol> {
     }
 }
 
-/// Returns true if there is anything to compute: a list that begins with a number or a string is data, for example a location.
+/// Returns true if the value must be computed: a list that begins with a number or a string is data, for example a location.
 fn is_computed(value: &Datum) -> bool {
     match &value.kind {
         DatumKind::List(items) if items.first().is_some_and(|head| head.as_symbol().is_some()) => true,

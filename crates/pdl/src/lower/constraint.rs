@@ -32,7 +32,7 @@ impl Lowering {
         Some(groups.into_iter().flatten().collect())
     }
 
-    /// Lowers one constraint; `(:and ..)` yields several.
+    /// Lowers one constraint; `(:and ..)` gives several.
     fn constraint(&mut self, datum: &Datum, expected: &Expected) -> Option<Vec<Constraint>> {
         let one = |constraint: Option<Constraint>| constraint.map(|constraint| vec![constraint]);
         let Some((head, arguments)) = datum.as_list().and_then(<[Datum]>::split_first) else {

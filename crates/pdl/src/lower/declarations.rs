@@ -1,6 +1,6 @@
 //! Declarations: functions, indexicals, constants, state variables, resources, solvers.
 //!
-//! `collect` runs over all files first, so that order of definition does not matter; bodies are lowered after.
+//! `collect` runs over all files first, so that the order of definitions does not matter; bodies are lowered afterwards.
 
 use super::clauses::{groups, values_of};
 use super::parameters::argument_counts;
@@ -21,7 +21,7 @@ use apex_model::value::Value;
 const VALUE_TYPES: &[&str] = &["real", "integer", "number", "symbol", "string", "location", "boolean", "list"];
 
 impl Lowering {
-    /// Notes what a declaration defines; lowers it where no body is involved.
+    /// Records the name that a declaration defines; lowers the declaration if it has no body.
     pub(crate) fn collect(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         match form.head_name() {
             "defun" => self.collect_function(form),
@@ -53,7 +53,7 @@ impl Lowering {
         }
     }
 
-    /// Refuses a second definition of one name.
+    /// Rejects a second definition of a name.
     pub(super) fn define(&mut self, name: &str, first: Option<Span>, second: Span) -> Option<()> {
         let Some(first) = first else { return Some(()) };
         let diagnostic = Diagnostic::error(codes::DUPLICATE_DEFINITION, second, format!("`{name}` is defined twice"))
@@ -277,8 +277,8 @@ impl Lowering {
         self.refuse(diagnostic.help("for example `:depletable 180kg`"))
     }
 
-    /// Checks a resource that is a part: it must not be depletable, nor a part of itself. Whether its whole is declared is checked at the
-    /// end.
+    /// Checks a resource that is a part: it must be neither depletable nor a part of itself. The declaration of its whole is checked at
+    /// the end.
     fn check_part(&mut self, name: &Symbol, kind: &ResourceKind, (whole, span): (&Symbol, Span)) -> Option<()> {
         let message = match kind {
             ResourceKind::Depletable(_) | ResourceKind::Renewable(_) => {
@@ -293,7 +293,7 @@ impl Lowering {
         self.refuse(Diagnostic::error(codes::MALFORMED, span, message))
     }
 
-    /// Checks that wholes are declared, are taken as one, and do not belong to their parts.
+    /// Checks that wholes are declared, are unitary, and do not belong to their parts.
     pub(crate) fn check_wholes(&mut self, library: &Library) {
         for (part, whole, span) in std::mem::take(&mut self.wholes) {
             let message = match library.resources.get(&whole).map(|declared| &declared.kind) {

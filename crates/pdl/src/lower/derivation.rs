@@ -191,7 +191,7 @@ impl Lowering {
         Some(Datum { kind: DatumKind::Variable(name), span })
     }
 
-    /// Puts those first that others read; a circle is refused.
+    /// Sorts derivations so that inputs come before the variables that read them; a circle is an error.
     fn rank_derivations(&mut self, spans: &BTreeMap<Symbol, Span>, library: &mut Library) {
         let count = u32::try_from(library.derivations.len()).unwrap_or(u32::MAX);
         for _ in 0..=count {
@@ -212,7 +212,7 @@ impl Lowering {
         }
     }
 
-    /// Refuses what replaces a state variable and is a condition or a call.
+    /// Rejects an input in place of a state variable that is a condition or a call.
     pub(crate) fn refuse_expression(&mut self, attribute: &Symbol, objects: &[Datum], span: Span) -> Option<()> {
         let is_condition = attribute.folded().starts_with(':');
         let is_call = self.names.is_operator(attribute)
@@ -229,7 +229,7 @@ impl Lowering {
     }
 }
 
-/// Inputs of the expression, as far as they are known.
+/// Inputs of the expression, if they can be determined.
 struct Inputs {
     object: Symbol,
     found: Vec<DerivationInput>,

@@ -43,7 +43,7 @@ const GAP_WORDS: &[&str] = &[
 ];
 
 impl Lowering {
-    /// Lowers `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
+    /// Lowers `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that follows the form directly.
     pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
         let (any, items) = self.without_any(items);
         let (tag, items) = self.condition_tag(&items);
@@ -90,7 +90,7 @@ impl Lowering {
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
     }
 
-    /// Returns whether the word `:any` is among the data, and the data without it.
+    /// Returns true if the word `:any` is among the data, and the data without it.
     pub(super) fn without_any(&mut self, items: &[Datum]) -> (bool, Vec<Datum>) {
         let any = items.iter().any(|item| item.is(":any"));
         (any, items.iter().filter(|item| !item.is(":any")).cloned().collect())
@@ -132,7 +132,7 @@ impl Lowering {
         match datum.as_list() {
             Some([word]) if word.is(":no-constraints") => Some(Quality::NoConstraints),
             Some([word, gap]) if word.keyword().is_some_and(|word| GAP_WORDS.contains(&word)) => {
-                // A constraint form, `(:msi (<= 1s))`, names the same limit.
+                // The constraint `(:msi (<= 1s))` states the same limit.
                 let gap = match gap.as_list() {
                     Some([relation, limit]) if relation.is("<") || relation.is("<=") => limit,
                     _ => gap,
@@ -188,7 +188,7 @@ impl Lowering {
         })
     }
 
-    /// Refuses to compute with values that are declared to be something else than numbers.
+    /// Rejects computations with values that are declared to be other than numbers.
     pub(crate) fn needs_numbers(&mut self, what: &str, span: Span, expected: &Expected) -> Option<()> {
         let declared = match expected.value_type.as_ref() {
             Some(name) if matches!(expected.kind, ExpectedKind::Anything) => name.printed().to_string(),
@@ -249,7 +249,7 @@ impl Lowering {
         Some(vec![Constraint::Predicate(name, Vec::new())])
     }
 
-    /// Returns an option that is a value rather than a constraint: `:hysteresis 3deg`, also as it is printed, `(= 3deg)`.
+    /// Returns an option that is a value and not a constraint: `:hysteresis 3deg`, also in its printed form `(= 3deg)`.
     pub(super) fn one_value(&mut self, option: &str, values: &[Datum], span: Span) -> Option<Vec<Constraint>> {
         let datum = self.only(option, values, span)?;
         let right = match datum.as_list() {
@@ -306,8 +306,8 @@ fn weighted(item: &Datum) -> Datum {
     Datum { kind: DatumKind::List(std::iter::once(head).chain(rest).collect()), span: item.span }
 }
 
-/// Returns both ways to state the quality, after the last part of an episode: the one that asks for nothing, and the one that
-/// asks for samples close together.
+/// Returns both ways to state the quality after the last part of an episode: the one without a requirement, and the one that requires
+/// dense samples.
 fn quality_added(episode: &Datum) -> Vec<Fix> {
     let Some(last) = episode.as_list().and_then(<[Datum]>::last) else { return Vec::new() };
     let add = |quality: &str, means: &str| {
@@ -320,7 +320,7 @@ fn quality_added(episode: &Datum) -> Vec<Fix> {
     ]
 }
 
-/// Returns a misspelt quality, or one without its colon.
+/// Returns fixes for a misspelt quality, or one without its colon.
 fn quality_renamed(quality: &Datum) -> Vec<Fix> {
     let words = || std::iter::once("no-constraints").chain(GAP_WORDS.iter().copied());
     let word = quality.as_list().and_then(<[Datum]>::first).unwrap_or(quality);

@@ -1,4 +1,4 @@
-//! `precondition` and `invariant`: conditions that are judged at instants.
+//! Lowers `precondition` and `invariant`: conditions that are judged at instants.
 
 use super::Lowering;
 use crate::codes;

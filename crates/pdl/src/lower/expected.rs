@@ -26,7 +26,7 @@ pub(crate) struct Expected {
 /// Treatment of literals.
 #[derive(Clone, Copy)]
 pub(crate) enum ExpectedKind {
-    /// Anything goes: objects, predicates' results.
+    /// Any value: objects, results of predicates.
     Anything,
     /// An instant: neither number nor duration.
     Instant,
@@ -34,7 +34,7 @@ pub(crate) enum ExpectedKind {
     Duration,
     /// A state variable that nothing declares: pure numbers only.
     Undeclared,
-    /// Of this dimension; bare numbers are in the unit, if there is one.
+    /// A value of this dimension; bare numbers have the unit, if there is one.
     Measured(Dimension, Option<&'static Unit>),
     /// Change per second of values of this dimension.
     Rate(Dimension, Option<&'static Unit>),
@@ -48,7 +48,7 @@ impl Expected {
         Expected::plain("the object", ExpectedKind::Anything)
     }
 
-    /// Returns a pure number, such as a count.
+    /// Returns the expectation of a pure number, such as a count.
     pub(crate) fn number(subject: &str) -> Expected {
         Expected::plain(subject, ExpectedKind::Measured(Dimension::NONE, None))
     }
@@ -74,7 +74,7 @@ impl Expected {
         Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone() }
     }
 
-    /// Returns the change per second of such values.
+    /// Returns the expectation of the change per second of such values.
     pub(crate) fn rate(&self) -> Expected {
         let (dimension, unit) = match self.kind {
             ExpectedKind::Measured(dimension, unit) => (dimension, unit),
@@ -87,7 +87,7 @@ impl Expected {
         }
     }
 
-    /// Returns the square of such values; bare numbers are squares of the unit.
+    /// Returns the expectation of the square of such values; bare numbers are squares of the unit.
     pub(crate) fn square(&self) -> Expected {
         let kind = match self.kind {
             ExpectedKind::Measured(dimension, unit) if dimension != Dimension::NONE => {
@@ -98,7 +98,7 @@ impl Expected {
         Expected { kind, ..self.named("variance") }
     }
 
-    /// Returns a statistic of such values, which has their dimension.
+    /// Returns the expectation of a statistic of such values, which has their dimension.
     pub(crate) fn named(&self, name: &str) -> Expected {
         if let ExpectedKind::Undeclared = self.kind {
             return self.clone();
@@ -106,7 +106,7 @@ impl Expected {
         Expected { subject: format!("the {name} of {}", self.subject), ..self.clone() }
     }
 
-    /// Returns a number that is computed: real, whatever the values are.
+    /// Returns the expectation of a computed real number of such values.
     pub(crate) fn real(&self) -> Expected {
         match self.value_type.as_ref().map(Symbol::folded) {
             Some("symbol" | "string" | "list") => self.clone(),
@@ -182,7 +182,7 @@ pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     }
 }
 
-/// Returns the dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
+/// Returns the dimension of a sum. If another part may be an instant, a duration does not make the sum a duration.
 fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
     let known: Vec<Option<Dimension>> = parts.iter().map(dimension_of).collect();
     let found = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE);
@@ -204,7 +204,7 @@ pub(crate) fn zero_of(expr: &Expr, dimension: Dimension) -> Option<Value> {
 }
 
 impl Lowering {
-    /// Checks the literals of `expr` against what is expected, and gives bare numbers their unit.
+    /// Checks the literals of `expr` against the expectation, and gives bare numbers their unit.
     pub(crate) fn conform(&mut self, mut expr: Expr, span: Span, expected: &Expected) -> Option<Expr> {
         self.conform_in_place(&mut expr, span, expected)?;
         Some(expr)
@@ -292,7 +292,7 @@ impl Lowering {
         Some(Fix::look(title).replace(span, format!("(+ +mission-start+ {written})")))
     }
 
-    /// Reports something of dimension `found` where a duration is needed.
+    /// Reports a value of dimension `found` where a duration is needed.
     pub(crate) fn duration_expected<T>(&mut self, span: Span, found: Dimension) -> Option<T> {
         let diagnostic = Diagnostic::error(
             codes::DURATION_EXPECTED,

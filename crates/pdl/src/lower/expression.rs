@@ -8,7 +8,7 @@ use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Returns a constant where `span` stands.
+/// Returns a constant expression at `span`.
 pub(crate) fn constant(value: Value, span: Span) -> Expr {
     Expr { kind: ExprKind::Constant(value), place: span.place() }
 }
@@ -30,7 +30,7 @@ impl Lowering {
             DatumKind::List(items) => return self.list(datum, items),
             DatumKind::Quote(inner) => ExprKind::Constant(inner.to_value()),
             DatumKind::Quasi(inner) => return self.template_expression(inner),
-            // A comma outside of a backquote is what an activity would need; here everything is evaluated anyway.
+            // An activity needs a comma here; in an expression everything is evaluated, so the comma is ignored.
             DatumKind::Unquote(inner) => return self.expression(inner),
             DatumKind::Function(inner) => return self.function_value(inner),
             DatumKind::Anonymous => {
@@ -168,7 +168,7 @@ impl Lowering {
         Some(Expr { kind, place: datum.span.place() })
     }
 
-    /// Returns an argument printed as FORM: a datum with holes unless it is quoted, backquoted or a variable.
+    /// Returns an argument documented as FORM: a datum with holes unless it is quoted, backquoted or a variable.
     pub(crate) fn form(&mut self, datum: &Datum) -> Option<Expr> {
         match &datum.kind {
             DatumKind::List(_) | DatumKind::Symbol(_) => self.template_expression(datum),

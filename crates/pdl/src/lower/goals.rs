@@ -20,18 +20,18 @@ pub(crate) struct Goal {
     pub(crate) span: Span,
 }
 
-/// A class of goals that something serves.
+/// A class of goals that a method serves.
 pub(crate) struct Served {
     pub(crate) pattern: Pattern,
     pub(crate) span: Span,
     /// The bundle of the procedure or primitive; none is the default bundle.
     pub(crate) bundle: Option<Symbol>,
-    /// A solver serves it: it is asked only if no other method does.
+    /// True if a solver serves it: it is used only if no other method does.
     pub(crate) by_solver: bool,
 }
 
 impl Lowering {
-    /// Lowers a goal and remembers that something must serve it.
+    /// Lowers a goal and records that a method must serve it.
     pub(crate) fn goal(&mut self, datum: &Datum) -> Option<Template> {
         if datum.as_list().is_none_or(<[Datum]>::is_empty) {
             let mut diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "an activity is a list");
@@ -48,7 +48,7 @@ impl Lowering {
     }
 }
 
-/// Indexes that are compared with one unserved goal.
+/// Maximum number of indexes that are compared with one unserved goal.
 const COMPARED_MAX: usize = 200;
 
 /// Returns the number of words to exchange, add or leave out for the goal to match.
@@ -81,9 +81,9 @@ fn difference(goal: View<'_>, pattern: &Pattern) -> usize {
 /// Served classes by the symbol that their goals begin with.
 pub(super) struct GoalIndex<'s> {
     pub(super) by_head: BTreeMap<&'s Symbol, Vec<&'s Served>>,
-    /// The same by the first two words, where an index says both.
+    /// Served classes by the first two words, for indexes that state both.
     by_two: BTreeMap<(&'s Symbol, Second), Vec<&'s Served>>,
-    /// Those that say the first only.
+    /// Served classes that state only the first word.
     by_one: BTreeMap<&'s Symbol, Vec<&'s Served>>,
     open: Vec<&'s Served>,
 }
@@ -118,7 +118,7 @@ impl<'s> GoalIndex<'s> {
         candidates.any(|served| may_match(view, &served.pattern, &mut { MATCH_STEPS_MAX }))
     }
 
-    /// Returns, of the classes that begin as the goal does, the one that differs least.
+    /// Returns, of the classes with the goal's first word, the one with the fewest differences.
     pub(super) fn likest(&self, goal: &Template) -> Option<&'s Served> {
         let view = View::Template(goal);
         let same = self.by_head.get(view.head()?).into_iter().flatten().take(COMPARED_MAX);

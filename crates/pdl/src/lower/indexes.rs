@@ -1,4 +1,4 @@
-//! Procedures that compete for the same goals: an error when nothing tells them apart, a warning when specificity does not.
+//! Procedures that compete for the same goals: an error if nothing distinguishes them, a warning if specificity does not.
 
 use super::{Lowering, Served};
 use crate::codes;
@@ -12,11 +12,11 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Indexes with one first symbol that are compared pair by pair; beyond this only equal shapes are found.
+/// Maximum number of indexes with one first symbol that are compared pairwise; with more, only equal shapes are found.
 const COMPARED_MAX: usize = 100;
 
 impl Lowering {
-    /// Reports procedures and primitives of one bundle that nothing or only their order tells apart.
+    /// Reports procedures and primitives of one bundle that nothing, or only their order, distinguishes.
     pub(crate) fn report_same_indexes(&mut self) {
         let served = std::mem::take(&mut self.served);
         let mut taken: Lookup<(Option<Symbol>, String), Span> = Lookup::default();
@@ -61,7 +61,7 @@ impl Lowering {
                 if specific != other_specific || !overlap(&one.pattern, &other.pattern) {
                     continue;
                 }
-                // A separate message says that the later one is never chosen.
+                // A separate message reports that the later one is never chosen.
                 if covers(&other.pattern, &one.pattern) || other_shape == shape {
                     continue;
                 }
@@ -97,7 +97,7 @@ fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
         [] if is(head, "end-application") => Some("end-application"),
         [second, ..] if is(head, "ask") && is(second, "operator") => Some("ask operator"),
         [Pattern::List(_) | Pattern::Literal(Value::List(_)), ..] if is(head, "plan") => Some("plan"),
-        // With a variable these goals are activities on a task or a plan, whatever the variable holds.
+        // With a variable these goals are activities on a task or a plan, whatever value the variable has.
         [Pattern::Variable(_) | Pattern::Anonymous | Pattern::Is { .. }] => {
             OF_TASKS.into_iter().find(|word| is(head, word))
         }

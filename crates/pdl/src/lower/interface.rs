@@ -39,7 +39,7 @@ impl Lowering {
         declaration.place = signature.span.place();
         let declared = if is_event { &mut library.events } else { &mut library.commands };
         let first = declared.get(&name).map(|known| known.place);
-        // A program states what its own vehicle takes: its declaration replaces that of a library that ships, which is read later.
+        // A program may declare the commands of its vehicle: its declaration replaces that of a shipped library, which is read later.
         let source = usize::try_from(form.span.file).ok().and_then(|file| library.sources.get(file));
         if first.is_some() && source.is_some_and(|source| source.name.starts_with("library/")) {
             return Some(());
@@ -107,7 +107,7 @@ impl Lowering {
         Some(declaration)
     }
 
-    /// Lowers `(?name TYPE)`; `?name` alone takes anything.
+    /// Lowers `(?name TYPE)`; `?name` alone accepts any value.
     fn typed_parameter(&mut self, item: &Datum, shape: &str) -> Option<Parameter> {
         if let Some(name) = item.as_variable() {
             return Some(Parameter { name: name.clone(), argument_type: ArgumentType::Any });

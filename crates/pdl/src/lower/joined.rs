@@ -1,7 +1,7 @@
-//! Variables between the parts of a condition: what a part binds, later parts may use.
+//! Variables shared by the parts of a condition: later parts may use variables that earlier parts bind.
 //!
-//! Parts are watched apart from each other, and their results are joined where they agree. So `<?v>` in a later part is
-//! the same question as `?v`, and a comparison with it becomes a constraint over the parts together.
+//! Parts are watched separately, and their results are joined where they agree. So `<?v>` in a later part is equivalent to `?v`, and a
+//! comparison with it becomes a constraint on the parts together.
 
 use super::Lowering;
 use crate::codes;
@@ -68,8 +68,8 @@ impl Lowering {
     }
 }
 
-/// Joins the parts of an `:and`, of an order or of a relation: what a part binds holds in the later ones. Returns what
-/// must hold of the parts together.
+/// Joins the parts of an `:and`, of an order or of a relation: variables that a part binds are known in later parts. Returns the
+/// constraints on the parts together.
 pub(crate) fn join(parts: &mut [Condition]) -> Vec<Expr> {
     let mut bound = Names::new();
     let mut constraints = Vec::new();
@@ -282,7 +282,7 @@ fn word(relation: Relation) -> &'static str {
     }
 }
 
-/// Does the constraint compare with one of these variables? Patterns agree or not without that.
+/// Returns true if the constraint compares with one of these variables. Patterns need no comparison to agree.
 fn mentions(constraint: &Constraint, names: &Names) -> bool {
     let mut found = false;
     for expr in right_sides(constraint) {
@@ -312,7 +312,7 @@ fn each_leaf<'a>(condition: &'a Condition, act: &mut dyn FnMut(&'a Condition)) {
     }
 }
 
-/// Returns the variables whose values a leaf needs to be judged, with their places.
+/// Returns the variables that must be known to judge a leaf, with their places.
 fn uses(leaf: &Condition) -> Vec<(Symbol, Place)> {
     let mut found = Vec::new();
     match &leaf.kind {

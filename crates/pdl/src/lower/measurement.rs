@@ -63,7 +63,7 @@ impl Lowering {
         Some(VariablePattern { attribute: attribute.clone(), object })
     }
 
-    /// Returns a state variable alone, as episodes name it.
+    /// Returns a state variable in the form used in episodes.
     pub(crate) fn plain_state_variable(&mut self, datum: &Datum) -> Option<VariablePattern> {
         let items = datum.as_list().unwrap_or_default();
         self.state_variable(datum, items)
@@ -103,7 +103,7 @@ impl Lowering {
         self.probing(condition, &options)
     }
 
-    /// Refuses data that stand between a condition's variable and its options.
+    /// Rejects data between a condition's variable and its options.
     pub(crate) fn no_stray(&mut self, stray: &[Datum]) -> Option<()> {
         let Some(first) = stray.first() else { return Some(()) };
         let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, first.span, "this belongs to no option")
@@ -111,8 +111,8 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// Returns an estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
-    /// say which instants and, on a line, which values that are.
+    /// Checks that a condition with an estimator can be solved: an estimator has a value at every instant, so the constraints must state
+    /// which instants and, on a line, which values satisfy the condition.
     fn check_solvable(&mut self, measurement: &MeasurementCondition, span: Span) -> Option<()> {
         let is_bound = |constraint: &Constraint| match constraint {
             Constraint::Compare { relation, .. } => *relation != Relation::Different,
@@ -214,7 +214,7 @@ impl Lowering {
         self.pure(place, |lowering| lowering.expression(datum))
     }
 
-    /// Returns a frequency as the interval between samples, or an interval as it is.
+    /// Returns the interval between samples, from a frequency or an interval.
     pub(crate) fn interval_or_frequency(&mut self, datum: &Datum) -> Option<Expr> {
         use apex_model::quantity::Dimension;
         if let DatumKind::Quantity(quantity) = &datum.kind

@@ -1,6 +1,6 @@
-//! Data to the model's nouns: names resolved, shapes checked, every flaw reported once.
+//! Lowers data to the types of the model: resolves names, checks shapes, reports every error once.
 //!
-//! Convention: a lowering method returns `None` when it has reported why there is no result.
+//! Convention: a lowering method returns `None` after it has reported the reason.
 
 mod activity;
 mod agent_limits;
@@ -60,7 +60,7 @@ use std::sync::Arc;
 /// Messages kept; a text with more flaws is not read to its end.
 const DIAGNOSTICS_MAX: usize = 1_000;
 
-/// Everything that lowering needs to know and everything that it finds out.
+/// State of lowering: the definitions so far and the findings.
 pub(crate) struct Lowering {
     /// Definitions of all files.
     pub(crate) names: Names,
@@ -74,7 +74,7 @@ pub(crate) struct Lowering {
     pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
     /// Names of indexicals that nothing defines, with every use.
     pub(crate) unknown_indexicals: BTreeMap<Symbol, Vec<Span>>,
-    /// Resources that are parts, their wholes, and where those are named.
+    /// Resources that are parts, their wholes, and the places that name these.
     pub(crate) wholes: Vec<(Symbol, Symbol, Span)>,
     /// Goals that steps pursue.
     pub(crate) goals: Vec<Goal>,
@@ -96,13 +96,13 @@ pub(crate) struct Lowering {
     pub(crate) named: Vec<NameUse>,
     /// Bundles that `in-apex-bundle` has opened.
     pub(crate) bundle_names: BTreeSet<Symbol>,
-    /// Words with the name of a variable that is next to them.
+    /// Words that have the name of a variable in the same form.
     pub(crate) suspects: Vec<(Symbol, Span)>,
-    /// A form was refused that may serve goals or define names: what it defines must not be missed.
+    /// True if a rejected form may serve goals or define names: these are then not reported as missing.
     pub(crate) refused_form: bool,
-    /// The source texts, for fixes that keep a part of what is written.
+    /// The source texts, for fixes that keep a part of the written text.
     pub(crate) texts: Vec<Arc<str>>,
-    /// Forms that do not say which goals they serve.
+    /// Forms without an index.
     pub(crate) unindexed: Vec<Unindexed>,
 }
 

@@ -8,7 +8,7 @@ use apex_model::symbol::Symbol;
 /// The difference between a goal and an index, by the number of an item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Difference {
-    /// This word of the goal is another one in the index.
+    /// The word at this index differs between the goal and the index.
     Word(usize),
     /// This item of the goal and the next are exchanged.
     Swapped(usize),
@@ -18,7 +18,7 @@ pub(super) enum Difference {
     Extra(usize),
 }
 
-/// Items of a goal or an index above which a mistake affects more than one.
+/// Number of items above which goals and indexes are not compared.
 const ITEMS_MAX: usize = 24;
 const SWAPPED: u32 = 12;
 const MISSING_WORD: u32 = 14;
@@ -69,7 +69,7 @@ pub(super) fn difference(goal: &Datum, index: &Datum) -> Option<(u32, Difference
     Some((EXTRA, Difference::Extra(extra)))
 }
 
-/// Returns true if all items fit and at least one word is the same in both.
+/// Returns true if all items match and at least one word is equal in both.
 fn agree(goal: &[&Datum], index: &[&Datum]) -> bool {
     let pairs = || goal.iter().zip(index);
     goal.len() == index.len()
@@ -84,7 +84,7 @@ fn word(goal: &[Datum], index: &[Datum], at: usize) -> Option<(u32, Difference)>
         return Some((near.cost, Difference::Word(at)));
     }
     let same = goal.iter().zip(index).filter(|(one, other)| one.as_symbol().is_some() && equal(one, other)).count();
-    // A short word is far from every other one; what stands around it tells.
+    // A short word differs strongly from every other word; its context decides.
     let is_short = written.folded().len().max(wanted.folded().len()) <= 3;
     (same >= 2 || (same >= 1 && is_short)).then_some((OTHER_WORD, Difference::Word(at)))
 }

@@ -31,7 +31,7 @@ pub(crate) fn argument_counts(parameters: &[Datum]) -> (usize, Option<usize>) {
 }
 
 impl Lowering {
-    /// Lowers the parameters of a function and the body that sees them.
+    /// Lowers the parameters of a function, and its body with them in scope.
     pub(crate) fn parameters_and_body(
         &mut self,
         parameters: &Datum,
@@ -104,7 +104,7 @@ impl Lowering {
         }
     }
 
-    /// Lowers a name, or an optional one with its default.
+    /// Lowers a name, or an optional parameter with its default.
     fn parameter(&mut self, item: &Datum, part: ParameterKind) -> Option<(Symbol, Option<Expr>)> {
         if let Some(name) = local_name(item) {
             return Some((name, None));

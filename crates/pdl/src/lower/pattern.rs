@@ -10,14 +10,14 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// Lowers a pattern and notes the variables that it binds.
+    /// Lowers a pattern and records the variables that it binds.
     pub(crate) fn pattern(&mut self, datum: &Datum) -> Option<Pattern> {
         let span = datum.span;
         match &datum.kind {
             DatumKind::Variable(name) => {
                 if self.scope.in_condition && self.scope.is_result_of_another_step(name) {
-                    // The variable belongs to the procedure: until that step has ended the condition cannot hold,
-                    // rather than bind the variable to whatever comes first.
+                    // The variable belongs to the procedure: the condition cannot hold before that step has ended, instead of binding the
+                    // variable to the first matching value.
                     self.scope.use_variable(name, span);
                     return Some(Pattern::BoundVariable(name.clone()));
                 }

@@ -1,5 +1,4 @@
-//! Clauses that left their step and steps that got into another one: the parentheses balance, but one is in the
-//! wrong place.
+//! Clauses outside of their step, and steps inside of another step: the parentheses balance, but one is misplaced.
 
 use super::Lowering;
 use crate::codes;
@@ -62,7 +61,7 @@ impl Lowering {
     }
 }
 
-/// Returns the number of items after a step that belong to it: those that only steps have, and after them those with the same
+/// Returns the number of items after a step that belong to it: clauses that only steps have, and items after them with the same
 /// indentation.
 fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
     let certain = rest.iter().take_while(|next| OF_STEPS_ONLY.contains(&next.head_name())).count();

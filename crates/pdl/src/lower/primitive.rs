@@ -30,7 +30,7 @@ impl Lowering {
             bundle: self.bundle.clone(),
             place: datum.span.place(),
         };
-        // Locals come first: every other clause may use them.
+        // Locals are lowered first, because every other clause may use them.
         let (locals, others): (Vec<&Datum>, Vec<&Datum>) =
             clauses.iter().partition(|clause| clause.head_name() == "locals");
         // A misspelt `locals` is one mistake: the uses of its variables are not reported too.

@@ -118,7 +118,7 @@ impl Lowering {
         Some((kind, rest))
     }
 
-    /// Finds the index: an `(index ..)` clause, or else the first list that is not a clause.
+    /// Finds the index: an `(index ..)` clause, otherwise the first list that is not a clause.
     pub(crate) fn split_index<'d>(
         &mut self,
         datum: &Datum,
@@ -202,8 +202,8 @@ impl Lowering {
         Some(pattern)
     }
 
-    /// Parts steps from clauses. A procedure-level select goes to the nearest step before it. In a procedure that states
-    /// its kind a list that is not a clause is a step without the word.
+    /// Separates steps from clauses. A `select` of the procedure belongs to the nearest step before it. In a procedure that states its
+    /// kind, a list that is not a clause is a step without the word `step`.
     fn sort_clauses<'d>(
         &mut self,
         clauses: &[&'d Datum],
@@ -235,7 +235,7 @@ impl Lowering {
         (steps, others, complete)
     }
 
-    /// Gives untagged steps the first symbol of their activity, numbered where it repeats.
+    /// Gives untagged steps the first symbol of their activity, numbered if it repeats.
     fn number_tags(&mut self, steps: &mut [StepSource<'_>]) -> bool {
         let unique = self.report_same_tags(steps);
         if steps.iter().all(|step| !step.tag.is("")) {
@@ -290,7 +290,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Adds the end of a sequential procedure; remarks on a concurrent one without end.
+    /// Adds the end of a sequential procedure; reports a concurrent one without an end.
     fn finish_kind(&mut self, datum: &Datum, procedure: &mut Procedure) {
         let ends = procedure.transitions.end_when.is_some();
         let has_terminate =
@@ -342,7 +342,7 @@ fn terminate_step(tag: &str, place: apex_model::source::Place) -> Step {
     Step::plain(Symbol::new(tag), Activity::Terminate { task: None, outcome: None, value: None }, place)
 }
 
-/// Returns true for `(indx (..))`: one list inside, headed by a word similar to `index`.
+/// Returns true for `(indx (..))`: a list with one list inside, headed by a word similar to `index`.
 fn is_misspelt_index(datum: &Datum) -> bool {
     let name = datum.head_name();
     matches!(datum.tail(), [pattern] if pattern.as_list().is_some()) && nearest(name, ["index"]).is_some()

@@ -1,7 +1,7 @@
 //! Variables of one procedure, primitive or function: their binders, uses and visibility.
 //!
-//! A procedure's index, `=>` results and step tags are seen by all of its clauses; what a step's waitfor, select or
-//! forall binds is seen by that step only.
+//! All clauses of a procedure see its index variables, `=>` results and step tags; only the step itself sees the variables that its
+//! waitfor, select or forall binds.
 
 use super::{Lowering, slips};
 use crate::codes;
@@ -30,7 +30,7 @@ pub(crate) struct Scope {
     pub(crate) results: BTreeMap<Symbol, usize>,
     /// The step being lowered; none at procedure level.
     pub(crate) step: Option<usize>,
-    /// Parameters and `let` variables, innermost last; those written `?x` with their question mark.
+    /// Parameters and `let` variables, innermost last; a name written `?x` keeps its question mark.
     pub(crate) locals: Vec<Symbol>,
     /// Patterns bind in the surrounding task: false inside a function or an indexical.
     pub(crate) has_variables: bool,
@@ -49,7 +49,7 @@ pub(crate) struct Scope {
 struct Binders {
     /// For the whole procedure, where first.
     everywhere: Option<Span>,
-    /// For one step each, where first, in the order of the steps.
+    /// For each step that uses it, the first place, in the order of the steps.
     steps: Vec<(usize, Span)>,
 }
 
@@ -59,7 +59,7 @@ impl Binders {
             self.everywhere.get_or_insert(span);
             return;
         };
-        // Steps are lowered in order: the place is nearly always the last one.
+        // Steps are lowered in order, so the step is nearly always the last one.
         if let Err(place) = self.steps.binary_search_by_key(&step, |(step, _)| *step) {
             self.steps.insert(place, (step, span));
         }
@@ -111,7 +111,7 @@ impl Scope {
         self.binders.get(name).is_some_and(|binders| binders.reach(step))
     }
 
-    /// Notes that `name` is used here; checked when the whole procedure is known.
+    /// Records a use of `name` here; it is checked when the whole procedure is known.
     pub(crate) fn use_variable(&mut self, name: &Symbol, span: Span) {
         self.write(name, span);
         self.uses.push((name.clone(), self.step, span));
@@ -121,7 +121,7 @@ impl Scope {
         self.written.or_insert(name, (0, span)).0 += 1;
     }
 
-    /// Variables that are written once, with the place and the one that is certainly meant: it is written elsewhere.
+    /// Returns variables that are written once, with the place and the variable that is certainly meant, which is written elsewhere.
     fn odd_variables(&self) -> BTreeMap<Symbol, (Span, Symbol)> {
         let mut odd = BTreeMap::new();
         if self.written.len() > COMPARED_MAX {
@@ -161,8 +161,8 @@ impl Scope {
 }
 
 impl Lowering {
-    /// Reports every use of a variable that nothing binds, and forgets the scope. Without a `complete` scope nothing is
-    /// reported: a clause that was refused may bind what is missed.
+    /// Reports every use of a variable that nothing binds, and ends the scope. An incomplete scope reports nothing, because a rejected
+    /// clause may bind the variable.
     pub(crate) fn finish_scope(&mut self, complete: bool) {
         let scope = std::mem::take(&mut self.scope);
         if !complete {
@@ -217,7 +217,7 @@ impl Lowering {
     }
 }
 
-/// Variables of one procedure that are compared with each other.
+/// Maximum number of variables of one procedure that are compared with each other.
 const COMPARED_MAX: usize = 200;
 
 /// `?line` and `?lines` are two things.

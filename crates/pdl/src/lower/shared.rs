@@ -59,7 +59,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Returns the one condition of a clause; `:quality Q` may follow an episode.
+    /// Returns the single condition of a clause; `:quality Q` may follow an episode.
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
         let lowered = self.conditions(items)?;
         let mut lowered = self.clause_conditions(lowered, clause.span);
@@ -225,7 +225,7 @@ impl Lowering {
         self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }
 
-    /// Returns a duration that is known at load time; a frequency means its interval.
+    /// Returns a constant duration; a frequency means its interval.
     pub(crate) fn literal_duration(&mut self, datum: &Datum) -> Option<Duration> {
         let expr: Expr = self.interval_or_frequency(datum)?;
         match expr.kind {

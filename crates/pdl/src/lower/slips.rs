@@ -1,4 +1,4 @@
-//! Marks that were forgotten: the colon of a keyword, the question mark of a variable or a step.
+//! Forgotten marks: the colon of a keyword, the question mark of a variable or a step.
 
 use super::Lowering;
 use crate::codes;
@@ -16,7 +16,7 @@ const CONDITIONS: &[&str] =
     &["episode", "atomic-episode", "measurement", "in-order", "cyclic", "timestamp", "and", "or", "not"];
 /// Words by which authors mean that a task has ended.
 const ENDED: &[&str] = &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish"];
-/// Relations as other languages write them, with their names here.
+/// Relations of other languages, with their names in PDL.
 const FOREIGN_RELATIONS: &[(&str, &str)] = &[
     ("==", "="),
     ("!=", "/="),
@@ -29,7 +29,7 @@ const FOREIGN_RELATIONS: &[(&str, &str)] = &[
     ("≥", ">="),
     ("≠", "/="),
 ];
-/// Relations as words of other languages: they count as such before a number, a duration or a variable.
+/// Relations written as words in other languages: they count as relations before a number, a duration or a variable.
 const RELATION_WORDS: &[(&str, &str)] = &[
     ("gt", ">"),
     ("lt", "<"),
@@ -50,7 +50,7 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("at-least", ">="),
     ("at-most", "<="),
 ];
-/// Signs of relations, the longer ones first, and what they are here.
+/// Signs of relations, the longer ones first, with their names in PDL.
 const RELATION_SIGNS: &[(&str, &str)] = &[
     ("<=", "<="),
     (">=", ">="),
@@ -69,8 +69,8 @@ const RELATION_SIGNS: &[(&str, &str)] = &[
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
 impl Lowering {
-    /// Reports the first of `items` that is the name of an option of `of`, but lacks its colon. What stands directly
-    /// after a keyword is its value, whatever it is.
+    /// Reports the first of `items` that is the name of an option of `of` without its colon. An item directly after a keyword is its
+    /// value and never reported.
     pub(crate) fn report_missing_colon(&mut self, items: &[Datum], known: &[&str], of: &str) -> bool {
         let mut after_keyword = true;
         for item in items {
@@ -86,7 +86,7 @@ impl Lowering {
         false
     }
 
-    /// Reports a condition whose name lacks its colon or whose task lacks its question mark; true if it did.
+    /// Reports a condition whose name lacks its colon or whose task lacks its question mark; returns true if it did.
     pub(crate) fn report_slipped_condition(&mut self, datum: &Datum) -> bool {
         let (name, items) = (datum.head_name(), datum.tail());
         if CONDITIONS.contains(&name) && items.iter().any(|item| item.as_list().is_some()) {
@@ -144,7 +144,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// Reports a comparison that is written as in another language: it would be an event that never comes.
+    /// Reports a comparison in the notation of another language: PDL would read it as an event that never occurs.
     fn report_foreign_relation(&mut self, datum: &Datum) -> bool {
         let items = datum.as_list().unwrap_or_default();
         if let [relation, Datum { kind: DatumKind::List(variable), span }, _] = items
@@ -181,7 +181,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the whole would be a message.
+    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the form would be a message.
     fn report_glued_relation(&mut self, items: &[Datum]) -> bool {
         for item in items.iter().skip(1) {
             let Some(name) = item.as_symbol() else { continue };
@@ -200,7 +200,7 @@ impl Lowering {
     }
 }
 
-/// Returns a relation as a word before something that can be compared.
+/// Returns a relation written as a word before a comparable item.
 fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     items.windows(2).skip(1).find_map(|pair| {
         let [word, next] = pair else { return None };
@@ -219,7 +219,7 @@ fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     })
 }
 
-/// Returns a word with a relation in it, taken apart, where a number or a variable follows.
+/// Splits a word at a relation in it, if a number or a variable follows the relation.
 fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
     let at = name.find(['<', '>', '=', '/', '!'])?;
     let (before, rest) = name.split_at_checked(at)?;
@@ -239,7 +239,7 @@ pub(super) fn variable_without_mark(name: &Symbol, word: Span, used: Span) -> Di
 }
 
 impl Lowering {
-    /// Notes the words of a goal or of a value, which may turn out to be the names of variables.
+    /// Records the words of a goal or of a value, which may turn out to be names of variables.
     pub(crate) fn note_words(&mut self, datum: &Datum) {
         if !self.scope.has_variables {
             return;
@@ -252,7 +252,7 @@ impl Lowering {
         }
     }
 
-    /// Warns of such words, unless some index has them: then they are words.
+    /// Warns of words with the name of a variable, unless an index contains them as words.
     pub(crate) fn report_words_like_variables(&mut self) {
         let suspects = std::mem::take(&mut self.suspects);
         if suspects.is_empty() {
@@ -271,7 +271,7 @@ impl Lowering {
     }
 }
 
-/// Maximum number of reported words: more of them have a meaning.
+/// Maximum number of reported words; if there are more, the words are intended.
 const SUSPECTS_MAX: usize = 50;
 
 fn words_of(pattern: &Pattern, words: &mut BTreeSet<Symbol>) {

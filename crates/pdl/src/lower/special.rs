@@ -212,7 +212,7 @@ impl Lowering {
     }
 }
 
-/// Returns a name of a parameter or `let` variable. One written `?x` keeps its question mark, so that it stays apart from `x`.
+/// Returns the name of a parameter or `let` variable. A name written `?x` keeps its question mark, so that it differs from `x`.
 pub(crate) fn local_name(datum: &Datum) -> Option<Symbol> {
     match &datum.kind {
         DatumKind::Symbol(name) if !name.folded().starts_with(':') && !name.is("t") => Some(name.clone()),

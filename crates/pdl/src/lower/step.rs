@@ -76,17 +76,17 @@ const MEANT: &[(&str, &str)] = &[
     ("on-finish", "on-end"),
     ("goal", "index"),
 ];
-/// Clauses that may stand several times.
+/// Clauses that may occur several times.
 const REPEATABLE: &[&str] =
     &["select", "priority", "profile", "log", "on-start", "on-end", "on-suspend", "on-resume", "on-completion"];
 
 impl Lowering {
-    /// Takes `(step [TAG] (ACTIVITY) [=> PATTERN] CLAUSE..)` apart. A missing tag is empty until it is numbered.
+    /// Splits `(step [TAG] (ACTIVITY) [=> PATTERN] CLAUSE..)` into its parts. A missing tag is empty until it is numbered.
     pub(crate) fn step_source<'d>(&mut self, datum: &'d Datum) -> Option<StepSource<'d>> {
         let items = datum.tail();
         let (tag, rest) = match items {
             [tag, rest @ ..] if tag.as_symbol().is_some() && tag.keyword().is_none() => (Some(tag), rest),
-            // `4.4a` is a number of amperes elsewhere: here it is a name.
+            // `4.4a` is read as amperes elsewhere; here it is a name.
             [tag, activity, ..] if self.number_as_name(tag).is_some() && activity.as_list().is_some() => {
                 (Some(tag), items.get(1..).unwrap_or_default())
             }
@@ -171,7 +171,7 @@ impl Lowering {
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
             "priority" => {
                 let clause = self.priority(clause)?;
-                // Most steps have one, and it is large.
+                // Most steps have one priority clause, and a clause is large.
                 if step.priority.is_empty() {
                     step.priority.reserve_exact(1);
                 }
@@ -195,7 +195,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Reports unknown clauses and clauses that may stand once but stand twice.
+    /// Reports unknown clauses, and repeated clauses that may occur only once.
     pub(crate) fn check_clauses(&mut self, clauses: &[&Datum], known: &[&str], of: &str) -> bool {
         let mut fine = true;
         for (index, clause) in clauses.iter().enumerate() {
@@ -237,7 +237,7 @@ impl Lowering {
         if is_like_step && fixes.is_empty() {
             fixes.push(Fix::look(format!("make it a step: `(step {name} ..)`")).insert_before(span, "step "));
         } else if known.contains(&"step") && fixes.is_empty() && !STEP_CLAUSES.contains(&name.folded()) {
-            // As the only thing it can be in a procedure that does not state its kind.
+            // In a procedure that does not state its kind, the form can only be a step.
             let fix = Fix::look(format!("make it a step: `(step ({name} ..))`")).insert_before(clause.span, "(step ");
             fixes.push(fix.insert_after(clause.span, ")"));
         }
@@ -292,7 +292,7 @@ impl Lowering {
 
     fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
         let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
-        // The clause's own name is the value of a keyword, so that the first word may be an option, too.
+        // The clause's name counts as the value of a keyword, so that its first word may be an option, too.
         let of = format!("`{}`", clause.head_name());
         if self.report_missing_colon(clause.as_list().unwrap_or_default(), known, &of) {
             return None;

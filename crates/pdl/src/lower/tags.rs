@@ -1,4 +1,4 @@
-//! Tags that are wrong: of no step, or of two.
+//! Wrong tags: of no step, or of two steps.
 
 use super::Lowering;
 use super::step::StepSource;
@@ -11,12 +11,12 @@ use crate::suggest::{is_certain, near, renames_marked};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Steps offered in place of an unknown one.
+/// Maximum number of steps offered in place of an unknown one.
 const OFFERED_MAX: usize = 3;
 
 impl Lowering {
-    /// Fixes for `?name`, which is the tag of no step: a misspelt tag, or a step that no condition waits for, the nearest
-    /// before it first.
+    /// Returns fixes for `?name`, which is the tag of no step: a misspelt tag, or a step that no condition waits for, the nearest
+    /// preceding one first.
     pub(crate) fn tags_for(&self, name: &Symbol, span: Span) -> Vec<Fix> {
         let tags = self.scope.tags.keys_in_order().into_iter().map(Symbol::printed);
         let renames = renames_marked(span, name.printed(), tags, |tag| format!("?{tag}"));
@@ -33,8 +33,8 @@ impl Lowering {
             .collect()
     }
 
-    /// Reports a misspelt tag: several conditions agree on a tag that no step has, and one step has nearly that tag and is named by no
-    /// condition. Returns true if it was reported.
+    /// Reports a misspelt tag: several conditions agree on a tag that no step has, and one step that no condition names has a similar
+    /// tag. Returns true if it was reported.
     pub(crate) fn report_odd_tag(&mut self, name: &Symbol, used: Span) -> bool {
         if self.scope.times_named.get(name).is_none_or(|count| *count < 2) {
             return false;
@@ -70,7 +70,7 @@ impl Lowering {
     }
 }
 
-/// Returns another tag for one of two steps with the same: the one that other steps wait for and no step has, or a new one.
+/// Returns another tag for one of two steps with the same tag: the tag of no step for which other steps wait, or a new one.
 fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSource<'_>) -> Option<Fix> {
     let tags: BTreeSet<&Symbol> = steps.iter().map(|step| &step.tag).collect();
     let mut missed: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();
@@ -82,7 +82,7 @@ fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSour
     missed.retain(|name, _| !tags.contains(*name));
     let number = |of: &StepSource<'_>| steps.iter().position(|step| step.span == of.span).unwrap_or(0);
     if let (Some((name, by)), 1) = (missed.first_key_value(), missed.len()) {
-        // The step that waits for it is not the one that is waited for.
+        // A step that waits for the tag is not the step that the tag names.
         let renamed = if by.contains(&number(second)) || !by.contains(&number(first)) { first } else { second };
         let fix = Fix::look(format!("tag this step `{name}`, which others wait for"));
         return Some(fix.replace(renamed.tag_span, name.printed()));

@@ -11,7 +11,7 @@ use crate::read::Datum;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 
-/// A procedure or primitive that does not say what it serves.
+/// A procedure or primitive without an index.
 pub(crate) struct Unindexed {
     /// Place of the report.
     reported: Span,
@@ -66,7 +66,7 @@ fn given_to_steps(items: &[Datum]) -> Vec<Symbol> {
 }
 
 impl Lowering {
-    /// Joins the two reports if one form lacks its index and no method serves one kind of goal.
+    /// Combines two reports into one if one form lacks its index and one kind of goal is not served.
     pub(crate) fn suggest_index(&mut self, library: &Library) {
         let [form] = self.unindexed.as_slice() else { return };
         let index = GoalIndex::new(&self.served);
@@ -91,7 +91,7 @@ impl Lowering {
 /// Maximum number of unserved goals that are inspected.
 const GOALS_MAX: usize = 100;
 
-/// Returns the pattern that serves all these goals, if they are of one kind, and whether it is certain.
+/// Returns the pattern that serves all these goals, if they are of one kind, and true if it is certain.
 fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
     let lists: Vec<&[Datum]> = goals
         .iter()
@@ -122,7 +122,7 @@ fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
         // Any word but the first may match many.
         is_certain &= at == 0 || variable.is_some();
     }
-    // Variables that nothing gives a value, and no part of the goal for them: a word of the goal was one of many.
+    // A variable without a binding, and no part of the goal for it: one word of the goal was an argument.
     let mut open = parts.iter().filter(|part| part.is_none()).count();
     for part in parts.iter_mut().skip(1).rev() {
         if open < free.len() && part.as_ref().is_some_and(|word| !word.starts_with('?')) {

@@ -1,5 +1,4 @@
-//! Messages about goals that nothing serves. Most are misspelt: in the goal or, where several goals agree against it, in
-//! the index.
+//! Messages about goals that no method serves. Most are misspelt: in the goal or, if several goals agree against it, in the index.
 
 use super::Lowering;
 use super::apart;
@@ -18,9 +17,9 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::BTreeMap;
 
-/// Unserved goals reported; each costs a search for what was meant.
+/// Maximum number of reported unserved goals, because each needs a search for suggestions.
 const UNSERVED_MAX: usize = 100;
-/// Indexes that are compared for what an unserved goal may have meant.
+/// Maximum number of indexes that are compared with an unserved goal.
 const CANDIDATES_MAX: usize = 2_000;
 /// Words that authors write for `terminate`.
 const ENDINGS: &[&str] = &["end", "finish", "stop", "done", "exit", "return", "quit", "complete"];
@@ -131,7 +130,7 @@ impl<'s, 'l> Search<'s, 'l> {
         };
         if let Difference::Word(at) = nearest.difference {
             let word = (nearest.served.span.place(), at);
-            // A word of an index that is odd for one goal is odd for all that differ from it there.
+            // A word of an index that is suspect for one goal is suspect for all goals that differ from it there.
             if self.odd.contains(&word) || self.is_odd(&nearest, at, &source, goals) {
                 self.odd.push(word);
                 return self.about_index(&nearest, at, &source, goal);
@@ -143,7 +142,7 @@ impl<'s, 'l> Search<'s, 'l> {
         Some((place, diagnostic.fixes(fixes)))
     }
 
-    /// Goals of one shape share the place of the first: whatever they lack, it is the same.
+    /// Returns the place of the first goal of the same shape: whatever these goals lack, it is the same.
     fn cause(&self, goal: &Goal, source: &Datum) -> Place {
         let shape = Shape::of(source);
         let first = self.shapes.iter().find(|(_, other)| *other == shape);
@@ -181,7 +180,7 @@ impl<'s, 'l> Search<'s, 'l> {
         diagnostic.fixes_or_help(fixes, || format!("write a procedure for it: `(procedure (index {text}) ..)`"))
     }
 
-    /// Returns a procedure for the goal at the end of its file, which only says that it is still to be written.
+    /// Returns a fix that adds an empty procedure for the goal at the end of its file.
     fn skeleton(&self, goal: &Datum) -> Option<Fix> {
         let text = &self.library.sources.get(usize::try_from(goal.span.file).ok()?)?.text;
         let items = goal.as_list()?.iter().enumerate();
@@ -252,7 +251,7 @@ impl<'s, 'l> Search<'s, 'l> {
                 let name = written.as_symbol()?.printed();
                 let agreeing = words(source).filter(|word| words(&nearest.index).any(|other| other == *word)).count();
                 let found = near(name, [wanted.printed()]);
-                // A slip in a word of two letters alone proves nothing; two other words that agree do.
+                // A slip in a word of two letters proves little alone; two other equal words confirm it.
                 let certain = nearest.is_only && (is_certain(name, &found) || (agreeing >= 1 && !found.is_empty()));
                 let title = format!("replace `{name}` by `{wanted}`");
                 let fix = if certain { Fix::safe(title) } else { Fix::look(title) };

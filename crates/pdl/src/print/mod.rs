@@ -1,4 +1,4 @@
-//! Nouns back to PDL text that loads again. The printer of the model makes flat text; [`crate::format`] lays it out.
+//! Prints definitions as PDL text that can be loaded again. The printer of the model makes flat text; [`crate::format`] lays it out.
 
 mod procedure;
 
@@ -19,7 +19,7 @@ pub fn print_expression(expr: &Expr) -> String {
     laid_out(expression_text(expr))
 }
 
-/// Lays `text` out. Printed text is always well formed; if it were not, it would still be better than nothing.
+/// Lays `text` out. Printed text is always well formed; if it were not, it would be returned unchanged.
 fn laid_out(text: String) -> String {
     laid_out_steps(text).0
 }

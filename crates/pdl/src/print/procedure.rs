@@ -11,7 +11,7 @@ use apex_model::procedure::{
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Returns the procedure as PDL. Its bundle is not part of the text: it is what `in-apex-bundle` says before it.
+/// Returns the procedure as PDL. The text does not contain its bundle, which `in-apex-bundle` sets before it.
 pub fn print_procedure(procedure: &Procedure) -> String {
     let kind = match procedure.kind {
         ProcedureKind::Concurrent => "",

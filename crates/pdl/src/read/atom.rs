@@ -1,10 +1,10 @@
-//! One atom's text to what it is: number, quantity, duration, variable, indexical or name.
+//! Classifies the text of an atom: number, quantity, duration, variable, indexical or name.
 
 use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 
-/// Kind of an atom. Names are parts of the text: the reader makes each symbol once.
+/// Kind of an atom. Names are slices of the text: the reader makes each symbol once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Atom<'t> {
     Integer(i64),
@@ -20,7 +20,7 @@ pub(crate) enum Atom<'t> {
     OutOfRange,
 }
 
-/// Classifies `text`. Every text has a kind: a symbol, if it is nothing else.
+/// Classifies `text`. Every text has a kind; the last one is a symbol.
 pub(crate) fn classify(text: &str) -> Atom<'_> {
     if is_plain_word(text) {
         return Atom::Symbol(text);
@@ -50,12 +50,12 @@ pub(crate) fn classify(text: &str) -> Atom<'_> {
     Atom::Symbol(text)
 }
 
-/// Begins as nothing but a symbol does: with a letter other than those of `P5S` and `FL120`. Most words do.
+/// Returns true if the first letter permits only a symbol: a letter other than those of `P5S` and `FL120`. This holds for most words.
 fn is_plain_word(text: &str) -> bool {
     text.bytes().next().is_some_and(|first| first.is_ascii_alphabetic() && !matches!(first, b'P' | b'p' | b'F' | b'f'))
 }
 
-/// Returns a number, or a number with a known unit behind it.
+/// Returns a number, or a number with a known unit.
 fn number(text: &str) -> Option<Atom<'_>> {
     let length = number_length(text)?;
     let (digits, suffix) = text.split_at_checked(length)?;
@@ -79,7 +79,7 @@ fn real(digits: &str) -> Option<f64> {
     digits.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-/// Returns `number` of `unit`: a duration for units of time, else a quantity.
+/// Returns `number` of `unit`: a duration for units of time, otherwise a quantity.
 fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     if unit.dimension == Dimension::TIME {
         Atom::Duration(Duration::from_seconds(number * unit.factor))
@@ -185,14 +185,14 @@ pub(crate) fn is_number_like_symbol(symbol: &Symbol) -> bool {
     symbol.folded().starts_with(|first: char| first.is_ascii_digit()) && number_length(symbol.folded()).is_some()
 }
 
-/// Returns the two parts of a number with a known unit, as they are written.
+/// Returns the two parts of a number with a known unit, as written.
 pub(crate) fn number_and_unit(text: &str) -> Option<(&str, &str)> {
     let parts = text.split_at_checked(number_length(text)?)?;
     unit_named(parts.1).map(|_| parts)
 }
 
-/// Returns the number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
-/// rest is far from every unit.
+/// Returns the number at the beginning of `symbol` and the rest, if the rest is probably a misspelt unit: `35knt`. `None` if the rest
+/// resembles no unit.
 pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, String)> {
     let text = symbol.printed();
     let (number, suffix) = text.split_at_checked(number_length(text)?)?;

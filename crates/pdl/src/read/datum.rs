@@ -1,4 +1,4 @@
-//! Data with places: what the text says before anything is resolved.
+//! Data with places: the text's contents before names are resolved.
 
 use crate::diagnostic::Span;
 use apex_model::quantity::Quantity;
@@ -7,7 +7,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// A datum and where it stands.
+/// A datum with its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Datum {
     pub(crate) kind: DatumKind,
@@ -81,7 +81,7 @@ impl Datum {
         self.head().map_or("", Symbol::folded)
     }
 
-    /// Returns the place of the first item of a list; for anything else, its own place.
+    /// Returns the place of the first item of a list; for any other datum its own place.
     pub(crate) fn head_span(&self) -> Span {
         self.as_list().and_then(<[Datum]>::first).map_or(self.span, |first| first.span)
     }

@@ -1,4 +1,4 @@
-//! Messages about a text that is not a sequence of data: parentheses, strings and comments without partner.
+//! Messages about text that is not a sequence of data: unmatched parentheses, strings and comments.
 
 use super::quotes::{Forgotten, forgotten};
 use crate::codes;
@@ -7,12 +7,12 @@ use crate::fix::Fix;
 use crate::syntax::{Bracketed, Flaw, FlawKind, Repair, Repaired, repairs};
 use apex_model::limits::READ_DEPTH_MAX;
 
-/// Returns one diagnostic for each flaw; about the parenthesis that the author forgot or wrote twice, if that is known.
+/// Returns one diagnostic for each flaw; for the forgotten or superfluous parenthesis itself, if it can be determined.
 pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic> {
     if flaws.iter().any(|flaw| flaw.kind == FlawKind::UnclosedText)
         && let Some(quote) = forgotten(text)
     {
-        // Everything else that is wrong may be a consequence.
+        // All other flaws may be consequences of this one.
         return vec![about_quote(file, text, quote)];
     }
     let is_parenthesis = |flaw: &Flaw| matches!(flaw.kind, FlawKind::UnmatchedClose | FlawKind::UnclosedList { .. });
@@ -70,7 +70,7 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
     let fix = |title: &str| if form.is_certain { Fix::safe(title) } else { Fix::look(title) };
     match form.repair {
         Repair::Close { at, opened } => {
-            // The last character before the place, so that something visible is marked.
+            // The last character before the place, so that a visible character is marked.
             let last = text.get(..at).and_then(|before| before.char_indices().next_back()).map_or(at, |(last, _)| last);
             let span = locate(file, text, last, at);
             let list = text.get(opened..).unwrap_or_default().lines().next().unwrap_or_default();
@@ -101,7 +101,7 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
     }
 }
 
-/// Returns the place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
+/// Returns the place of a byte range. Its cost is a walk over the preceding text, so it is used for flaws only, which are few.
 fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
     let before = text.get(..start).unwrap_or(text);
     let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();

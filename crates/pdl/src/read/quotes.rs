@@ -1,5 +1,5 @@
-//! Forgotten quotation marks. Strings seldom continue over several lines, so the line with an odd number of marks
-//! is the one, and the text directly next to a mark shows which of two is missing.
+//! Finds forgotten quotation marks. Strings seldom extend over several lines, so a line with an odd number of marks contains the error,
+//! and the text directly next to a mark shows which of two is missing.
 
 use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
 
@@ -8,7 +8,7 @@ use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
 pub(super) struct Forgotten {
     /// Place of the missing mark, in bytes.
     pub(super) at: usize,
-    /// The text as a whole is in order with it.
+    /// True if the text as a whole is well formed with the added mark.
     pub(super) is_certain: bool,
 }
 
@@ -61,7 +61,7 @@ fn in_line(line: &str) -> Option<Vec<usize>> {
         }
         previous = letter;
     }
-    // Marks next to words are only suspect where the line does not come out even.
+    // Marks next to words are suspect only in lines with an odd number of marks.
     opened.map(|from| odd.unwrap_or_else(|| ends_of(line, from, line.len())))
 }
 
@@ -83,7 +83,7 @@ fn is_in_order(text: &str, at: usize) -> bool {
     parse_into(&mended, || Nothing).1.is_empty()
 }
 
-/// Hears the structure of a text and forgets it.
+/// A sink that ignores the structure of a text.
 struct Nothing;
 
 impl<'t> Sink<'t> for Nothing {

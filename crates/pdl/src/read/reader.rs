@@ -31,7 +31,7 @@ pub(crate) fn read_file(file: u32, text: &str) -> ReadFile {
     if bracketed.is_empty() {
         return read_parenthesised(file, text);
     }
-    // Read as it was meant: brackets must not make everything around them wrong too.
+    // Brackets are read as the parentheses that were meant, so that they cause no further errors.
     let mended = with_parentheses(text, &bracketed);
     let mut read = read_parenthesised(file, &mended);
     read.diagnostics.splice(0..0, flaws::brackets(file, text, &bracketed));
@@ -48,7 +48,7 @@ fn read_parenthesised(file: u32, text: &str) -> ReadFile {
 /// Builds data from the structure of a text.
 struct Reader<'t> {
     file: u32,
-    /// Top-level data, and behind them the parts of open lists, outer ones first: each list is then made in its size.
+    /// Top-level data, followed by the parts of open lists, outer ones first: each list is then created with its final size.
     data: Vec<Datum>,
     open: Vec<OpenList>,
     /// End of the last token, in bytes.

@@ -1,7 +1,7 @@
-//! Repair of unbalanced parentheses: the place of a missing or surplus `)`, by the indentation and the known shapes of forms.
+//! Repair of unbalanced parentheses: finds the missing or superfluous `)` by the indentation and the known shapes of forms.
 //!
-//! Each form that begins in the first column is repaired separately. Every place where one parenthesis could be added or
-//! taken away is tried, and the one that leaves the least doubt is taken.
+//! Each form that begins in the first column is repaired separately. Every place at which one parenthesis could be added or removed is
+//! tried, and the least implausible result is chosen.
 
 use super::SyntaxKind;
 use super::lexer::tokens;
@@ -21,15 +21,15 @@ pub(crate) enum Repair {
 /// A repaired form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Repaired {
-    /// The bytes of the form, up to the next one.
+    /// Byte range of the form, up to the next one.
     pub(crate) start: usize,
     pub(crate) end: usize,
     pub(crate) repair: Repair,
-    /// Nothing else is doubtful once this is done.
+    /// True if the repaired form has no implausible part.
     pub(crate) is_certain: bool,
 }
 
-/// Tokens of a form, times places that are tried, that are considered in one text; beyond it no repair is proposed.
+/// Greatest product of a form's tokens and tried places in one text; above it no repair is proposed.
 const WORK_MAX: usize = 20_000_000;
 
 /// Returns the repairs of all forms that lack one parenthesis or have one too many.
@@ -114,24 +114,24 @@ fn balance(form: &[Piece<'_>]) -> Balance {
         (0, 0) => Balance::Even,
         (1, 0) => Balance::LacksClose,
         (0, 1) => Balance::LacksOpen,
-        // Closed too early and opened again later: one that stands too early, or one that opens too late.
+        // Closed too early and opened again later: a closing one too early, or an opening one too late.
         _ => Balance::Hopeless,
     }
 }
 
-/// Returns the change that leaves the least doubt, and whether it leaves none. If misspelt clauses keep every change doubtful, the form is
-/// judged as if they were spelt correctly: what is certain then is meant, whatever the words.
+/// Returns the change with the least implausible result, and true if nothing implausible remains. If misspelt clauses make every change
+/// implausible, the form is evaluated as if they were spelt correctly.
 fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     let as_written = least_doubtful(form, lacking);
     if as_written.is_some_and(|(_, is_certain)| is_certain) {
         return as_written;
     }
     let as_meant = spelt_right(form).and_then(|form| least_doubtful(&form, lacking));
-    // Offsets are those of the text as written: words were exchanged, not moved.
+    // Offsets refer to the written text, because words were replaced and not moved.
     as_meant.filter(|(_, is_certain)| *is_certain).or(as_written)
 }
 
-/// Returns the form with its misspelt clauses spelt right; `None` if there are none.
+/// Returns the form with its misspelt clauses corrected; `None` if there are none.
 fn spelt_right<'t>(form: &[Piece<'t>]) -> Option<Vec<Piece<'t>>> {
     let mut meant = form.to_vec();
     let mut exchanged = false;

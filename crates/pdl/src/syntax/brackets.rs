@@ -1,15 +1,15 @@
-//! Brackets and braces where parentheses are meant: `[waitfor ?s1]`.
+//! Brackets and braces used instead of parentheses: `[waitfor ?s1]`.
 //!
-//! The language has no use for them, and as parts of words each would spoil what stands around it. A bracket inside a word
-//! that also ends there, as in `cell[3]`, is part of the word.
+//! PDL does not use brackets, and as parts of words each would damage its context. A bracket inside a word that also ends there, as in
+//! `cell[3]`, is part of the word.
 
 use super::SyntaxKind;
 use super::lexer::{Token, tokens};
 
-/// Brackets reported of one text; more would not be read.
+/// Maximum number of brackets reported for one text.
 const BRACKETS_MAX: usize = 50;
 
-/// A bracket and its partner, at least one of them not a parenthesis; in bytes.
+/// A bracket and its partner, as byte offsets; at least one of them is not a parenthesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bracketed {
     /// Place of the opening bracket, unless it is `(` or absent.
@@ -18,7 +18,7 @@ pub(crate) struct Bracketed {
     pub(crate) close: Option<usize>,
 }
 
-/// Returns the forms written with brackets, in text order of the opening ones. Cheap for texts without any.
+/// Returns the forms written with brackets, in the order of the opening ones. Fast for texts without brackets.
 pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
     if !text.bytes().any(|byte| matches!(byte, b'[' | b']' | b'{' | b'}')) {
         return Vec::new();
@@ -32,7 +32,7 @@ pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
     search.finish()
 }
 
-/// Returns the text with parentheses in place of these brackets: every other character stays where it is.
+/// Returns the text with parentheses in place of these brackets; all other characters keep their offsets.
 pub(crate) fn with_parentheses(text: &str, found: &[Bracketed]) -> String {
     let mut places: Vec<(usize, char)> = found
         .iter()

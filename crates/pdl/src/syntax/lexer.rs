@@ -1,8 +1,8 @@
-//! Text to tokens. Every character belongs to exactly one token.
+//! Splits text into tokens. Every character belongs to exactly one token.
 
 use super::SyntaxKind;
 
-/// One token: its kind, its text, and whether its closing mark is missing.
+/// One token: its kind, its text, and true if its closing mark is missing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'t> {
     pub(super) kind: SyntaxKind,
@@ -44,7 +44,8 @@ fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     }
 }
 
-/// Returns the number of bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
+/// Returns the number of bytes before the first character that satisfies `wanted`. Most texts are ASCII, whose characters are single
+/// bytes.
 fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
     let is_end = |byte: &u8| !byte.is_ascii() || wanted(char::from(*byte));
     let ascii = rest.as_bytes().iter().position(is_end).unwrap_or(rest.len());

@@ -1,7 +1,7 @@
-//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed separately.
+//! Structure of text. Every text has one; no character is lost, and flaws are listed separately.
 //!
-//! One walk over the text tells a [`Sink`] of its structure: the formatter keeps all of it as a lossless tree, the
-//! checker only its data, which is faster.
+//! One walk over the text passes its structure to a [`Sink`]: the formatter keeps all of it as a lossless tree, the checker only its
+//! data, which is faster.
 
 mod balance;
 mod brackets;
@@ -47,7 +47,7 @@ pub(crate) enum SyntaxKind {
     Stray,
     /// A list with its parentheses.
     List,
-    /// One of the five prefixes with its datum.
+    /// A prefix (one of five) with its datum.
     Prefixed,
     /// The whole text.
     Root,

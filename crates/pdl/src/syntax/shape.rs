@@ -1,5 +1,5 @@
-//! Measure of how little a balanced form looks like PDL: misplaced items, and lines that contradict their indentation.
-//! Only for choosing among repairs; what a form means is decided elsewhere.
+//! Measures how implausible a balanced form is as PDL: misplaced items, and lines that contradict their indentation. Used only to choose
+//! among repairs; lowering decides the meaning of a form.
 
 use crate::suggest::{is_certain, near};
 use crate::vocabulary::{FORMS, PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
@@ -13,7 +13,7 @@ pub(super) struct Piece<'t> {
     pub(super) start: usize,
     /// Of the text as written, in bytes.
     pub(super) length: usize,
-    /// Column from 1, if it is the first on its line.
+    /// Column from 1, if it is the first item of its line.
     pub(super) first_column: Option<usize>,
     pub(super) column: usize,
     pub(super) line: usize,
@@ -26,19 +26,19 @@ pub(super) enum PieceKind {
     Other,
 }
 
-/// Something that stands where it cannot.
+/// Cost of an item that cannot occur in its place.
 const MISPLACED: usize = 4;
-/// A line that is indented as if it belonged elsewhere.
+/// Cost of a line whose indentation contradicts its nesting.
 const MISALIGNED: usize = 3;
-/// A function with too few or too many arguments; the word may also be one of a goal.
+/// Cost of a function with too few or too many arguments; the word may also belong to a goal.
 const ARITY: usize = 1;
 
-/// Returns true for a form of the top level, which occurs nowhere else. An agent occurs in applications too.
+/// Returns true for a form that occurs only at the top level. An agent occurs in applications too.
 pub(super) fn is_form(word: &str) -> bool {
     FORMS.contains(&word) && word != "agent"
 }
 
-/// Returns the clause or form that this misspelt word is certainly meant to be; `None` for what is one, or is a function.
+/// Returns the clause or form that this misspelt word certainly means; `None` if the word itself is one, or is a function.
 pub(super) fn clause_meant(word: &str) -> Option<&'static str> {
     let known = || STEP_CLAUSES.iter().chain(PROCEDURE_CLAUSES).chain(PRIMITIVE_CLAUSES).chain(FORMS).copied();
     if built_in(word).is_some() || known().any(|name| name == word) {
@@ -89,7 +89,7 @@ struct List<'t> {
     atoms_after_list: usize,
 }
 
-/// Returns the cost of a sequence of pieces; 0 for a form without any doubt. Parentheses without partner cost more than anything.
+/// Returns the cost of a sequence of pieces; 0 for a plausible form. Unmatched parentheses cost more than anything else.
 pub(super) fn cost<'t>(pieces: impl Iterator<Item = Piece<'t>>) -> usize {
     let mut stack: Vec<List<'t>> = Vec::new();
     let mut cost = 0;
@@ -126,7 +126,7 @@ pub(super) fn cost<'t>(pieces: impl Iterator<Item = Piece<'t>>) -> usize {
     cost + 1000 * stack.len()
 }
 
-/// Returns a line that begins where its list does not put it.
+/// Returns the cost of a line whose first column contradicts its list.
 fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
     let Some(column) = piece.first_column else { return 0 };
     let Some(list) = stack.last_mut() else { return if column > 1 { MISALIGNED } else { 0 } };
@@ -137,8 +137,7 @@ fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
     if body == column { 0 } else { MISALIGNED }
 }
 
-/// Returns the cost of a list that begins with `head`, inside of a list with the head and the number of items (itself included) in
-/// `parent`.
+/// Returns the cost of a list with head `head` inside a list with the head and the number of items (itself included) in `parent`.
 fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     let Some((outer, items)) = parent else {
         return if is_form(head) || head == "agent" { 0 } else { MISPLACED };

@@ -1,13 +1,13 @@
-//! Matching of opening and closing tokens. No recursion: nesting costs no stack here.
+//! Matching of opening and closing tokens, without recursion, so that nesting uses no stack.
 
 use super::lexer::{Token, tokens};
 use super::{Flaw, FlawKind, Position, Sink, SyntaxKind};
 use apex_model::limits::READ_DEPTH_MAX;
 
-/// Flaws reported of one text; more would not be read.
+/// Maximum number of flaws reported for one text.
 const FLAWS_MAX: usize = 50;
 
-/// Tells a sink the structure of `text`; returns it and what is wrong with the text. Never fails.
+/// Passes the structure of `text` to a sink; returns the sink and the flaws of the text. Never fails.
 ///
 /// A text that is cut short is reported a second time, to a new sink.
 pub(crate) fn parse_into<'t, S: Sink<'t>>(text: &'t str, sink: impl Fn() -> S) -> (S, Vec<Flaw>) {
@@ -146,7 +146,7 @@ impl<'t, S: Sink<'t>> Structure<S> {
         deep
     }
 
-    /// Ends prefixes whose datum has just been read.
+    /// Ends the prefixes whose datum was just read.
     fn finish_prefixes(&mut self) {
         while self.stack.last().is_some_and(|open| !open.is_list) {
             self.stack.pop();
@@ -191,7 +191,7 @@ impl<'t, S: Sink<'t>> Structure<S> {
     fn advance(&mut self, token: &Token<'t>) {
         let text = token.text;
         self.at.offset += text.len();
-        // Only these may continue over several lines; the others are most of a text.
+        // Only these tokens may extend over several lines; the others make up most of a text.
         let many_lines = matches!(token.kind, SyntaxKind::WhiteSpace | SyntaxKind::BlockComment | SyntaxKind::Text);
         let lines = if many_lines { text.rsplit_once('\n') } else { None };
         match lines {

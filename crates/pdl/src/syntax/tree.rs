@@ -1,9 +1,9 @@
-//! The lossless tree, for those who must not lose a comment.
+//! The lossless tree, for callers that must keep comments.
 
 use super::{Flaw, Pdl, Position, Sink, SyntaxKind, SyntaxNode, parse_into};
 use rowan::{GreenNodeBuilder, Language};
 
-/// Returns the tree of `text`; its text is `text`. Never fails: what is wrong with the text is found when it is read.
+/// Returns the tree of `text`, which contains the whole text. Never fails: the reader reports flaws.
 pub(crate) fn parse(text: &str) -> SyntaxNode {
     tree(text).0
 }

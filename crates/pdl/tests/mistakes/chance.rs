@@ -19,7 +19,7 @@ impl Chance {
         all.get(index)
     }
 
-    /// Returns an index, each as likely as its weight says.
+    /// Returns an index with a probability proportional to its weight.
     pub fn weighted(&mut self, weights: &[usize]) -> usize {
         let mut left = self.below(weights.iter().sum());
         for (index, weight) in weights.iter().enumerate() {

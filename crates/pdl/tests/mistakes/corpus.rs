@@ -1,11 +1,11 @@
-//! The shipped missions and libraries, and checking them with one text exchanged.
+//! The shipped missions and libraries, and their check with one text replaced.
 
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A text that mistakes are made in, and the program through which it is checked: a library's mistakes are seen when the
-/// mission that uses all libraries is checked.
+/// A text in which mistakes are made, and the program through which it is checked: a library is checked as part of the mission that uses
+/// all libraries.
 pub struct Place {
     /// The path from the root of the repository, as in the sources of the program.
     pub file: String,
@@ -23,7 +23,7 @@ const MISSIONS: [&str; 3] = [
     "missions/structure-watch/mission.pdl",
     "missions/western-states/mission.pdl",
 ];
-/// Generated from vehicle files and missions: no author makes mistakes in them.
+/// Generated from vehicle files and missions, so authors make no mistakes in them.
 const GENERATED: [&str; 2] = ["library/vehicle-figures.pdl", "library/lost-link-figures.pdl"];
 /// Required by libraries and missions, and correct: mistakes are made in the other libraries.
 const REQUIRED: [&str; 3] = ["library/interface.pdl", "library/requirements.pdl", "library/replanning.pdl"];

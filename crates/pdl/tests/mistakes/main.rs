@@ -1,5 +1,5 @@
-//! Two hundred mistakes of authors, made at random in the shipped missions and libraries: each must be found where it is,
-//! in at most two messages, and most must be fixed by the fix that is offered.
+//! Two hundred random mistakes of authors in the shipped missions and libraries: each must be reported at its place, in at most two
+//! messages, and the offered fix must repair most of them.
 
 #![expect(unreachable_pub, reason = "a test has no public face; `pub` says that another module uses it")]
 #![expect(
@@ -40,7 +40,7 @@ fn two_hundred_mistakes_are_found_and_mended() {
     holds_the_bars(&score);
 }
 
-/// The checker must not fit one seed. `MISTAKE_SEEDS="11 12"` tries others than those that it was improved with.
+/// The checker must not be tuned to one seed. `MISTAKE_SEEDS="11 12"` uses seeds other than those with which it was improved.
 #[test]
 fn so_are_those_of_other_seeds() {
     let corpus = Corpus::new();

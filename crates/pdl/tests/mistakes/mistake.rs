@@ -7,16 +7,15 @@ use std::ops::Range;
 /// A mistake made in one text.
 pub struct Mistake {
     pub text: String,
-    /// Lines of that text on which the message may stand; several where two places contradict each other and neither is
-    /// more right than the other.
+    /// Lines of that text at which the message may be; several if two places contradict each other and either may be wrong.
     pub lines: Vec<u32>,
-    /// The same in other files of the program.
+    /// Permitted lines in other files of the program.
     pub elsewhere: Vec<(String, u32)>,
     /// Description of the change, for reports.
     pub what: String,
 }
 
-/// Replaces one stretch. The right line is that of the change.
+/// Replaces one range. The permitted line is that of the change.
 pub fn replace(program: &Program<'_>, range: Range<usize>, by: &str) -> Mistake {
     let was = &program.text[range.clone()];
     let what = format!("{} -> {}", shown(was), shown(by));
@@ -24,7 +23,7 @@ pub fn replace(program: &Program<'_>, range: Range<usize>, by: &str) -> Mistake 
     replaced(program, &[(range, by.to_string())], vec![line], what)
 }
 
-/// Replaces several stretches; `lines` are those of the text before.
+/// Replaces several ranges; `lines` are those of the text before.
 pub fn replaced(program: &Program<'_>, edits: &[(Range<usize>, String)], lines: Vec<u32>, what: String) -> Mistake {
     let mut edits = edits.to_vec();
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
@@ -35,11 +34,11 @@ pub fn replaced(program: &Program<'_>, edits: &[(Range<usize>, String)], lines: 
     Mistake { text, lines, elsewhere: Vec::new(), what }
 }
 
-/// Removes a stretch and, with it, a line that it leaves empty.
+/// Removes a range and, with it, a line that becomes empty.
 pub fn remove(program: &Program<'_>, range: Range<usize>, what: &str) -> Mistake {
     let mut range = range;
     let before = program.text[..range.start].trim_end().len();
-    // What is before the stretch keeps its line; the blanks between go with it.
+    // Text before the range keeps its line; the blanks in between are removed too.
     range.start = before;
     let what = format!("{what}: {}", shown(&program.text[range.clone()]));
     let line = line_of(program.text, before);

@@ -46,7 +46,7 @@ pub fn without_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
     (!uses.is_empty()).then_some(mistake)
 }
 
-/// Returns a step renamed without those that wait for it: always seen at them, or at the step.
+/// Returns a step renamed without the conditions that wait for it: the mistake is visible at them, or at the step.
 pub fn renamed_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tag = *chance.pick(&sites(program, Role::Tag))?;
     let name = format!("?{}", program.roles.word(tag.node));
@@ -156,7 +156,7 @@ pub fn without_quality(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
     Some(mistake)
 }
 
-/// Returns a clause given twice that may be given once.
+/// Returns a repeated clause that may occur only once.
 pub fn clause_twice(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let once = clauses(
         program,
@@ -190,8 +190,8 @@ pub fn without_end(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake
     Some(mistake)
 }
 
-/// Returns a procedure, primitive or function forgotten that others need. Right are the lines of those that need it, in any text
-/// of the program; which is for the scorer to look up.
+/// Returns a program without a procedure, primitive or function that others need. Permitted are the lines that need it, in any text of
+/// the program; the scorer finds them.
 pub fn without_definition(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let form = *chance.pick(&program.roles.tree.forms)?;
     let own = |node: usize| program.roles.tree.nodes[form].range.contains(&program.roles.tree.nodes[node].range.start);

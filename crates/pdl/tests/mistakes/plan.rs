@@ -15,7 +15,7 @@ use super::{parts, shapes, words};
 
 type Maker = fn(&Program<'_>, &mut Chance) -> Option<Mistake>;
 
-/// A kind of mistake, its weight, and what makes one.
+/// Kinds of mistakes with their weights and makers.
 pub const KINDS: &[(&str, usize, Maker)] = &[
     ("word of a goal", 14, |program, chance| words::typo(program, chance, Role::GoalWord)),
     ("word of an index", 7, |program, chance| words::typo(program, chance, Role::IndexWord)),

@@ -1,10 +1,10 @@
-//! Occurrences of a word in the rest of a program: a mistake that nothing contradicts does not count.
+//! Occurrences of a word in the rest of a program: a mistake that no other place contradicts does not count.
 
 use super::corpus::{Corpus, Place};
 use super::roles::{Goal, Role, Roles, Site};
 use super::tree::{NodeKind, Tree, line_of};
 
-/// One text with its words, and the other texts of the program that it is checked in.
+/// One text with its words, and the other texts of its program.
 pub struct Program<'c> {
     pub place: &'c Place,
     pub text: &'c str,

@@ -1,5 +1,5 @@
-//! Role of each word of a program. A mistake is made in a word of a known role, so that it is known whether
-//! anything can disagree with it.
+//! Role of each word of a program. A mistake is made in a word of a known role, so that it is known whether another place can contradict
+//! it.
 
 use super::tree::{NodeKind, Tree};
 
@@ -287,7 +287,7 @@ impl<'t> Roles<'t> {
         self.children(node).into_iter().for_each(|each| self.inside(each));
     }
 
-    /// Variables and indexicals, wherever they stand.
+    /// Variables and indexicals, at any place.
     fn anywhere(&mut self, form: usize) {
         let range = self.tree.nodes[form].range.clone();
         let tags: Vec<String> = self

@@ -8,7 +8,7 @@ use super::program::Program;
 use apex_pdl::{Applicability, Checked, Diagnostic, Fix, Severity, apply, render};
 use std::collections::BTreeMap;
 
-/// Rounds of fixing one mistake: a fix may uncover what it hid.
+/// Rounds of fixes for one mistake, because a fix may reveal further errors.
 const ROUNDS_MAX: usize = 3;
 
 /// Results of some mistakes.
@@ -19,11 +19,11 @@ pub struct Tally {
     pub placed: usize,
     /// Following the first fix offered, again and again, leaves a program without errors and warnings.
     pub fixed: usize,
-    /// .. and the text is what it was, except for blanks.
+    /// .. and the text equals the original, except for blanks.
     pub restored: usize,
-    /// Safe fixes alone leave a clean program.
+    /// Safe fixes alone give a program without messages ..
     pub fixed_safely: usize,
-    /// .. which is not what it was.
+    /// .. that differs from the original.
     pub changed_safely: usize,
     /// More than two messages.
     pub wordy: usize,
@@ -57,7 +57,7 @@ pub fn score(corpus: &Corpus, seed: u64, count: usize) -> Score {
     score
 }
 
-/// One mistake of a kind; most places do not suit, and another one is looked for.
+/// Makes one mistake of a kind; most places are unsuitable, and another one is then tried.
 fn attempt(
     programs: &[Program<'_>],
     chance: &mut Chance,
@@ -69,8 +69,8 @@ fn attempt(
     })
 }
 
-/// Returns the text of each message with the lines that it concerns, to distinguish new ones from those of the shipped text:
-/// lines move, their text does not.
+/// Returns the text of each message with the text of its lines, to distinguish new messages from those of the shipped text: line numbers
+/// change, the text does not.
 fn messages(checked: &Checked) -> impl Iterator<Item = String> {
     checked.diagnostics.iter().map(|each| {
         let source = checked.library.sources.get(each.span.file as usize);
@@ -134,7 +134,7 @@ fn judge(
     tally
 }
 
-/// The text after following, in each round, the first message that offers a fix of this kind, and whether it is clean.
+/// Returns the text after applying, in each round, the first offered fix of this kind, and true if no messages remain.
 fn follow(
     corpus: &Corpus,
     place: &Place,

@@ -51,7 +51,7 @@ pub fn closed_too_early(program: &Program<'_>, chance: &mut Chance) -> Option<Mi
     Some(replaced(program, &[(before..before, ")".to_string()), (end - 1..end, String::new())], lines, what))
 }
 
-/// Returns a step that is closed too late: the next one stands inside of it.
+/// Returns a step that is closed too late, so that the next step is inside of it.
 pub fn closed_too_late(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tree = &program.roles.tree;
     let is_step = |node: &usize| tree.nodes[*node].kind == NodeKind::List && tree.head(*node, program.text) == "step";
@@ -69,7 +69,7 @@ pub fn closed_too_late(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
     ))
 }
 
-/// One quotation mark of a string forgotten.
+/// Returns a string without one of its quotation marks.
 pub fn without_quote(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tree = &program.roles.tree;
     let texts: Vec<usize> = (0..tree.nodes.len()).filter(|node| tree.nodes[*node].kind == NodeKind::Text).collect();

@@ -1,11 +1,11 @@
-//! Slips of the hand in a word.
+//! Typing errors in a word.
 
 use super::chance::Chance;
 
 const ROWS: [&str; 3] = ["qwertyuiop", "asdfghjkl", "zxcvbnm"];
 
-/// `word` with one slip: a letter dropped, doubled, exchanged with the next or replaced by a neighbouring key, or a
-/// hyphen written as an underscore or left out.
+/// Returns `word` with one typing error: a letter dropped, doubled, swapped with the next or replaced by a neighbouring key, or a hyphen
+/// written as an underscore or left out.
 pub fn misspelt(chance: &mut Chance, word: &str) -> String {
     let letters: Vec<char> = word.chars().collect();
     let mut slipped = letters.clone();

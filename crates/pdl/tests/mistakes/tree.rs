@@ -1,4 +1,4 @@
-//! A program's text as a tree of lists and atoms: just enough to know where a mistake can be made.
+//! A program's text as a tree of lists and atoms, sufficient to find places for mistakes.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ pub enum NodeKind {
     Text,
 }
 
-/// A list, an atom or a string with its place in the text. Prefixes belong to what they stand before.
+/// A list, an atom or a string with its place in the text. Prefixes belong to the item after them.
 #[derive(Clone, Debug)]
 pub struct Node {
     pub kind: NodeKind,

@@ -29,8 +29,8 @@ pub(super) fn legs(
     }
 }
 
-/// Returns the time of a leg at `depart_s`, in separate arithmetic: the two departures around it weigh by their
-/// nearness. `from` `None` is the start, `to` `None` the base; infinite if no path exists.
+/// Returns the time of a leg at `depart_s`, computed independently: an average of the two neighbouring departures, weighted by nearness.
+/// `from` `None` is the start, `to` `None` the base; infinite if no path exists.
 pub(super) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>, depart_s: f64) -> f64 {
     let of = |start: &[f64], between: &[Vec<f64>], base: &[f64]| {
         let time_s = match (from, to) {

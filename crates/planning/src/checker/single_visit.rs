@@ -1,5 +1,4 @@
-//! Independent check of a single-visit plan: flies it in short steps, with separate arithmetic for wind, polygons, fuel
-//! and worth.
+//! Independent check of a single-visit plan: flies it in short steps, with separate arithmetic for wind, polygons, fuel and value.
 
 use super::{given_times, turns};
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
@@ -52,7 +51,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
-        // Who skips a place leaves it as it came.
+        // A vehicle that skips a place leaves it in the direction of its arrival.
         let came = || turns::end_track_rad(turns::flown(problem, &visit.route, &visit.path));
         exit = turns::track_rad(manoeuvre.lines.last(), true).or_else(came);
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
@@ -62,7 +61,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         given_times::legs(problem, travel, plan, &mut found);
     } else if plan.visits.is_empty() && problem.base.is_none_or(|base| geodesy::distance_m(problem.start, base) <= 1.0)
     {
-        // Nothing is flown: the vehicle stays where it is.
+        // No leg is flown: the vehicle stays at its position.
     } else if let Some(base) = problem.base {
         let leg = CheckedLeg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
@@ -126,7 +125,8 @@ fn fly(
     }
 }
 
-/// Returns the altitudes that the vehicle may have `flown_s` after it left: it climbs or descends at once, and may be there already.
+/// Returns the altitudes that the vehicle may have `flown_s` seconds after departure: it climbs or descends at once, and may have
+/// arrived.
 fn heights_m(problem: &SingleVisitProblem, leg: &CheckedLeg<'_>, flown_s: f64) -> (f64, f64) {
     let vehicle = &problem.vehicle;
     let (climb, descent) = (vehicle.climb_rate_mps, vehicle.descent_rate_mps);
@@ -162,7 +162,7 @@ pub(super) fn ground_speed_mps(
     if root <= 0.0 { f64::MIN_POSITIVE } else { (along + libm::sqrt(root)).max(f64::MIN_POSITIVE) }
 }
 
-/// Airspace and landing distance at one place.
+/// Checks airspace and landing distance at one place.
 fn inside_rules(
     problem: &SingleVisitProblem,
     place: Position,
@@ -204,15 +204,15 @@ fn spherical_m(a: Position, b: Position) -> f64 {
     2.0 * geodesy::EARTH_RADIUS_M_MEAN * libm::asin(libm::sqrt(squared).min(1.0))
 }
 
-/// One message per matter, however many steps show it.
+/// Adds one message per violation, however many steps show it.
 fn note(found: &mut Vec<String>, message: String) {
     if !found.contains(&message) {
         found.push(message);
     }
 }
 
-/// Does the zone's outline wind around `place`? Sums the angles under which its edges are seen, on a flat map scaled at
-/// `place`: another method than the planners' crossing count.
+/// Returns true if the zone's outline winds around `place`. Sums the angles under which its edges are seen, on a flat map scaled at
+/// `place`, unlike the planners, which count crossings.
 fn winds_around(zone: &AirspaceZone, place: Position) -> bool {
     let scale = libm::cos(place.latitude_deg * RAD_PER_DEG);
     let seen = |corner: &Position| {
@@ -242,7 +242,7 @@ fn observe(
             manoeuvre.duration_s
         ));
     }
-    // Both ends of a window are in it.
+    // A window includes both of its ends.
     let (mut windows, begin_s) = (target.windows.iter(), visit.begin_s);
     if !target.windows.is_empty() && !windows.any(|window| window.from_s <= begin_s && begin_s <= window.until_s) {
         found.push(format!("observes {name} outside its time windows"));

@@ -21,7 +21,7 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
             found.push(format!("visits {}, which is not a target", visit.target));
             continue;
         };
-        // An immediate departure arrives first: a vehicle that leaves later does not arrive earlier.
+        // An immediate departure arrives first: a later departure never arrives earlier.
         let travel_s = leg_s(&problem.travel, place, Some(at), time_s);
         let missing_s = time_s + travel_s - visit.arrive_s;
         if missing_s.is_nan() || missing_s > TIME_TOLERANCE_S {

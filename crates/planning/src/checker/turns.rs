@@ -1,4 +1,4 @@
-//! Independent check of turns: along a path over ground it follows the heading through the air and its rate of change.
+//! Independent check of turns: along a path over ground it computes the heading through the air and its rate of change.
 
 use super::single_visit::ground_speed_mps;
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
@@ -6,11 +6,11 @@ use apex_geo::wind;
 use apex_model::problem::SingleVisitProblem;
 use std::f64::consts::{PI, TAU};
 
-/// A path may turn this much faster than the vehicle: its wind is the mean of a leg's, and it is given as points.
+/// Relative tolerance of the turn rate: a path is planned with the mean wind of its leg, and is stored as points.
 const TURN_TOLERANCE: f64 = 0.25;
-/// A change of heading that is within what points, and the wind between them, leave open.
+/// Tolerance of a change of heading, for the spacing of the points and the wind between them.
 const HEADING_TOLERANCE_RAD: f64 = 0.06;
-/// However long two pieces are: a path whose points are a thousandth of the radius off turns by 0.09 from one to the next.
+/// Greatest corner between two pieces of any length: on a path whose points deviate by a thousandth of the radius it is 0.09.
 const CORNER_RAD_MAX: f64 = 0.12;
 /// Shorter pieces show no direction.
 const SHORT_M: f64 = 0.5;
@@ -20,7 +20,7 @@ pub(super) fn flown<'a>(problem: &SingleVisitProblem, route: &'a [Position], pat
     if problem.vehicle.turn_radius_m > 0.0 && !path.is_empty() { path } else { route }
 }
 
-/// Returns the direction of a line, at its end where it is `behind`; `None` if it has none.
+/// Returns the direction of a line at its start, or at its end if `behind`; `None` for a line without length.
 pub(super) fn track_rad(line: Option<&(Position, Position)>, behind: bool) -> Option<f64> {
     let (from, to) = line?;
     let (length_m, azimuth_deg) = if behind { geodesy::inverse(*to, *from) } else { geodesy::inverse(*from, *to) };
@@ -55,7 +55,7 @@ pub(super) fn check(
     }
     let mut pieces: Vec<CheckedPiece> = Vec::new();
     let still = CheckedPiece { heading_rad: 0.0, lasts_s: 0.0 };
-    // A path is one for the wind in which it is begun: where that changes under way the vehicle flies another one.
+    // A path is planned for the wind at its beginning: if the wind changes on the way, the vehicle flies another path.
     let air = |track_rad: f64, place: Position| heading_rad(problem, track_rad, place, depart_s);
     if let (Some(track_rad), Some(place)) = (ends.0, flown.first()) {
         pieces.push(CheckedPiece { heading_rad: air(track_rad, *place), ..still });
@@ -88,7 +88,7 @@ pub(super) fn check(
     }
 }
 
-/// Through the air that moves here: the heading whose velocity and the wind's add up to the track.
+/// Returns the heading through the air whose velocity and the local wind add up to the track.
 fn heading_rad(problem: &SingleVisitProblem, track_rad: f64, place: Position, time_s: f64) -> f64 {
     let vehicle = &problem.vehicle;
     let here = wind::at(&problem.wind, place, vehicle.cruise_altitude_m, time_s);

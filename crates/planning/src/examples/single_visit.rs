@@ -29,7 +29,7 @@ const FIRES: &[(&str, f64, f64, f64)] = &[
     ("Milford Flat", 38.45, -112.95, 5.0),
 ];
 
-/// One altitude with a coarse and one with a fine, slower manoeuvre.
+/// Returns a coarse manoeuvre at one altitude, and a finer, slower one.
 pub fn manoeuvres(position: Position) -> Vec<Manoeuvre> {
     let line = |azimuth_deg| apex_geo::geodesy::destination(position, azimuth_deg, 9_000.0);
     let lines = vec![(line(180.0), line(0.0))];
@@ -119,7 +119,7 @@ pub fn restricted(name: &str, south: f64, north: f64, west: f64, east: f64) -> A
     }
 }
 
-/// `count` targets at random with windows, order, zones, landing places and a wind that turns: for the checker.
+/// Returns `count` random targets with windows, order, zones, landing places and a wind that changes: for the checker.
 pub fn random(count: usize, seed: u64) -> SingleVisitProblem {
     let mut generator = Generator::new(seed);
     let mut problem = western_states(20_000.0 + 30_000.0 * generator.unit());

@@ -5,7 +5,7 @@ use apex_model::problem::{
     CostFunction, EventRate, LaterTimes, Position, SurveillanceProblem, SurveillanceTarget, TravelTimes,
 };
 
-/// `count` targets at random in 4 km with unequal rates and costs, a wind that makes travel asymmetric.
+/// Returns `count` random targets within 4 km, with unequal rates and costs; wind makes the travel times asymmetric.
 pub fn random(count: usize, seed: u64) -> SurveillanceProblem {
     sized(count, seed, 4000.0)
 }
@@ -45,11 +45,11 @@ pub fn sized(count: usize, seed: u64, side_m: f64) -> SurveillanceProblem {
     }
 }
 
-/// Like [`sized`], with a wind that turns at `turn_s`: a vehicle under way then flies through both winds.
+/// Like [`sized`], with a wind that changes at `turn_s`: a vehicle on the way then meets both winds.
 pub fn turning(count: usize, seed: u64, side_m: f64, turn_s: f64) -> SurveillanceProblem {
     let mut problem = sized(count, seed, side_m);
     let mut generator = Generator::new(seed ^ 0x5EED);
-    // What each way takes after the turn.
+    // The travel time of each leg after the change.
     let mut after_s = |time_s: f64| time_s * (0.5 + generator.unit());
     let constant = problem.travel.clone();
     let after = LaterTimes {

@@ -1,4 +1,4 @@
-//! The plan in execution as a start: its remainder on a problem that has changed.
+//! The plan in execution as a starting point: its remainder for a problem that has changed.
 //!
 //! Bound: O(targets + visits).
 
@@ -7,8 +7,8 @@ use crate::solver::Budget;
 use apex_model::problem::Plan;
 use std::collections::BTreeMap;
 
-/// Returns the remainder of a plan: its visits as far as their targets still exist and time reaches; a plan that
-/// repeats a cycle continues it. `None` if the remainder is empty.
+/// Returns the remainder of a plan: its visits, if their targets still exist and the time suffices; a plan that repeats a cycle continues
+/// it. `None` if the remainder is empty.
 pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
     let Plan::Surveillance(plan) = plan? else { return None };
     let targets = &scenario.problem().targets;
@@ -17,7 +17,7 @@ pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> 
     let index = |name: &str| by_name.get(name).copied();
     let visits: Vec<usize> = plan.visits.iter().filter_map(|visit| index(&visit.target)).collect();
     let cycle: Vec<usize> = plan.cycle.iter().filter_map(|name| index(name)).collect();
-    // Where in its cycle the plan stands after the visits that are left; plans repeat it from its beginning.
+    // Position in the cycle after the remaining visits; the plan repeats the cycle from its beginning.
     let last = plan.visits.len().checked_sub(1).and_then(|last| plan.visits.get(last));
     let after = last.and_then(|last| plan.cycle.iter().position(|name| *name == last.target)).map_or(0, |at| at + 1);
     let after = plan.cycle.iter().take(after).filter(|name| index(name).is_some()).count();
@@ -26,7 +26,7 @@ pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> 
     (!word.is_empty()).then_some(word)
 }
 
-/// Returns the targets of the remainder of a plan in the order in which they come first: a cycle to begin with.
+/// Returns the targets of the remainder of a plan in the order of their first visits, as an initial cycle.
 pub fn cycle(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
     let word = word(scenario, plan)?;
     let mut there = vec![false; scenario.problem().targets.len()];

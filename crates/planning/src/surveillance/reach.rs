@@ -1,12 +1,13 @@
-//! Targets of surveillance that can be observed at all, and those that are left faster over others than straight home.
+//! Surveillance targets that can be observed at all, and targets from which a detour over others is faster than the direct way home.
 //!
-//! Given times need not obey the triangle inequality, so a target that cannot be flown to, or left, at once may be by way of
-//! another one. Bound: O(targets), O(targets^2) where a target cannot be the first.
+//! Given times need not obey the triangle inequality, so a target that cannot be reached or left directly may be reachable through
+//! another one. Bound: O(targets), or O(targets^2) if a target cannot be the first.
 
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 
-/// Returns indices of the targets that some flight observes, of `count`, and what it took to find them, in nanoseconds. `end_s` is when an
-/// observation of the third ends after being at the first (none: the start) at the second; infinite where it cannot be.
+/// Returns the indices of the targets, of `count`, that some flight can observe, and the work of this search in nanoseconds. `end_s(from,
+/// time_s, to)` is the end of the observation of `to` after a departure from `from` (`None`: the start) at `time_s`; infinite if it is
+/// impossible.
 pub(super) fn usable(count: usize, end_s: impl Fn(Option<usize>, f64, usize) -> f64) -> (Vec<usize>, u64) {
     let mut ends_s: Vec<f64> = (0..count).map(|target| end_s(None, 0.0, target)).collect();
     let mut spent_ns = 0;
@@ -18,7 +19,7 @@ pub(super) fn usable(count: usize, end_s: impl Fn(Option<usize>, f64, usize) -> 
     (usable.collect(), spent_ns)
 }
 
-/// Returns the least times home over all departures and any others; empty where the direct way home is always the fastest.
+/// Returns the least times home over all departures and detours; empty if the direct way home is always the fastest.
 pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
     let count = problem.targets.len();
     let (travel, dwells_s) = (&problem.travel, problem.targets.iter().map(|target| target.dwell_s));
@@ -27,7 +28,7 @@ pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
         travel.between_s_min(here, next) + dwells_s.get(next).copied().unwrap_or(0.0) + home_s
     };
     let direct_s: Vec<f64> = (0..count).map(|target| travel.to_base_s_min(target)).collect();
-    // Is any way home longer than by way of one other target? Then by way of several it may be shorter still.
+    // If no detour over one other target is shorter than a direct way home, no longer detour is.
     let shorter = |here: usize| {
         let home_s = direct_s.get(here).copied().unwrap_or(UNREACHABLE_S);
         direct_s.iter().enumerate().any(|(next, rest_s)| next != here && over_s(next, *rest_s, here) < home_s - SAME_S)
@@ -42,11 +43,11 @@ pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
 
 /// Times that differ by no more are equal.
 const SAME_S: f64 = 1e-6;
-/// Work of comparing one target with another one, in nanoseconds.
+/// Work of comparing two targets, in nanoseconds.
 const LOOK_NS: u64 = 12;
 
-/// Makes the least number final, lets it lower the others, and so on (Dijkstra). `over` is the number of the third by way of the
-/// first, which has the second.
+/// Computes least values in the manner of Dijkstra: makes the least one final, lets it lower the others, and repeats. `over(a, value, b)`
+/// is the value of `b` through `a`, which has `value`.
 fn settle(least: &mut [f64], over: impl Fn(usize, f64, usize) -> f64) {
     let mut open: Vec<usize> = (0..least.len()).collect();
     let at = |least: &[f64], node: Option<&usize>| node.and_then(|node| least.get(*node)).copied();

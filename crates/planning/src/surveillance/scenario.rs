@@ -1,8 +1,7 @@
-//! Flying a word (a sequence of targets) or a cycle over a surveillance problem: times, expected cost, plan.
+//! Flies a word (a sequence of targets) or a cycle on a surveillance problem: times, expected cost, plan.
 //!
-//! Work is metered here in nanoseconds and charged in whole units, so that a unit is the same to every planner of
-//! surveillance; planners charge their other work with [`spend`](Scenario::spend). The figures were measured
-//! (`make bench-units`).
+//! Work is metered here in nanoseconds and charged in whole units, so that a unit is the same for every surveillance planner; planners
+//! charge their other work with [`spend`](Scenario::spend). The figures were measured (`make bench-units`).
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use super::reach;
@@ -40,7 +39,7 @@ pub struct Stop {
     pub end_s: f64,
 }
 
-/// A validated problem with what planners ask of it.
+/// A validated problem with derived data for planners.
 #[derive(Debug)]
 pub struct Scenario<'a> {
     problem: &'a SurveillanceProblem,
@@ -48,12 +47,12 @@ pub struct Scenario<'a> {
     usable: Vec<usize>,
     /// Times that do not depend on the departure.
     typical: Cow<'a, TravelTimes>,
-    /// Least time from the end of each target's observation to the base, over others where that is faster than the way home;
-    /// empty where it is not.
+    /// Least time from the end of each target's observation to the base, by detours where these are faster than the direct way; empty if
+    /// none is.
     home_s: Vec<f64>,
-    /// Cost of each target that is never visited, and of all of them.
+    /// Cost of each target if it is never visited, and of all of them together.
     idle: (Vec<f64>, f64),
-    /// Mean time from one usable target to another, dwell included, once it was requested.
+    /// Mean time from one usable target to another, dwell included; computed on first request.
     mean_transit_s: OnceCell<f64>,
     /// Work done and not yet charged.
     spent_ns: Cell<u64>,
@@ -63,7 +62,7 @@ impl<'a> Scenario<'a> {
     /// Prepares `problem`.
     ///
     /// # Errors
-    /// Describes what is invalid in the problem.
+    /// A description of the error in the problem.
     pub fn new(problem: &'a SurveillanceProblem) -> Result<Scenario<'a>, String> {
         crate::validate::surveillance(problem)?;
         let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
@@ -95,18 +94,19 @@ impl<'a> Scenario<'a> {
         self.problem
     }
 
-    /// Returns the travel times for comparing places with each other: the mean over departures. What is flown is judged by the true ones.
+    /// Returns travel times for comparing places with each other: the mean over departures. Flown tours are evaluated with the true
+    /// times.
     pub fn typical(&self) -> &TravelTimes {
         &self.typical
     }
 
-    /// Returns indices of the targets that can be observed, as the first one or after others.
+    /// Returns the indices of the targets that can be observed, as the first one or after others.
     pub fn usable(&self) -> &[usize] {
         &self.usable
     }
 
-    /// Returns true if the way home can be faster over another target. Then whether a flight may end with a visit is known only when it
-    /// does.
+    /// Returns true if a detour over another target can be the fastest way home. Whether a flight may end with a visit is then known only
+    /// at its end.
     pub fn has_detours_home(&self) -> bool {
         !self.home_s.is_empty()
     }
@@ -121,12 +121,12 @@ impl<'a> Scenario<'a> {
         if self.problem.travel.is_constant() { 0 } else { DEPARTURE_NS }
     }
 
-    /// Notes work of so many nanoseconds; the next [`charge`](Scenario::charge) counts it.
+    /// Records work of this many nanoseconds; the next [`charge`](Scenario::charge) counts it.
     pub fn spend(&self, nanoseconds: u64) {
         self.spent_ns.set(self.spent_ns.get().saturating_add(nanoseconds));
     }
 
-    /// Charges the whole units of what has been spent, with so many nanoseconds more.
+    /// Charges the whole units of the recorded work plus `nanoseconds`.
     pub fn charge(&self, nanoseconds: u64, budget: &mut dyn Budget) {
         let (spent_ns, unit_ns) = (self.spent_ns.get().saturating_add(nanoseconds), WORK_UNIT.0.unsigned_abs());
         self.spent_ns.set(spent_ns % unit_ns);
@@ -150,8 +150,8 @@ impl<'a> Scenario<'a> {
         })
     }
 
-    /// Returns the visit of `target` after being at `from` (none: the start) at `time_s`; `None` if it would end too late for every way
-    /// home.
+    /// Returns the visit of `target` after a departure from `from` (`None`: the start) at `time_s`; `None` if it would end too late for
+    /// every way home.
     pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
         let travel = &self.problem.travel;
         let travel_s =
@@ -181,7 +181,7 @@ impl<'a> Scenario<'a> {
         stops.into_iter().take(flown).for_each(each);
     }
 
-    /// Like [`Scenario::fly`], where what is flown may end without a way home.
+    /// Like [`Scenario::fly`], but the flown visits may end without a way home.
     fn fly_out(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
         let (mut place, mut time_s) = (None, 0.0);
         for target in word.into_iter().take(VISITS_MAX) {
@@ -198,7 +198,7 @@ impl<'a> Scenario<'a> {
         cost
     }
 
-    /// Returns the expected cost of flying `word`, and the nanoseconds that it takes to find out.
+    /// Returns the expected cost of `word`, and the work of computing it in nanoseconds.
     fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
         let targets = &self.problem.targets;
         // A visit that has not ended has no number.
@@ -228,7 +228,7 @@ impl<'a> Scenario<'a> {
         self.cost(cycle.iter().copied().cycle(), budget)
     }
 
-    /// Returns the word truly flown: `word` cut where it ends too late.
+    /// Returns the flown part of `word`: cut where the visits end too late.
     pub fn flown(&self, word: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut flown = Vec::new();
         self.fly(word, |stop| flown.push(stop.target));
@@ -290,7 +290,7 @@ impl<'a> Scenario<'a> {
         self.problem.targets.get(index).map(|target| target.name.clone())
     }
 
-    /// Returns the unvisited targets, each with the reason: impossible, or what visiting it once would do to the cost.
+    /// Returns the unvisited targets, each with the reason: impossible, or the effect of a visit on the cost.
     fn left_out(&self, stops: &[Stop], cost: f64) -> Vec<LeftOut> {
         let mut seen = vec![false; self.problem.targets.len()];
         for stop in stops {
@@ -318,8 +318,7 @@ impl<'a> Scenario<'a> {
             .collect()
     }
 
-    /// Returns the effect on the cost of one visit of the target, at the smallest detour and where time is left at the
-    /// end.
+    /// Returns the effect on the cost of one visit of the target, at the smallest detour or in remaining time at the end.
     fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
         let travel = &self.typical;
         let detour_s = |at: usize| {

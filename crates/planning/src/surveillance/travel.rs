@@ -10,8 +10,8 @@ use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 pub struct Transit<'a> {
     /// Speed through the air.
     pub true_airspeed_mps: f64,
-    /// Least radius of its turns through the air; 0 for a vehicle that can stop and turn on the spot. With one it
-    /// circles around the start and the targets, and a path takes its time from the worst point of a circle.
+    /// Least radius of its turns through the air; 0 for a vehicle that can stop and turn on the spot. With a radius the vehicle circles
+    /// around the start and the targets, and a path takes its time from the worst point of a circle.
     pub turn_radius_m: f64,
     /// Altitude at which the wind is taken.
     pub altitude_m: f64,
@@ -19,7 +19,7 @@ pub struct Transit<'a> {
     pub wind: &'a WindField,
     /// Begin of the plan.
     pub time_s: f64,
-    /// End of the plan: zones that are active before it are avoided at all times.
+    /// End of the plan: zones that are active before it are avoided all the time.
     pub until_s: f64,
     /// Zones to keep out of and to stay in.
     pub zones: &'a [AirspaceZone],
@@ -32,8 +32,8 @@ pub struct Transit<'a> {
 /// The ways between start, targets and base.
 #[derive(Clone, Debug)]
 pub struct SurveillanceTravel {
-    /// Their times, counted from the beginning of the plan; [`UNREACHABLE_S`] where there is no way. Not symmetric under
-    /// wind, and different by departure where the wind changes.
+    /// Their travel times, counted from the beginning of the plan; [`UNREACHABLE_S`] if no path exists. Asymmetric under wind, and
+    /// dependent on the departure if the wind changes.
     pub times: TravelTimes,
     network: Network,
     begin_s: f64,
@@ -52,7 +52,7 @@ struct Ends {
 /// Times may be read off straight lines with an error of this share of the longest way, and of [`ERROR_S_MAX`].
 const ERROR_SHARE: f64 = 0.005;
 const ERROR_S_MAX: f64 = 1.0;
-/// Departures for which times are kept, and numbers in all of them.
+/// Greatest number of departures with stored times, and of numbers in all of them.
 const DEPARTURES_MAX: usize = 128;
 const NUMBERS_MAX: usize = 2_000_000;
 
@@ -69,7 +69,7 @@ impl SurveillanceTravel {
     ) -> Result<SurveillanceTravel, String> {
         let mut around = vec![start, base];
         around.extend_from_slice(targets);
-        // The plan repeats its cycle, so a zone that is active at some time of it is kept out of at all times.
+        // The plan repeats its cycle, so a zone that is active at any time of it is avoided at all times.
         let mut zones = transit.zones.to_vec();
         zones.retain(|zone| zone.active.overlaps(transit.time_s, transit.until_s));
         for zone in &mut zones {
@@ -119,8 +119,8 @@ impl SurveillanceTravel {
         Ok(ways)
     }
 
-    /// Returns the times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
-    /// all others.
+    /// Returns the times for a departure at the beginning and, if the wind changes, for as many later departures as interpolation of all
+    /// others needs.
     fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
         let first = self.leaving_at(0.0);
         let mut known = vec![first];
@@ -147,7 +147,7 @@ impl SurveillanceTravel {
         TravelTimes { from_start_s, between_s, to_base_s, later: later.collect() }
     }
 
-    /// Halves what lies between departures from number `from` on, until no time in the middle is off by more than `error_s`.
+    /// Halves the intervals between departures, from number `from` on, until no time in the middle deviates by more than `error_s`.
     fn refine(&mut self, known: &mut Vec<LaterTimes>, mut from: usize, error_s: f64) {
         let count = self.ends.targets.len() + 1;
         let most = (NUMBERS_MAX / (count * count)).clamp(8, DEPARTURES_MAX);
@@ -189,7 +189,7 @@ impl SurveillanceTravel {
         self.positions(from.zip(to), depart_s)
     }
 
-    /// Returns the same from a target to the base.
+    /// Returns the path from a target to the base.
     pub fn route_to_base(&mut self, from: usize, depart_s: f64) -> Vec<Position> {
         let ends = self.ends.targets.get(from).copied().map(|from| (from, self.ends.base));
         self.positions(ends, depart_s)
@@ -207,7 +207,7 @@ impl SurveillanceTravel {
         self.turns_between_s(from.zip(self.ends.targets.get(to).copied()), depart_s)
     }
 
-    /// Returns the same from a target to the base.
+    /// Returns the time that turns add on the way from a target to the base.
     pub fn turns_to_base_s(&mut self, from: usize, depart_s: f64) -> f64 {
         self.turns_between_s(self.ends.targets.get(from).map(|from| (*from, self.ends.base)), depart_s)
     }
@@ -217,16 +217,15 @@ impl SurveillanceTravel {
         trip.map_or(0.0, |trip| self.network.turns_s(trip.way))
     }
 
-    /// Returns the path of a vehicle with a turn radius around a target while it observes from one time to another, and
-    /// its last position on the circle.
+    /// Returns the path around a target of a vehicle with a turn radius during an observation, and its last position on the circle.
     pub fn look(&self, at: usize, from: Circling, (begin_s, end_s): (f64, f64)) -> (Vec<Position>, Circling) {
         let place = self.ends.targets.get(at).copied();
         let arc = place.map(|place| self.network.circling_arc(place, from, (self.begin_s + begin_s, end_s - begin_s)));
         arc.unwrap_or((Vec::new(), from))
     }
 
-    /// Returns the path from a target (`None`: the start) to another (`None`: the base) with departure at `depart_s`,
-    /// from the position on the circle in `left` (`None`: from the best one), and the position on the next circle.
+    /// Returns the path from a target (`None`: the start) to another (`None`: the base) with departure at `depart_s`, from the position
+    /// on the circle in `left` (`None`: the best one), and the position on the next circle.
     pub fn flown(
         &mut self,
         (from, to): (Option<usize>, Option<usize>),
@@ -246,7 +245,7 @@ impl SurveillanceTravel {
         }
     }
 
-    /// Returns the obstacle in which a target lies that cannot be visited at all.
+    /// Returns the obstacle that contains the target, if the target can therefore not be visited.
     pub fn trouble(&self, target: usize) -> Option<&TravelError> {
         self.troubles.get(target).and_then(Option::as_ref)
     }
@@ -257,7 +256,7 @@ impl SurveillanceTravel {
     }
 }
 
-/// Returns the distance of the times in the middle from the straight lines between those before and after.
+/// Returns the greatest deviation of the middle times from linear interpolation between the earlier and later ones.
 fn off_s(before: &LaterTimes, middle: &LaterTimes, after: &LaterTimes) -> f64 {
     let times = |of: &LaterTimes| -> Vec<f64> {
         of.from_start_s.iter().chain(&of.to_base_s).chain(of.between_s.iter().flatten()).copied().collect()

@@ -1,4 +1,4 @@
-//! The shortest tour over few targets, by all of their sets. Bound: O(2^n n^2).
+//! The shortest tour over few targets, by dynamic programming over all subsets. Bound: O(2^n n^2).
 
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
@@ -16,7 +16,7 @@ pub(super) fn shortest(
     let Some((first, rest)) = targets.split_first() else { return Vec::new() };
     let (count, sets) = (rest.len(), 1_usize << rest.len());
     scenario.charge((sets * count * count) as u64 * STEP_QUARTER_NS / 4, budget);
-    // Least length of a path from `first` through the set that ends at a member, and the member before it.
+    // Least length of a path from `first` through the subset that ends at a member, and the preceding member.
     let mut table: Vec<(f64, usize)> = vec![(f64::INFINITY, 0); sets * count];
     let slot = |set: usize, last: usize| set * count + last;
     for (index, target) in rest.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The shortest directed tour over a set: Held-Karp for few targets, 2-opt and Or-opt from several starts for more.
 //!
-//! Travel is not symmetric: turning a part of a tour round changes the length of that part, so sums in both directions are
-//! kept. Bound: O(2^n n^2) up to [`EXACT_MAX`] targets, O(n^2) per pass beyond, at most [`STARTS_MAX`] starts.
+//! Travel is asymmetric: reversing a part of a tour changes its length, so sums in both directions are kept. Bound: O(2^n n^2) up to
+//! [`EXACT_MAX`] targets, O(n^2) per pass above, at most [`STARTS_MAX`] starts.
 
 mod exact;
 pub mod nearest;
@@ -15,9 +15,9 @@ use crate::surveillance::scenario::Scenario;
 pub const EXACT_MAX: usize = 9;
 /// Nearest-neighbour starts of the search beyond that.
 pub const STARTS_MAX: usize = 8;
-/// Improvements of one descent: far more than any tour needs, so that rounding cannot loop.
+/// Improvements of one descent: far more than any tour needs; the limit prevents a loop through rounding errors.
 const IMPROVEMENTS_MAX: usize = 100_000;
-/// Work of a row of turns or moves in addition to them, in nanoseconds.
+/// Fixed work of a row of reversals or moves, in nanoseconds.
 const ROW_NS: u64 = 100;
 
 /// Returns the factor of an access to travel times that the processor's cache does not hold any longer.
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn directed_lengths_count() {
-        // One direction is free, the other is expensive.
+        // One direction is cheap, the other is expensive.
         let distance = |from: usize, to: usize| if (from + 1) % 5 == to { 1.0 } else { 10.0 };
         let mut tour = vec![4, 3, 2, 1, 0];
         let problem = examples::random(5, 1);

@@ -1,4 +1,4 @@
-//! Or-opt: a short part of the tour to another place. Bound: O(n^2).
+//! Or-opt: moves a short part of the tour to another place. Bound: O(n^2).
 
 use super::{ROW_NS, length, memory};
 use crate::solver::Budget;
@@ -7,7 +7,7 @@ use crate::surveillance::scenario::Scenario;
 /// Work of trying a move, in nanoseconds.
 const MOVE_NS: u64 = 12;
 
-/// Moves the part of up to three targets whose move (as it is or reversed) shortens the tour most.
+/// Moves the part of up to three targets whose move, perhaps reversed, shortens the tour most. Returns false if no move shortens it.
 pub(super) fn improve(
     scenario: &Scenario<'_>,
     tour: &mut Vec<usize>,

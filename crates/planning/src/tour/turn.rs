@@ -7,7 +7,7 @@ use crate::surveillance::scenario::Scenario;
 /// Work of trying a reversal, in nanoseconds.
 const TURN_NS: u64 = 8;
 
-/// Reverses the part whose reversal shortens the tour most; false if none does.
+/// Reverses the part whose reversal shortens the tour most. Returns false if none does.
 pub(super) fn improve(
     scenario: &Scenario<'_>,
     tour: &mut [usize],

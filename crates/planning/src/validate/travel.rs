@@ -7,7 +7,7 @@ const DEPARTURES_MAX: usize = 256;
 /// A later departure may arrive earlier by this much: rounding of given times.
 const OVERTAKEN_S_MAX: f64 = 1e-3;
 
-/// Refuses times that do not fit `count` targets, are not times, or let a later departure arrive earlier.
+/// Rejects times that do not fit `count` targets, are not durations, or let a later departure arrive earlier.
 pub(super) fn times(travel: &TravelTimes, count: usize, with_base: bool) -> Result<(), String> {
     let TravelTimes { from_start_s, between_s, to_base_s, later } = travel;
     table((from_start_s, between_s, to_base_s), count, with_base)?;
@@ -58,7 +58,7 @@ struct DepartureTable<'a> {
 
 impl DepartureTable<'_> {
     fn times(&self) -> impl Iterator<Item = f64> {
-        // The base comes last: if no return is required, its times may be missing.
+        // The base is last: its times may be missing if no return is required.
         self.from_start_s.iter().chain(self.between_s.iter().flatten()).chain(self.to_base_s).copied()
     }
 }

@@ -1,4 +1,4 @@
-//! The checker accepts what solvers make and refuses what has been tampered with.
+//! The checker accepts plans of solvers and rejects modified ones.
 
 use apex_model::problem::{AirspaceZone, Plan, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
 use apex_planning::checker::{accept, violations};
@@ -109,7 +109,7 @@ proptest! {
     }
 }
 
-/// Returns a mission whose vehicle turns wide, with its plan.
+/// Returns a mission whose vehicle has a wide turn radius, with its plan.
 fn turning(seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
     turning_over(fires::random(5, seed), seed, turn_radius_m)
 }
@@ -147,7 +147,7 @@ fn a_turn_back_over_a_place_that_is_looked_at_from_overhead_takes_its_time() {
     for seed in 0..12 {
         let mut problem = fires::random(5, seed);
         problem.targets.iter_mut().flat_map(|target| &mut target.manoeuvres).for_each(|way| way.lines.clear());
-        // There and back: the base is the start, and the direction over the place is the one in which one comes.
+        // The base is the start, and the vehicle crosses the target in the direction of its arrival.
         problem.targets.truncate(1);
         problem.precedence.clear();
         let (quick, slow) = (turning_over(problem.clone(), seed, 0.0), turning_over(problem, seed, 3_400.0));
@@ -157,12 +157,12 @@ fn a_turn_back_over_a_place_that_is_looked_at_from_overhead_takes_its_time() {
         if quick.visits[0].manoeuvre == plan.visits[0].manoeuvre && plan.return_route.len() == 2 {
             slower_s = f64::max(slower_s, plan.end_s - quick.end_s);
         }
-        // The same without the turn is refused.
+        // The same plan without the turn is rejected.
         plan.return_path = plan.return_route.clone();
         let found = violations(&slow.0, &Plan::SingleVisit(plan));
         assert!(found.iter().any(|what| what.contains("turns more tightly than 3400 m")), "{found:?}");
     }
-    // Half a circle of 3.4 km at some 95 m/s, and a little more to come back to the line.
+    // Half a circle of 3.4 km radius at some 95 m/s, plus a little to return to the line.
     assert!(planned >= 6 && slower_s > 100.0, "{planned} {slower_s}");
 }
 

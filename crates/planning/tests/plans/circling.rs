@@ -1,4 +1,4 @@
-//! Surveillance by a vehicle that cannot stop: times by hand, and plans flown in small steps.
+//! Surveillance by a vehicle that cannot stop: times against computed values, and plans flown in small steps.
 
 use apex_geo::geodesy;
 use apex_geo::travel::Circling;
@@ -59,21 +59,21 @@ fn in_calm_air_a_way_takes_half_a_circle_more() {
     for (from, rows) in at_once.times.between_s.iter().zip(&wide.times.between_s).enumerate() {
         for (to, (straight_s, time_s)) in rows.0.iter().zip(rows.1).enumerate().filter(|(to, _)| *to != from) {
             let more_s = time_s - straight_s;
-            // The other circle is as far from each point of this one as the places are apart, and the opposite turn a little more.
+            // The distance between points of the circles equals that of the places; a turn in the opposite direction adds a little.
             assert!(more_s > half_s && more_s < 1.04 * half_s, "{from} to {to}: {more_s} of {half_s}");
         }
         assert_eq!(wide.times.between_s[from][from], 0.0);
     }
     assert!(wide.times.is_constant() && wide.circle_radius_m() == 4_000.0);
     assert_eq!((at_once.circle_radius_m(), at_once.times.clone()), (0.0, ways(0.0, &calm).times));
-    // To the base, which is flown over, one turns a little farther: it lies next to the line along the circles.
+    // The vehicle flies over the base, which is off the line along the circles, and therefore turns a little further.
     let home_s = wide.times.to_base_s[0] - at_once.times.to_base_s[0];
     assert!(home_s > half_s && home_s < 1.1 * half_s, "{home_s} of {half_s}");
     let strong = ways(4_000.0, &blowing(0.0, 20.0)).circle_radius_m();
     assert!((strong - 4_000.0 * (115.2 / AIRSPEED_MPS) * (115.2 / AIRSPEED_MPS)).abs() < 1e-6, "{strong}");
 }
 
-/// Flies over `points` with the airspeed in `wind`, headed so that the air's motion and the wind's add up to the chord.
+/// Flies over `points` at the airspeed in `wind`; the heading is such that air velocity and wind add up to the chord.
 fn flown_s(points: &[Position], wind: (f64, f64)) -> f64 {
     let one = |pair: &[Position]| {
         let (length_m, azimuth_deg) = geodesy::inverse(pair[0], pair[1]);

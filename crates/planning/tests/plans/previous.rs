@@ -1,4 +1,4 @@
-//! Plans made again from the remaining part of an earlier one.
+//! Plans computed again from the remaining part of an earlier one.
 
 use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem};
 use apex_planning::examples::surveillance as examples;
@@ -28,8 +28,7 @@ fn plan(solver: &dyn Solver, problem: &SurveillanceProblem, units: u64, previous
     }
 }
 
-/// Returns the problem some time later: a target is gone, another one is more expensive, the vehicle is elsewhere, less time
-/// remains.
+/// Returns the problem some time later: one target is gone, another is more expensive, the vehicle is elsewhere, less time remains.
 fn changed(problem: &SurveillanceProblem, seed: u64) -> SurveillanceProblem {
     let mut changed = examples::random(problem.targets.len(), seed);
     changed.targets = problem.targets.clone();
@@ -53,7 +52,7 @@ proptest! {
             let left = previous::word(&scenario, Some(&old)).unwrap();
             let cost = scenario.cost(left, &mut WorkBudget::new(u64::MAX));
             for new in planners {
-                // With so little work a planner without the previous plan would often do worse.
+                // With so little work, a planner without the previous plan would often be worse.
                 let with = plan(new, &changed, 1, Some(&old)).expected_cost;
                 prop_assert!(with <= cost * (1.0 + 1e-9), "{}: {with} {cost}", new.name());
             }

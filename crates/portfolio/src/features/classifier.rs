@@ -1,17 +1,17 @@
-//! A classifier reads one feature of a mission.
+//! Classifiers: each determines one feature of a mission.
 
 use apex_geo::geodesy::Position;
 use apex_geo::plane::{Plane, Point};
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 use apex_planning::surveillance::scenario::Scenario;
 
-/// Distance that the missions of the profile table could fly in theirs: an hour at 20 m/s. Maps are compared in this measure,
-/// so that a vehicle of twice the speed sees a map of half the size.
+/// Distance that a vehicle can fly in a mission of the profile table: an hour at 20 m/s. Maps are measured relative to this distance, so
+/// that a vehicle of twice the speed has a map of half the size.
 const REACH_M: f64 = 72_000.0;
 /// Greatest number of pairs of targets that are examined to know the speed.
 const SPEED_PAIRS_MAX: usize = 1_000;
 
-/// A mission with what classifiers ask of it.
+/// A mission with derived data for classifiers.
 #[derive(Debug)]
 pub struct ClassifierInput<'a> {
     pub(super) scenario: Scenario<'a>,
@@ -23,7 +23,7 @@ impl<'a> ClassifierInput<'a> {
     /// Prepares the input from `problem`.
     ///
     /// # Errors
-    /// An error message if the problem is invalid or no target can be observed at all.
+    /// An error message if the problem is invalid or no target can be observed.
     pub fn new(problem: &'a SurveillanceProblem) -> Result<ClassifierInput<'a>, String> {
         let scenario = Scenario::new(problem)?;
         let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
@@ -43,13 +43,13 @@ impl<'a> ClassifierInput<'a> {
         &self.points
     }
 
-    /// Returns metres of the given map for one metre of the table's: 1 for a mission of an hour at 20 m/s.
+    /// Returns the metres of this map per metre of the table's maps: 1 for a mission of an hour at 20 m/s.
     pub(super) fn metres_per_metre(&self) -> f64 {
         if self.reach_m > 0.0 { self.reach_m / REACH_M } else { 1.0 }
     }
 }
 
-/// Returns the middle speed from target to target; 0 where there is no way between any two.
+/// Returns the median speed between targets; 0 if no path exists between any two.
 fn speed_mps(problem: &SurveillanceProblem, points: &[Point]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(from, a)| {
         points.iter().enumerate().skip(from + 1).map(move |(to, b)| (from, to, b.minus(*a).length()))
@@ -81,7 +81,7 @@ impl Classification {
     }
 }
 
-/// A problem classifier: one feature of missions of surveillance.
+/// A problem classifier: determines one feature of surveillance missions.
 pub trait Classifier: Sync {
     /// Returns the feature's name in tables.
     fn name(&self) -> &'static str;

@@ -1,4 +1,4 @@
-//! Variation of the importance of targets: cost of an event that is never found, times its probability.
+//! Variation of the importance of targets: cost of an undetected event times its probability.
 
 use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::variability;
@@ -27,7 +27,7 @@ impl Classifier for Importance {
     }
 }
 
-/// Returns the cost of an event that is never found: the limit if there is one, else the cost at the horizon.
+/// Returns the cost of an event that is never detected: the limit if there is one, otherwise the cost at the horizon.
 fn never_found(cost: &CostFunction, horizon_s: f64) -> f64 {
     match cost {
         CostFunction::Saturating { maximum, .. }

@@ -1,8 +1,8 @@
-//! Problem classification (paper, section V.C): features of a given mission, by which the best planner is looked up.
+//! Problem classification (paper, section V.C): features of a mission, which select the best planner.
 //!
-//! A classifier reads one feature: readable numbers, and the distance of the mission from each of the feature's bins.
-//! Each is one file and a row in [`CLASSIFIERS`]; third parties add theirs the same way and pass their own list to
-//! [`classify_with`]. Bound: O(n^2) in the number of targets.
+//! A classifier determines one feature: readable numbers, and the distance of the mission from each of the feature's bins. Each is one
+//! file and a row in [`CLASSIFIERS`]; third parties add theirs in the same way and pass their own list to [`classify_with`]. Bound:
+//! O(n^2) in the number of targets.
 
 mod classifier;
 mod count;
@@ -25,7 +25,7 @@ use apex_model::problem::SurveillanceProblem;
 /// Every classifier, in the order in which names of cells have their words.
 pub const CLASSIFIERS: &[&dyn Classifier] = &[&Scale, &Rate, &Importance, &Count, &Spread];
 
-/// A feature as it was read.
+/// A determined feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
     /// Its name.

@@ -1,20 +1,20 @@
 //! Pattern of the profile table that a set of points resembles most: the likelihood of nine patterns, three
 //! distributions on maps of three sizes, for any centre.
 //!
-//! Size and kind are asked together because they are mixed up else: four targets in one crowd on a large map are as far apart
-//! as four anywhere on a medium one, and only their sizes given the kind tell more than their shape.
+//! Size and kind are estimated together because they are confused otherwise: four targets in one cluster on a large map are as far apart
+//! as four random ones on a medium map. Only their distances given the kind say more than their shape.
 
 use super::classifier::ClassifierInput;
 use crate::cell::{Scale, Space};
 use apex_geo::plane::Point;
 use std::f64::consts::PI;
 
-/// Deviation of a crowd as a share of the map's side: one crowd, each of two; and the two crowds' distance.
+/// Standard deviation of a cluster as a share of the map's side: a single cluster, each of two clusters; and the distance of the two.
 const GLOBULAR: f64 = 0.08;
 const TWO_CLUSTERS: (f64, f64) = (0.05, 0.76);
 /// Width of the passage, as a share of the side, in which a map becomes too small for its points.
 const EDGE: f64 = 0.05;
-/// Rounds of the division into two clusters: it settles in a few.
+/// Maximum rounds of the division into two clusters; it converges in a few.
 const CLUSTER_ROUNDS_MAX: usize = 50;
 
 /// Minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
@@ -75,7 +75,7 @@ impl PointStatistics {
     fn log_likelihood(&self, side_m: f64, space: Space) -> f64 {
         match space {
             Space::Uniform => {
-                // The map may be moved as far as it still holds all; what hardly fits, or does not quite, fades.
+                // The map may be shifted as long as it contains all points; the likelihood falls smoothly if they hardly fit.
                 let room = |extent_m: f64| {
                     let edge_m = EDGE * side_m;
                     let over = ((extent_m - side_m + edge_m) / edge_m).max(0.0);
@@ -92,7 +92,7 @@ impl PointStatistics {
                 let crowds = crowd(self.counts.0, 0.0, deviation_m) + crowd(self.counts.1, 0.0, deviation_m);
                 let variance_m2 = deviation_m * deviation_m * (1.0 / self.counts.0 + 1.0 / self.counts.1);
                 let off_m = self.between_m - distance_m;
-                // Any direction is as good, and the points may go to either crowd.
+                // All directions are equally likely, and a point may belong to either cluster.
                 crowds
                     - 0.5 * self.within_m2 / (deviation_m * deviation_m)
                     - 0.5 * off_m * off_m / variance_m2
@@ -104,7 +104,7 @@ impl PointStatistics {
     }
 }
 
-/// Returns a normal crowd of `count` points with this sum of squares about their mean.
+/// Returns the log-likelihood of a normal cluster of `count` points with this sum of squares about their mean.
 fn crowd(count: f64, square_m2: f64, deviation_m: f64) -> f64 {
     let variance_m2 = deviation_m * deviation_m;
     -(count - 1.0) * libm::log(2.0 * PI * variance_m2) - libm::log(count) - 0.5 * square_m2 / variance_m2

@@ -28,8 +28,8 @@ impl Classifier for Rate {
     }
 }
 
-/// Returns the rate of a saturating cost; for others the rate of the saturating cost that reaches its half at the same age as they
-/// reach half of what they cost at the horizon.
+/// Returns the rate of a saturating cost. For other costs, returns the rate of the saturating cost that reaches half of its limit at the
+/// age at which they reach half of their cost at the horizon.
 fn rate_per_s(cost: &CostFunction, horizon_s: f64) -> f64 {
     if let CostFunction::Saturating { rate_per_s, .. } = cost {
         return *rate_per_s;

@@ -1,7 +1,7 @@
-//! Size of the map, measured by the distance that the vehicle can fly in the mission's time.
+//! Size of the map, relative to the distance that the vehicle can fly in the mission's time.
 //!
-//! The number is kappa, the time of the shortest tour over all targets with their dwells over the time available: at 1 a
-//! single lap fits. The bin is that of the likeliest pattern of the table.
+//! The number is kappa: the time of the shortest tour over all targets, dwells included, divided by the available time; at 1 a single lap
+//! fits. The bin is that of the likeliest pattern of the table.
 
 use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::pattern;

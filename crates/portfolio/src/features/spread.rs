@@ -1,7 +1,7 @@
-//! Distribution of targets: in two groups, in one, or everywhere.
+//! Distribution of targets: two clusters, one cluster, or uniform.
 //!
-//! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for operators and for
-//! classifiers to come.
+//! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for operators and for future
+//! classifiers.
 
 use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::pattern;
@@ -33,7 +33,7 @@ impl Classifier for Spread {
     }
 }
 
-/// Returns the mean distance to the nearest neighbour over what a random spread in the same box would have; 1 without a box.
+/// Returns the mean distance to the nearest neighbour, divided by that of a random distribution in the same box; 1 without a box.
 fn neighbour_index(points: &[Point]) -> f64 {
     let range = |axis: fn(&Point) -> f64| {
         let (low, high) = points
@@ -55,7 +55,7 @@ fn neighbour_index(points: &[Point]) -> f64 {
     mean / (0.5 * libm::sqrt(area_m2 / count as f64))
 }
 
-/// Returns the mean silhouette of the division in two, -1..1; 0 where there are no two sides.
+/// Returns the mean silhouette of the division in two, -1..1; 0 if one part is empty.
 fn silhouette(points: &[Point]) -> f64 {
     let sides = pattern::divided(points);
     let scores = points.iter().zip(&sides).enumerate().map(|(at, (point, side))| {

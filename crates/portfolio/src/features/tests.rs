@@ -1,11 +1,11 @@
-//! The classifiers on the test missions: how often they find the cell a mission was drawn from.
+//! The classifiers on the test missions: how often they determine the cell from which a mission was drawn.
 
 use super::*;
 use crate::cell::Cell;
 use apex_model::problem::{CostFunction, EventRate};
 use std::collections::BTreeMap;
 
-/// Counts of (feature, what it is, what was read) over `missions` missions of every cell.
+/// Counts of (feature, true value, determined value) over `missions` missions of every cell.
 type Confusion = BTreeMap<(&'static str, String, &'static str), u32>;
 
 /// The confusion, and how many missions of 4, 8 and 16 targets have all features right.
@@ -53,7 +53,7 @@ fn speed_and_direction_of_the_map_do_not_matter() {
         let cell: Cell = "medium-uniform-clustered-16-two-cluster".parse().unwrap();
         let mut problem = cell.mission(number);
         let before = classify(&problem).unwrap();
-        // The map turned by a quarter and twice as large, flown at twice the speed: the same travel times.
+        // The map rotated by 90 degrees and twice as large, flown at twice the speed: the same travel times.
         for target in &mut problem.targets {
             let (east, north) = (target.position.longitude_deg + 122.1, target.position.latitude_deg - 37.4);
             target.position.longitude_deg = -122.1 - 2.0 * north / 0.7944;
@@ -94,7 +94,7 @@ fn odd_missions_are_classified_too() {
     assert!(classify(&problem).is_err());
 }
 
-/// A third party's classifier: true if the vehicle has to come back.
+/// A third party's classifier: true if the vehicle must return.
 struct Return;
 
 impl Classifier for Return {

@@ -7,8 +7,8 @@ use crate::cell::Spread;
 pub(super) const BINS: &[&str] = &["clustered", "fixed", "uniform"];
 /// Coefficient of variation below which targets are taken for alike.
 const ALIKE: f64 = 0.1;
-/// Share of the variance that two groups explain, above which there are two groups: where a quarter is left, as between
-/// even numbers, there are none; groups that differ by a tenth within leave a hundredth.
+/// Share of the variance explained by two groups above which there are two groups. Equally spaced numbers leave a quarter of the variance
+/// unexplained; groups with a spread of a tenth leave a hundredth.
 const TWO_GROUPS: f64 = 0.975;
 /// Width of the passage from none to two.
 const PASSAGE: f64 = 0.01;
@@ -27,7 +27,7 @@ pub(super) fn read(numbers: &[f64]) -> Classification {
     Classification { numbers, distances: distances.to_vec() }
 }
 
-/// Returns the standard deviation over mean; 0 where the mean is.
+/// Returns the standard deviation divided by the mean; 0 if the mean is 0.
 fn variation(numbers: &[f64]) -> f64 {
     let (mean, variance) = moments(numbers);
     if mean > 0.0 { libm::sqrt(variance) / mean } else { 0.0 }

@@ -12,7 +12,7 @@ pub(super) enum Metric {
     Euclidean,
     /// The same, rounded up.
     EuclideanUp,
-    /// The same, cut to so many decimals: Solomon 1, Cordeau 2.
+    /// The Euclidean distance truncated to this number of decimals: Solomon 1, Cordeau 2.
     EuclideanCut(u8),
     /// Along the axes.
     Manhattan,

@@ -1,7 +1,7 @@
-//! Instances of our own in the formats of the benchmark files: for tests and measurements without a network.
+//! Generated instances in the formats of the benchmark files, for tests and measurements without a network.
 //!
-//! They resemble the published families (Solomon's six, Cordeau's two, OPLib, TSPLIB matrices) in size, extent, service,
-//! profits and windows; none is a copy. Golden hashes in the tests hold them fast.
+//! They resemble the published families (Solomon's six, Cordeau's two, OPLib, TSPLIB matrices) in size, extent, service, profits and
+//! windows; none is a copy. Golden hashes in the tests detect changes.
 
 use apex_planning::random::Generator;
 use std::fmt::Write;
@@ -11,7 +11,7 @@ use std::fmt::Write;
 pub enum Family {
     /// Clustered, random or mixed places (`c`, `r`, `rc`), short (1) or long (2) day: Solomon's six, 100 targets.
     Solomon(Places, Day),
-    /// Clusters around seeds, `targets` of them, windows narrow or wide: Cordeau's two.
+    /// `targets` targets in clusters around seeds, with narrow or wide windows: Cordeau's two families.
     Cordeau {
         /// Targets.
         targets: usize,
@@ -40,7 +40,7 @@ pub enum Day {
     Long,
 }
 
-/// Returns the 76 instances like those on which planners of orienteering with windows are compared: name and text.
+/// Returns 76 instances like those on which planners for orienteering with time windows are compared: name and text.
 pub fn windows_suite() -> Vec<(String, String)> {
     let solomon = [
         ("c1", Places::Clustered, Day::Short, 9),
@@ -83,7 +83,7 @@ fn solomon(places: Places, day: Day, number: u64) -> String {
         (Places::Mixed, false) => (240, 10, 4),
         (Places::Mixed, true) => (960, 10, 4),
     };
-    // Places and profits are those of the family; windows are the instance's own.
+    // Places and profits belong to the family; windows belong to the instance.
     let of_family = match places {
         Places::Clustered => 11,
         Places::Random => 22,
@@ -97,7 +97,7 @@ fn solomon(places: Places, day: Day, number: u64) -> String {
     };
     let profits: Vec<usize> = at.iter().map(|_| profit(&mut chance)).collect();
     let mut chance = Generator::new(of_family * 1_000 + u64::from(long) * 500 + number);
-    // Every fourth instance has fewer targets with windows; each four have wider ones.
+    // Every fourth instance has fewer targets with windows; each group of four has wider windows.
     let share = 1.0 - 0.25 * ((number - 1) % 4) as f64;
     let half_width = 0.02 * f64::from(closes) * (1.0 + 1.5 * ((number - 1) / 4) as f64);
     let mut text = format!("4 10 {} 1\n0 200\n0 50 50 0 0 0 0 0 {closes}\n", at.len());
@@ -159,7 +159,7 @@ fn cordeau(targets: usize, wide: bool, number: u64) -> String {
     text
 }
 
-/// Orienteering with `nodes` nodes, the depot among them, whose limit is `share` of what a tour of all takes or so.
+/// Returns an orienteering instance with `nodes` nodes, depot included, whose limit is about `share` of the length of a tour of all.
 pub fn oplib(nodes: usize, share: f64, number: u64) -> String {
     let mut chance = Generator::new(55_000 + 7 * nodes as u64 + number);
     let side = 1000.0;

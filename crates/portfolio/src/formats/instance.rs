@@ -13,7 +13,7 @@ pub enum ProblemKind {
     Tour,
 }
 
-/// A problem as a file tells it.
+/// A problem as stated in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// Its name: the file's own, or that of the file.
@@ -22,7 +22,7 @@ pub struct Instance {
     pub format: &'static str,
     /// Kind of problem.
     pub question: ProblemKind,
-    /// Vehicles (paths) that the file names; the problem is that of one.
+    /// Number of vehicles (paths) in the file; the problem is that of one vehicle.
     pub vehicles: Option<usize>,
     /// The problem.
     pub problem: SingleVisitProblem,

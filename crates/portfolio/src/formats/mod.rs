@@ -1,7 +1,7 @@
 //! Benchmark files of orienteering and touring: TOPTW (Solomon and Cordeau), OPLib, TSPLIB.
 //!
-//! Text in, a single-visit problem out, or where the text is wrong, why, and what to do. Which format it is follows from
-//! the content. `docs/reference/planning-problems.md` tells the conventions.
+//! A reader turns text into a single-visit problem, or returns the error with its remedy. The content determines the format.
+//! `docs/reference/planning-problems.md` states the conventions.
 //! Bound: O(length of the text + targets squared); more than `validate::TARGETS_MAX` targets are refused before they are read.
 
 mod distance;
@@ -17,7 +17,7 @@ pub use instance::{Instance, ProblemKind};
 
 use crate::format_error::FormatError;
 
-/// Returns true if `text` is meant to be one of these formats, by its first words only.
+/// Returns true if `text` has one of these formats, judged by its first words only.
 pub fn is_one(text: &str) -> bool {
     tsplib::is_one(text) || solomon::is_one(text) || toptw::is_one(text)
 }
@@ -25,7 +25,7 @@ pub fn is_one(text: &str) -> bool {
 /// Reads `text`; `name` serves where the text tells none.
 ///
 /// # Errors
-/// The place, what is wrong there, and what to do.
+/// The place, the error there, and the remedy.
 pub fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     if tsplib::is_one(text) {
         tsplib::read(name, text)

@@ -1,4 +1,4 @@
-//! Places on a plane, times and profits as a single-visit problem with given travel times.
+//! Makes a single-visit problem with given travel times from places on a plane, times and profits.
 
 use super::instance::ProblemKind;
 use super::words::TextToken;
@@ -35,9 +35,9 @@ pub(super) struct Frame {
     pub(super) windows: bool,
 }
 
-/// Returns the problem: the first vertex is the depot, all others are targets; `time(from, to)` is the way between two of them.
+/// Returns the problem: the first vertex is the depot, all others are targets; `time(from, to)` is the travel time between two of them.
 ///
-/// A time may be reached when it is over by less than half of the resolution: sums of decimals are not exact.
+/// A limit may be exceeded by less than half of the resolution, because sums of decimals are not exact.
 pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, usize) -> f64) -> SingleVisitProblem {
     let count = vertices.len();
     let half = 0.5 * frame.resolution;
@@ -63,7 +63,7 @@ pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, us
     let start = vertices.first().map_or(Position::default(), &position);
     let mut problem = SingleVisitProblem {
         targets: vertices.iter().skip(1).map(target).collect(),
-        // Endurance is what ends no flight; the closing time does.
+        // The endurance never ends a flight; the closing time does.
         vehicle: SingleVisitVehicle {
             true_airspeed_mps: 1.0,
             endurance_s: 2.0 * (frame.closes - frame.opens) + 1.0,
@@ -110,7 +110,7 @@ fn shown(vertices: &[Vertex]) -> impl Fn(&Vertex) -> Position + use<> {
     }
 }
 
-/// Refuses a window that closes before it opens.
+/// Rejects a window that closes before it opens.
 pub(super) fn check_window(vertex: &Vertex, closes: &TextToken<'_>) -> Result<(), FormatError> {
     if vertex.closes < vertex.opens {
         return Err(closes.trouble(

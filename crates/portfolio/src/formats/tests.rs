@@ -1,4 +1,4 @@
-//! Contents and errors of benchmark files, and that generated ones do not drift.
+//! Contents and errors of benchmark files; generated files do not change.
 
 use super::generate::{self, Day, Family, Places};
 use super::*;
@@ -142,7 +142,7 @@ proptest! {
         let changed = text[..at].iter().collect::<String>() + &put + &tail;
         let _ = is_one(&changed);
         if let Ok(instance) = read("file", &changed) {
-            // What is read makes sense to planners, or they say why not.
+            // Planners accept the problem, or return the reason for which they reject it.
             let _ = apex_planning::validate::single_visit(&instance.problem);
         }
     }

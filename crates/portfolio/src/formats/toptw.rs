@@ -80,7 +80,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
 
 const HELP: &str = "docs/reference/planning-problems.md shows the format";
 
-/// Returns the way from one vertex to another.
+/// Returns the distance from one vertex to another.
 pub(super) fn way(vertices: &[Vertex], metric: Metric, from: usize, to: usize) -> f64 {
     match (vertices.get(from), vertices.get(to)) {
         (Some(from), Some(to)) => metric.between((from.x, from.y), (to.x, to.y)),
@@ -88,7 +88,7 @@ pub(super) fn way(vertices: &[Vertex], metric: Metric, from: usize, to: usize) -
     }
 }
 
-/// Returns the unit of the last of so many decimals.
+/// Returns the unit of the last of `decimals` decimals.
 pub(super) fn resolution(decimals: usize) -> f64 {
     (0..decimals).fold(1.0, |unit, _| unit / 10.0)
 }
@@ -106,7 +106,7 @@ fn vertex(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, (usize, usiz
         let reason = format!("vertices are listed in order, and {number} is next");
         return Err(id.trouble(format!("vertex {} is out of order", id.text), reason, "sort the lines"));
     }
-    // Depots have no list, and some files none at all: opening and closing are the last two numbers.
+    // Depots have no list, and some files contain none at all: opening and closing are the last two numbers.
     let lists = lists.count("a, the length of the list", VEHICLES_MAX)?;
     let wanted = [BEFORE_LIST + lists + 2, BEFORE_LIST + 2, BEFORE_LIST + 1];
     let depot = number == 0 && line.len() == BEFORE_LIST + 1;

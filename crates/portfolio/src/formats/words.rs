@@ -1,15 +1,15 @@
-//! Words of a text with their places, and numbers made of them.
+//! Words of a text with their places, and numbers read from them.
 
 use crate::format_error::FormatError;
 
 /// Longer lines and words are cut in messages.
 const SHOWN_MAX: usize = 80;
-/// Numbers beyond this are not coordinates, times or profits: sums of them would not be exact.
+/// Greatest number of a coordinate, time or profit: sums of larger ones would not be exact.
 const NUMBER_MAX: f64 = 1e9;
 /// Digits after the point that are counted.
 const DECIMALS_MAX: usize = 6;
 
-/// A word and where it stands.
+/// A word with its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextToken<'a> {
     pub(super) text: &'a str,
@@ -36,7 +36,7 @@ impl<'a> TextToken<'a> {
         }
     }
 
-    /// Returns the number that it is; `what` says which, for the message.
+    /// Returns the number in the word; `what` names the number in error messages.
     pub(super) fn number(&self, what: &str) -> Result<f64, FormatError> {
         let number: Option<f64> = self.text.parse().ok();
         match number.filter(|number| number.is_finite()) {
@@ -54,7 +54,7 @@ impl<'a> TextToken<'a> {
         }
     }
 
-    /// Returns the number, where it must not be negative.
+    /// Returns the number in the word; an error if it is negative.
     pub(super) fn amount(&self, what: &str) -> Result<f64, FormatError> {
         let number = self.number(what)?;
         if number < 0.0 {
@@ -67,7 +67,7 @@ impl<'a> TextToken<'a> {
         Ok(number)
     }
 
-    /// Returns the whole number from 0 to `most`; 12.0 is one.
+    /// Returns the integer from 0 to `most` in the word; 12.0 is an integer.
     pub(super) fn count(&self, what: &str, most: usize) -> Result<usize, FormatError> {
         let number = self.amount(what)?;
         if number != libm::floor(number) || number > most as f64 {
@@ -127,7 +127,7 @@ pub(super) fn ends_early(text: &str, message: impl Into<String>, reason: impl In
     }
 }
 
-/// Returns a text as messages show it.
+/// Returns a text shortened for messages.
 pub(super) fn cut(text: &str) -> String {
     let mut shown: String = text.chars().filter(|c| !c.is_control()).take(SHOWN_MAX).collect();
     if text.chars().count() > SHOWN_MAX {

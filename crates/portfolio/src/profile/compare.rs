@@ -1,4 +1,4 @@
-//! Two profiles side by side: cells and budgets that both have.
+//! Comparison of two profiles in the cells and budgets that both have.
 
 use super::conclusion::{Conclusion, conclusions};
 use super::error::ProfileError;
@@ -14,7 +14,7 @@ pub struct Compared {
     pub budget: String,
     /// Cells that both have.
     pub cells: usize,
-    /// Cells in which both name the same planner.
+    /// Number of cells in which both name the same planner.
     pub same_planner: usize,
     /// Cells in which both are certain, of different planners: ours, theirs.
     pub contradictions: Vec<(Conclusion, Conclusion)>,
@@ -44,7 +44,7 @@ impl Compared {
 /// Compares `ours` with `theirs` at these budgets (indices of ours), where both have cells.
 ///
 /// # Errors
-/// They have no cell at the same budget.
+/// If they have no common cell and budget.
 pub fn compared(ours: &Profile, theirs: &Profile, budgets: &[usize]) -> Result<Vec<Compared>, ProfileError> {
     let (all, others) = (conclusions(ours), conclusions(theirs));
     let units = budgets.iter().filter_map(|budget| ours.budgets.get(*budget));

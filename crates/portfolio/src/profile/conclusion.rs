@@ -21,14 +21,14 @@ pub struct Conclusion {
     pub best: String,
     /// Verdict; `First` means better than every other.
     pub verdict: Verdict,
-    /// The next best; the same planner where there is no other.
+    /// The second best planner; the same planner if there is no other.
     pub next: String,
     /// Advantage of the best over the next, in percent of cost.
     pub effect_percent: f64,
 }
 
 impl Conclusion {
-    /// Formats it as text: `wam is best at 10 ms, 2.3 % before two-opt`.
+    /// Returns the conclusion as text: `wam is best at 10 ms, 2.3 % before two-opt`.
     pub fn words(&self) -> String {
         let budget = budget_words(self.budget_units);
         let (best, next, effect) = (&self.best, &self.next, self.effect_percent);
@@ -58,12 +58,12 @@ pub fn conclusions(profile: &Profile) -> Vec<Conclusion> {
 fn conclusion(profile: &Profile, cell: Cell, budget_units: u64, best: &Best) -> Conclusion {
     let name = |planner: usize| profile.planners.get(planner).map(|known| known.name.clone()).unwrap_or_default();
     let (next, effect) = best.next.map_or((best.planner, 0.0), |(next, comparison)| (next, comparison.effect));
-    // To the digit that is written down, so that what is read equals what follows.
+    // Rounded to the written digits, so that the value read from the file is equal.
     let effect_percent = (100.0 * (10.0 * (1.0 - libm::exp(effect)))).round() / 10.0;
     Conclusion { cell, budget_units, best: name(best.planner), verdict: best.verdict, next: name(next), effect_percent }
 }
 
-/// Conclusions as text, with what they come from.
+/// Returns the conclusions as text, with the source of the measurements.
 pub fn written(profile: &Profile) -> String {
     let planners: Vec<String> =
         profile.planners.iter().map(|planner| format!("{} {}", planner.name, planner.version)).collect();
@@ -94,7 +94,7 @@ pub fn word(verdict: Verdict) -> &'static str {
 /// Reads what [`written`] writes.
 ///
 /// # Errors
-/// Names the line and what is wrong with it.
+/// The line, and the error in it.
 pub fn read(text: &str) -> Result<Vec<Conclusion>, FormatError> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
     lines

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A request that cannot be met: what, why, and what to do.
+/// A request that cannot be met: failure, reason and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProfileError {
     /// Failed request.

@@ -1,4 +1,4 @@
-//! The profile as text, one line a planner and budget of a cell: read, written, and refused with the place of the mistake.
+//! The profile as text, one line for each planner and budget of a cell: reading and writing, with the place of an error.
 
 use super::{Planner, Profile, Row};
 use crate::format_error::FormatError;
@@ -10,12 +10,12 @@ const FORMAT: u32 = 1;
 /// The first line.
 const HEADING: &str =
     "# Expected costs that planners come to on test missions. docs/reference/profile-table.md describes this file.";
-/// Instead of costs that equal those at the budget before.
+/// Replaces costs that equal those of the preceding budget.
 const SAME: &str = "=";
 /// Missions of a cell at most.
 pub(super) const MISSIONS_MAX: u64 = 10_000;
 
-/// Rounds a cost to the digits that are written down: a profile in memory is the one in its file.
+/// Rounds a cost to the written digits, so that a profile in memory equals the one in its file.
 pub(super) fn rounded(cost: f64) -> f64 {
     written(cost).parse().unwrap_or(cost)
 }

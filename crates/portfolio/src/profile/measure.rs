@@ -15,8 +15,7 @@ pub struct Measured {
     pub used: u64,
 }
 
-/// Runs `solver` on mission `number` of `cell` with each of `budgets` (work units). Every plan passes the independent checker
-/// before it counts.
+/// Runs `solver` on mission `number` of `cell` with each of `budgets` (work units). The independent checker must accept every plan.
 ///
 /// # Errors
 /// An error message if the planner finds no plan, or an invalid one.

@@ -1,17 +1,17 @@
-//! One profile of several: parts that were measured apart, on other machines too, become the profile that one machine would
-//! have measured. Nothing is measured here and nothing is chosen: what contradicts or is missing is refused.
+//! Merges profiles: parts that were measured separately, perhaps on other machines, become the profile that one machine would have
+//! measured. Nothing is measured or chosen here; contradictory or missing contents are an error.
 
 use super::{Planner, Profile, Row};
 use crate::cell::Cell;
 
 /// Returns the whole of `parts`, each with its name for operators.
 ///
-/// Cells come in the order of [`Cell::all`], others after them in the order of the parts, as do planners. Contents of
-/// two parts must be equal in both.
+/// Cells are in the order of [`Cell::all`], others after them in the order of the parts; the same holds for planners. Contents that two
+/// parts share must be equal.
 ///
 /// # Errors
-/// An error message that names the part: other missions, budgets or versions than the first part has, contradictory
-/// costs, or a planner that was not measured in all cells.
+/// An error message that names the part: its missions, budgets or versions differ from those of the first part, its costs contradict
+/// another part, or a planner was not measured in all cells.
 pub fn merged(parts: &[(String, Profile)]) -> Result<Profile, String> {
     let Some((first_name, first)) = parts.first() else { return Err("there are no parts".to_string()) };
     let mut whole = Profile { planners: Vec::new(), rows: Vec::new(), ..first.clone() };

@@ -1,9 +1,8 @@
-//! The performance profile (paper, section V.C and Figure 4): what planners come to on test missions, measured, and what can be
-//! said of it.
+//! The performance profile (paper, section V.C and Figure 4): measured costs of planners on test missions, and conclusions from them.
 //!
-//! A [`Profile`] holds every cost that was measured, by cell, planner, budget and mission; comparisons of planners are
-//! computed from it ([`verdict`]), never stored. Missions are independent and planners deterministic in their work, so
-//! any machine and any number of threads give the same profile. Selection reads its extract `data/profile-table.csv`.
+//! A [`Profile`] contains every measured cost, by cell, planner, budget and mission. Comparisons of planners are computed from it
+//! ([`verdict`]), never stored. Missions are independent and planners deterministic in their work, so any machine and any number of
+//! threads give the same profile. Selection reads its extract `data/profile-table.csv`.
 
 pub mod compare;
 pub mod conclusion;
@@ -51,7 +50,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Costs of a planner at a budget (indices), by mission; none where there is no such planner or budget.
+    /// Returns the costs of a planner at a budget (indices), by mission; empty if there is no such planner or budget.
     pub fn costs(&self, planner: usize, budget: usize) -> &[f64] {
         self.costs.get(planner).and_then(|budgets| budgets.get(budget)).map_or(&[], Vec::as_slice)
     }
@@ -90,7 +89,7 @@ impl Profile {
         self.planners.iter().position(|planner| planner.name == name)
     }
 
-    /// Puts in what `planner` came to, `costs[cell][budget][mission]`, in the place of what is there under its name.
+    /// Stores the costs of `planner`, `costs[cell][budget][mission]`, in place of earlier ones under its name.
     pub fn put(&mut self, planner: Planner, costs: Vec<Vec<Vec<f64>>>) {
         let place = self.planner(&planner.name).unwrap_or(self.planners.len());
         if let Some(known) = self.planners.get_mut(place) {
@@ -106,7 +105,7 @@ impl Profile {
         }
     }
 
-    /// Puts in what `planner` came to on every mission, cell after cell.
+    /// Stores the measurements of `planner` on every mission, cell after cell.
     pub fn put_measured(&mut self, planner: Planner, measured: &[Measured]) {
         let budgets = self.budgets.len();
         let at = |missions: &[Measured], budget: usize| -> Vec<f64> {
@@ -117,8 +116,8 @@ impl Profile {
         self.put(planner, measured.chunks(missions).map(of_cell).collect());
     }
 
-    /// Returns the reason for which this profile cannot be completed with new measurements: its missions are not those
-    /// of this generator.
+    /// Returns the reason for which this profile cannot be completed with new measurements: its missions are from another version of the
+    /// generator.
     pub fn outdated(&self) -> Option<String> {
         if self.generator != GENERATOR_VERSION {
             return Some(format!(

@@ -1,4 +1,4 @@
-//! Names from users: cells, budgets, planners and numbers of missions, each checked before any measurement.
+//! Names given by users: cells, budgets, planners and numbers of missions, all checked before any measurement.
 
 use super::error::ProfileError;
 use super::{MISSIONS_MAX, Profile, Row, budget_words};
@@ -9,10 +9,10 @@ use apex_planning::solver::Solver;
 use apex_planning::validate::TARGETS_MAX;
 use std::sync::Arc;
 
-/// Budgets of one profile at most.
+/// Maximum number of budgets in one profile.
 const BUDGETS_MAX: usize = 32;
 
-/// Returns the cells of these names, each once; `all` and `subset` are known too.
+/// Returns the cells with these names, each once; `all` and `subset` are names too.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.
@@ -43,7 +43,7 @@ fn cell(name: &str, help: &str) -> Result<Cell, ProfileError> {
 /// Returns the measurements of the cell called `name`.
 ///
 /// # Errors
-/// There is no such cell, or it was not measured.
+/// If there is no such cell, or it was not measured.
 pub fn row<'a>(profile: &'a Profile, name: &str) -> Result<&'a Row, ProfileError> {
     let cell = cell(name, "docs/reference/test-missions.md names the cells")?;
     profile.rows.iter().find(|row| row.cell == cell).ok_or_else(|| {
@@ -51,10 +51,10 @@ pub fn row<'a>(profile: &'a Profile, name: &str) -> Result<&'a Row, ProfileError
     })
 }
 
-/// Checks that budgets rise; `texts` are what the user wrote.
+/// Checks that budgets increase; `texts` are the texts that the user wrote.
 ///
 /// # Errors
-/// There are none, too many, or they do not rise.
+/// If there are none, too many, or they do not increase.
 pub fn rising(budgets: Vec<u64>, texts: &[String]) -> Result<Vec<u64>, ProfileError> {
     if budgets.is_empty() || budgets.len() > BUDGETS_MAX || !budgets.is_sorted_by(|a, b| a < b) {
         let message = format!("the budgets {} do not rise", texts.join(", "));
@@ -64,7 +64,7 @@ pub fn rising(budgets: Vec<u64>, texts: &[String]) -> Result<Vec<u64>, ProfileEr
     Ok(budgets)
 }
 
-/// Returns the index of a budget of `units` in a profile; `text` is what the user wrote.
+/// Returns the index of a budget of `units` in a profile; `text` is the text that the user wrote.
 ///
 /// # Errors
 /// It was not measured.
@@ -90,7 +90,7 @@ pub fn missions(number: u64, hint: &str) -> Result<(), ProfileError> {
 /// Checks counts of targets.
 ///
 /// # Errors
-/// There are no missions of so many.
+/// If there are no missions with this number of targets.
 pub fn counts(counts: &[usize]) -> Result<(), ProfileError> {
     match counts.iter().find(|count| **count == 0 || **count > TARGETS_MAX) {
         Some(count) => Err(ProfileError::new(
@@ -101,7 +101,7 @@ pub fn counts(counts: &[usize]) -> Result<(), ProfileError> {
     }
 }
 
-/// Returns the planners of surveillance of these names, each once.
+/// Returns the surveillance planners with these names, each once.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.

@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Width and height of a square, in pixels.
 const SQUARE: (usize, usize) = (26, 17);
-/// Upper left corner of the squares, below titles and right of the labels of rows, in pixels.
+/// Upper left corner of the squares in pixels, below titles and to the right of row labels.
 const ORIGIN: (usize, usize) = (205, 72);
 /// Space between two maps.
 const GAP: usize = 18;
@@ -37,8 +37,8 @@ pub struct Map {
     legend: Vec<(&'static str, String)>,
 }
 
-/// Returns the map of the best planner of each cell at `budget` (an index): strong where it is better than all others, weaker where
-/// others do not differ from it, weakest and with a question mark where that is undecided.
+/// Returns the map of the best planner of each cell at `budget` (an index): full colour if it is better than all others, weaker if others
+/// do not differ from it, weakest and with a question mark if that is undecided.
 pub fn best(profile: &Profile, budget: usize) -> Map {
     let name = |planner: usize| profile.planners.get(planner).map_or("", |known| known.name.as_str());
     let square = |best: &verdict::Best| {
@@ -125,7 +125,7 @@ pub fn svg(maps: &[Map]) -> String {
     out
 }
 
-/// Writes the labels of rows, each where it changes.
+/// Writes the row labels, each where it changes.
 fn rows(out: &mut String) -> std::fmt::Result {
     for row in 0..SHAPE.1 {
         let Some(cell) = Cell::all().get(row * SHAPE.0).copied() else { continue };

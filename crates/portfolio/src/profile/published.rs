@@ -1,7 +1,7 @@
-//! The published profile (the paper's Figure 4) and how far ours agrees with it.
+//! The published profile (the paper's Figure 4), and its agreement with a measured one.
 //!
-//! Agreement is not expected to be high: the original's generator and horizon are lost, each of its cells seems to be
-//! one scenario, and its first planner is a human operator.
+//! High agreement is not expected: the original's generator and horizon are unknown, each of its cells seems to be one scenario, and its
+//! first planner is a human operator.
 
 use super::error::ProfileError;
 use super::verdict::{Comparison, Verdict};
@@ -26,7 +26,7 @@ pub fn codes() -> Vec<(Cell, usize)> {
         .collect()
 }
 
-/// Ours as a code: 1 and 2 for a winner, 3 for no difference, none where undecided.
+/// Returns our comparison as a code of the figure: 1 and 2 for a winner, 3 for no difference, `None` if undecided.
 pub fn code(comparison: &Comparison) -> Option<usize> {
     match comparison.verdict {
         Verdict::First => Some(1),
@@ -66,7 +66,7 @@ impl Agreement {
     /// Returns the agreement of `profile` at a budget (index).
     ///
     /// # Errors
-    /// One of the figure's planners was not measured.
+    /// If one of the figure's planners was not measured.
     pub fn of(profile: &Profile, budget: usize) -> Result<Agreement, ProfileError> {
         let counts = agreement(profile, budget).ok_or_else(not_answered)?;
         Ok(Agreement { budget: budget_words(profile.budgets.get(budget).copied().unwrap_or(0)), counts })
@@ -80,7 +80,7 @@ impl Agreement {
         pairs.map(|(theirs, ours)| self.count(theirs, ours)).sum()
     }
 
-    /// Cells in which both say the same.
+    /// Returns the number of cells in which both agree.
     pub fn agreed(&self) -> usize {
         self.sum((1..4).map(|code| (code, code - 1)))
     }
@@ -95,12 +95,12 @@ impl Agreement {
         self.sum((0..4).map(|ours| (0, ours)))
     }
 
-    /// Cells in which both name one of the two planners.
+    /// Returns the number of cells in which both name a winner.
     pub fn both_name_a_planner(&self) -> usize {
         self.sum([(1, 0), (1, 1), (2, 0), (2, 1)].into_iter())
     }
 
-    /// Those of them in which it is the same.
+    /// Returns the number of cells in which both name the same winner.
     pub fn same_planner(&self) -> usize {
         self.sum([(1, 0), (2, 1)].into_iter())
     }

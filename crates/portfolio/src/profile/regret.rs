@@ -1,5 +1,4 @@
-//! Regret of selection: how much more the chosen planner costs than the best one would have, on missions that no profile has
-//! seen.
+//! Regret of selection: the additional cost of the chosen planner over the best one, on missions that are in no profile.
 
 use super::{budget_words, measure};
 use crate::cell::Cell;
@@ -20,11 +19,11 @@ pub struct MissionRegret {
     pub chosen: String,
     /// Logarithm of each planner's cost over the least, in the order given: 0 is the best.
     pub excess: Vec<f64>,
-    /// The same for the chosen planner.
+    /// Relative additional cost of the chosen planner.
     pub regret: f64,
 }
 
-/// Selects one of `planners` for unseen mission `number` of `cell` within `units`, and runs all of `solvers`.
+/// Selects one of `planners` for mission `number` of `cell`, which no profile contains, within `units`, and runs all of `solvers`.
 ///
 /// # Errors
 /// An error message if a planner finds no valid plan, or the chosen one is not among them.
@@ -72,7 +71,7 @@ pub struct Summary {
     pub worst_percent: f64,
     /// Missions for which the best was chosen.
     pub best_chosen: usize,
-    /// The same for each planner, if it were always chosen.
+    /// The regret of each planner, if it were always chosen.
     pub always_percent: Vec<(String, f64)>,
 }
 

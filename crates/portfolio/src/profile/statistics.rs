@@ -4,11 +4,11 @@
 //! rejective multiple test procedure", Scand. J. Statist. 6 (1979); quantiles after M. Abramowitz and I. A. Stegun,
 //! "Handbook of Mathematical Functions", 26.2.23 and 26.7.5.
 
-/// Pairs up to which the distribution of the rank sum is counted out; beyond it is taken for normal.
+/// Number of pairs up to which the distribution of the rank sum is exact; above, the normal approximation is used.
 pub const EXACT_PAIRS_MAX: usize = 100;
 
-/// Returns the mean of `numbers` and half the width of its 95 % interval by Student's distribution; an interval without bounds where
-/// there are fewer than two numbers.
+/// Returns the mean of `numbers` and half the width of its 95 % interval by Student's distribution; the width is infinite for fewer than
+/// two numbers.
 pub fn mean_interval(numbers: &[f64]) -> (f64, f64) {
     let count = numbers.len() as f64;
     if numbers.len() < 2 {
@@ -34,10 +34,10 @@ fn student_975(freedom: usize) -> f64 {
     z + g1 / n + g2 / (n * n) + g3 / (n * n * n)
 }
 
-/// Returns the two-sided probability of differences at least as one-sided as these, were their signs a matter of chance.
+/// Returns the two-sided probability of differences at least as one-sided as these if their signs were random.
 ///
-/// Zeros are left out and equal sizes share their mean rank, as Wilcoxon has it. Exact up to [`EXACT_PAIRS_MAX`] pairs, ties
-/// included; normal with correction for ties and continuity beyond.
+/// Zeros are left out, and equal sizes share their mean rank, as in Wilcoxon's test. Exact up to [`EXACT_PAIRS_MAX`] pairs, ties
+/// included; above, normal with corrections for ties and continuity.
 pub fn signed_rank(differences: &[f64]) -> f64 {
     let mut sizes: Vec<(f64, bool)> =
         differences.iter().filter(|one| **one != 0.0).map(|one| (one.abs(), *one > 0.0)).collect();
@@ -66,7 +66,7 @@ fn doubled_ranks(sizes: &[(f64, bool)]) -> Vec<usize> {
 
 /// Counts the choices of signs by their sum of (doubled) ranks.
 fn exact(ranks: &[usize], smaller: usize) -> f64 {
-    // chances[sum]: probability that the positive ones add up to it.
+    // chances[sum]: probability that the ranks of the positive differences add up to `sum`.
     let mut chances = vec![0.0; ranks.iter().sum::<usize>() + 1];
     if let Some(first) = chances.first_mut() {
         *first = 1.0;
@@ -86,7 +86,7 @@ fn exact(ranks: &[usize], smaller: usize) -> f64 {
 }
 
 fn normal(ranks: &[usize], smaller: usize) -> f64 {
-    // In doubled ranks the mean is half the sum and the variance a quarter of the squares: ties need nothing more.
+    // With doubled ranks the mean is half of the sum and the variance a quarter of the sum of squares; this covers ties.
     let mean = 0.5 * ranks.iter().sum::<usize>() as f64;
     let variance = 0.25 * ranks.iter().map(|rank| (rank * rank) as f64).sum::<f64>();
     let off = (mean - smaller as f64 - 1.0).max(0.0);
@@ -118,7 +118,7 @@ mod tests {
         // Darwin's plants of maize (Fisher, "The Design of Experiments"): rank sum 24 of 15 pairs, p = 0.04126.
         let maize = [6.0, 8.0, 14.0, 16.0, 23.0, 24.0, 28.0, 29.0, 41.0, -48.0, 49.0, 56.0, 60.0, -67.0, 75.0];
         assert!((signed_rank(&maize) - 0.041_259_765_625).abs() < 1e-12, "{}", signed_rank(&maize));
-        // All five of one sign: 2 of 32 choices.
+        // All five of one sign: 2 of 32 sign patterns.
         assert_eq!(signed_rank(&[1.0, 2.0, 3.0, 4.0, 5.0]), 0.0625);
         assert_eq!(signed_rank(&[1.0, -1.0, 0.0]), 1.0);
         assert_eq!((signed_rank(&[]), signed_rank(&[0.0, 0.0])), (1.0, 1.0));

@@ -1,4 +1,4 @@
-//! Profiles: written and read back, completed, refused where broken; and the shipped one is what it says.
+//! Profiles: written and read back, completed, rejected if invalid; the shipped profile is consistent.
 
 use super::*;
 use crate::profile::verdict::Verdict;

@@ -49,7 +49,7 @@ fn head(out: &mut String, profile: &Profile) -> std::fmt::Result {
     writeln!(out, "planners: {}", planners.join(", "))
 }
 
-/// Returns every planner in one cell, each against the best.
+/// Returns every planner in one cell, each compared with the best.
 fn one_cell(out: &mut String, profile: &Profile, row: &Row, budget: usize) -> std::fmt::Result {
     let bests = verdict::best(profile, budget);
     let place = profile.rows.iter().position(|other| other.cell == row.cell);

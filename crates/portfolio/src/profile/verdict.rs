@@ -41,11 +41,11 @@ pub struct Comparison {
 /// The best planner of one cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Best {
-    /// The planner with the least mean logarithm of costs: what selection takes.
+    /// The planner with the least mean logarithm of costs, which selection chooses.
     pub planner: usize,
-    /// The next best; none where there is only one planner.
+    /// The second best planner; `None` if there is only one planner.
     pub next: Option<(usize, Comparison)>,
-    /// `First`: better than every other. `NoDifference`: no other is better by more than 1 %. Else undecided.
+    /// `First`: better than every other. `NoDifference`: no other differs by more than 1 %. Otherwise undecided.
     pub verdict: Verdict,
 }
 

@@ -1,4 +1,4 @@
-//! Drawing a mission of a cell.
+//! Generator of missions of a cell.
 
 use crate::cell::{Cell, Space, Spread};
 use apex_model::problem::{CostFunction, EventRate, Position, SurveillanceProblem, SurveillanceTarget, TravelTimes};
@@ -18,11 +18,11 @@ pub(super) const HORIZON_S: f64 = 3600.0;
 const RATE_PER_S: f64 = 1.0 / 600.0;
 /// Least distance between targets, as a share of the side.
 const SEPARATION: f64 = 0.01;
-/// Standard deviation of a place within one of two clusters, and the clusters' distance east and west of the centre.
+/// Standard deviation of a place within one of two clusters, and the distance of the clusters east and west of the centre.
 const TWO_CLUSTERS: (f64, f64) = (0.05, 0.38);
-/// Standard deviation of a place in the one cluster.
+/// Standard deviation of a place in a single cluster.
 const GLOBULAR: f64 = 0.08;
-/// Draws of one place; after so many the separation is halved, so that crowded maps are drawn too.
+/// Draws of one place; after this number the separation is halved, so that crowded maps can be drawn too.
 const DRAWS_MAX: usize = 1_000;
 /// Centre of the map, at which every test mission starts; for display.
 pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };

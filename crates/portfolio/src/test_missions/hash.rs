@@ -1,4 +1,4 @@
-//! Hashes of missions, which show that the same ones were drawn.
+//! Hashes of missions, which detect changes of the generator.
 
 use crate::cell::Cell;
 use apex_model::problem::{CostFunction, SurveillanceProblem};

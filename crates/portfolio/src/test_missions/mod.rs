@@ -1,8 +1,8 @@
 //! Test missions: any number of them in each cell.
 //!
-//! A mission of a cell is drawn from a seed that is the hash of its features and number, so every platform draws the
-//! same one; the hashes of missions are committed, so that the generator cannot drift unseen. The generator of the
-//! original is lost; this one is defined in `docs/reference/test-missions.md`.
+//! The seed of a mission is the hash of its cell's features and its number, so every platform draws the same mission. The hashes of
+//! missions are committed, so that a change of the generator is noticed. The generator of the original is lost; this one is defined in
+//! `docs/reference/test-missions.md`.
 
 mod generate;
 mod hash;

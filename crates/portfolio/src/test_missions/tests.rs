@@ -1,10 +1,10 @@
-//! Test missions: what they are, that their names are read back, and that they do not drift.
+//! Test missions: their properties, reading of their names, and golden hashes.
 
 use crate::cell::{Cell, Spread};
 use apex_model::problem::CostFunction;
 use std::collections::BTreeSet;
 
-/// One line a cell: its name and the hash over its first 50 missions' hashes.
+/// Returns one line for each cell: its name, and the hash over the hashes of its first 50 missions.
 fn golden() -> String {
     Cell::all().into_iter().map(|cell| format!("{cell} {}\n", cell.hash(50))).collect()
 }

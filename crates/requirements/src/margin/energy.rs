@@ -1,8 +1,7 @@
 //! Energy to the nearest usable landing place, with a reserve.
 
-/// Returns the margin in the unit of `left` (kg of fuel, Wh, or seconds of endurance): the rest after the flight of
-/// `distance_m` home at `ground_speed_mps`, which consumes `per_s`, beyond the reserve. Negative infinity if there is
-/// no progress home.
+/// Returns the margin in the unit of `left` (kg of fuel, Wh, or seconds of endurance): the energy beyond the reserve after the flight of
+/// `distance_m` home at `ground_speed_mps`, which consumes `per_s`. Negative infinity if the vehicle cannot approach home.
 pub fn energy(left: f64, reserve: f64, per_s: f64, distance_m: f64, ground_speed_mps: f64) -> f64 {
     if distance_m <= 0.0 {
         return left - reserve;

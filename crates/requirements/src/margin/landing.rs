@@ -1,4 +1,4 @@
-//! Distance to a place to land: within a fixed distance, by gliding, or under power.
+//! Distance to a landing place: within a fixed distance, by gliding, or under power.
 
 /// Returns the margin in metres: the nearest landing place is within `distance_m_max`.
 pub fn disc_m(distance_m: f64, distance_m_max: f64) -> f64 {

@@ -43,7 +43,7 @@ pub struct Detector {
     pub conductance_w_k: f64,
     /// Heat capacity.
     pub capacity_j_k: f64,
-    /// Highest temperature that it may have, degrees Celsius.
+    /// Highest permitted temperature, degrees Celsius.
     pub limit_c: f64,
 }
 
@@ -53,8 +53,8 @@ impl Detector {
         self.limit_c - temperature_c
     }
 
-    /// Returns seconds until the limit is reached in air of `air_c`, by `C dT/dt = P - G (T - air)`: 0 if it is reached, `None` if the
-    /// balance lies at or below the limit.
+    /// Returns the seconds until the limit is reached in air of `air_c`, by `C dT/dt = P - G (T - air)`: 0 if it is reached, `None` if
+    /// the equilibrium is at or below the limit.
     pub fn time_to_limit_s(&self, temperature_c: f64, air_c: f64) -> Option<f64> {
         if temperature_c >= self.limit_c {
             return Some(0.0);

@@ -1,4 +1,4 @@
-//! Clearance of the ground.
+//! Clearance from the ground.
 
 use crate::prediction::{RouteSpan, Violation, first_violation};
 use crate::response::climb_s;
@@ -19,7 +19,7 @@ pub struct ClimbOver {
     pub climb_s: f64,
     /// Distance over ground that the climb takes.
     pub climb_m: f64,
-    /// The climb must begin within this time; negative if it is too late to climb straight ahead.
+    /// Time within which the climb must begin; negative if it is too late to climb straight ahead.
     pub latest_start_s: f64,
 }
 
@@ -36,8 +36,8 @@ pub fn climb_over(
     ClimbOver { height_m, climb_s: duration_s, climb_m, latest_start_s: (distance_m - climb_m) / ground_speed_mps }
 }
 
-/// Returns the climb along `route` that must begin first, so that `clearance_m` is kept over all ground within the look-ahead; `None` if no
-/// ground along it is too high. Sampled each second.
+/// Returns the earliest necessary climb along `route` that keeps `clearance_m` over all ground within the look-ahead; `None` if no ground
+/// along it is too high. Sampled each second.
 pub fn latest_climb(
     route: &Route,
     look_ahead_s: f64,
@@ -60,8 +60,8 @@ pub fn latest_climb(
     climbs.min_by(|a, b| a.latest_start_s.total_cmp(&b.latest_start_s))
 }
 
-/// Returns the first instant along `route` at which the clearance is lost; `ground_m` gives the highest ground near a point. Sampled each
-/// second: the ground may rise at any rate.
+/// Returns the first instant along `route` at which the clearance is lost; `ground_m` returns the highest ground near a point. Sampled
+/// each second, because the ground may rise at any rate.
 pub fn first_loss(
     route: &Route,
     look_ahead_s: f64,

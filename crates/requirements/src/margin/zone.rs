@@ -14,14 +14,14 @@ pub struct ZoneBuffer {
     pub horizontal_m: f64,
     /// From its lower and upper face.
     pub vertical_m: f64,
-    /// Before it becomes active and after it ends.
+    /// Time before the zone becomes active and after it ends.
     pub time_s: f64,
 }
 
 /// A zone on a local plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocalZone {
-    /// Number of the zone among those that were given.
+    /// Index of the zone among the given ones.
     pub number: usize,
     kind: ZoneKind,
     corners: Vec<Point>,
@@ -31,7 +31,7 @@ pub struct LocalZone {
     active_s: (f64, f64),
 }
 
-/// A lower face at sea level is the ground: nothing is below it, and no distance is kept from it.
+/// A lower face at sea level is the ground: there is nothing below it, and no distance is kept from it.
 fn lower_face_m(zone: &AirspaceZone) -> f64 {
     if zone.altitude_m_min > 0.0 { zone.altitude_m_min } else { f64::NEG_INFINITY }
 }
@@ -76,12 +76,12 @@ impl LocalZone {
         (self.altitude_m.0 - altitude_m).max(altitude_m - self.altitude_m.1)
     }
 
-    /// Returns the margin in metres of a zone to keep out of: the horizontal or the vertical distance beyond the buffer, whichever is
-    /// larger. Either keeps the vehicle out. 1-Lipschitz in the position.
+    /// Returns the margin in metres of a restricted zone: the horizontal or the vertical distance beyond the buffer, whichever is larger,
+    /// because either suffices. 1-Lipschitz in the position.
     pub fn keep_out_m(&self, point: Point, altitude_m: f64, buffer: &ZoneBuffer) -> f64 {
         let vertical_m = self.gap_m(altitude_m) - buffer.vertical_m;
         if vertical_m > 0.0 {
-            // Far above or below, the edge need not be known unless it is farther still.
+            // Far above or below, the edge matters only if it is farther still.
             return vertical_m.max(self.edge_m(point) - buffer.horizontal_m);
         }
         (self.edge_m(point) - buffer.horizontal_m).max(vertical_m)
@@ -101,8 +101,8 @@ impl LocalZone {
         nearest.unwrap_or(point)
     }
 
-    /// Returns the first entry into the zone, grown by the buffer, along `route`; `now_s` is mission time now, `speed_error` the share by
-    /// which the speed may be wrong. `None` if there is none within `look_ahead_s`.
+    /// Returns the first entry into the zone, extended by the buffer, along `route`; `now_s` is the present mission time, `speed_error`
+    /// the relative error of the speed. `None` if there is none within `look_ahead_s`.
     pub fn first_entry(
         &self,
         route: &Route,
@@ -130,8 +130,8 @@ pub struct KeepIn {
 const OUTSIDE_M: f64 = 1.0;
 
 impl KeepIn {
-    /// Returns the union of the permitted zones among `zones` that are active at `at_s` and hold `altitude_m`; `None` if no zone is a
-    /// permitted one: everything is permitted then.
+    /// Returns the union of the permitted zones among `zones` that are active at `at_s` and contain `altitude_m`; `None` if there is no
+    /// permitted zone: everything is then permitted.
     pub fn new(zones: &[LocalZone], altitude_m: f64, at_s: f64) -> Option<KeepIn> {
         let permitted = || zones.iter().filter(|zone| !zone.is_restricted());
         permitted().next()?;
@@ -186,7 +186,7 @@ fn union_edge(polygons: &[(Vec<Point>, (f64, f64))]) -> Vec<(Point, Point)> {
     found
 }
 
-/// Shares of `a`-`b` at which `c`-`d` meets it or, where they lie in one line, ends.
+/// Returns the shares of `a`-`b` at which `c`-`d` crosses it; for collinear segments those at which `c`-`d` ends.
 fn meeting(a: Point, b: Point, c: Point, d: Point) -> Option<Vec<f64>> {
     let (along, other) = (b.minus(a), d.minus(c));
     let squared = along.dot(along);

@@ -1,5 +1,5 @@
-//! Missing tasks: from a step without a task, up through the procedures that no task pursues, to the first task
-//! that exists. All of them wait for the requirements of that one.
+//! Missing tasks: from a step without a task, up through the procedures that no task pursues, to the first existing task. All missing
+//! tasks wait for the requirements of that one.
 
 use super::answer::Missing;
 use super::log::Log;
@@ -44,9 +44,9 @@ impl ProgramStep {
     }
 }
 
-/// The way up from what was asked about.
+/// The path from the subject of the question up to the first existing task.
 pub(super) struct Absence {
-    /// From what was asked about upwards.
+    /// The missing steps, from the subject of the question upwards.
     pub(super) missing: Vec<Missing>,
     /// The first task that exists.
     pub(super) task: Option<TaskId>,
@@ -65,7 +65,7 @@ pub(super) fn program_steps(agent: &Agent) -> Vec<ProgramStep> {
     stored.chain(plans).flat_map(of).collect()
 }
 
-/// Steps with this tag, else steps whose activity fits the phrase.
+/// Returns the steps with this tag; if there is none, steps whose activity matches the phrase.
 pub(super) fn named(sites: &[ProgramStep], name: &str, phrase: &Phrase) -> Vec<ProgramStep> {
     let tag = |site: &&ProgramStep| site.get().is_some_and(|step| step.tag.is(name));
     let by_tag: Vec<ProgramStep> = sites.iter().filter(tag).cloned().collect();
@@ -84,7 +84,7 @@ pub(super) fn mentioning(sites: &[ProgramStep], word: &str) -> Vec<ProgramStep> 
     sites.iter().filter(|site| site.activities().any(|activity| activity.mentions(word))).cloned().collect()
 }
 
-/// Tasks by the step that they were made from.
+/// Returns the tasks by the step from which they were made.
 fn by_step(agent: &Agent) -> BTreeMap<StepRef, Vec<&Task>> {
     let mut map: BTreeMap<StepRef, Vec<&Task>> = BTreeMap::new();
     for (_, task) in agent.tasks.iter() {
@@ -95,7 +95,7 @@ fn by_step(agent: &Agent) -> BTreeMap<StepRef, Vec<&Task>> {
     map
 }
 
-/// Returns the shortest way up from one of `wanted` to a task that exists.
+/// Returns the shortest path from one of `wanted` up to an existing task.
 pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted: &[ProgramStep]) -> Absence {
     let tasks = by_step(agent);
     let mut known: BTreeSet<StepRef> = wanted.iter().map(|site| site.step).collect();
@@ -113,7 +113,7 @@ pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted:
         }
         let mut above = callers(all, &site.procedure);
         if above.is_empty() {
-            // Nothing that is written asks for it; a plan may.
+            // No step of the program pursues it; a plan may.
             above = planned(agent, all);
         }
         for caller in above {
@@ -132,7 +132,7 @@ pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted:
     Absence { missing, task: None }
 }
 
-/// Returns the living one, else the last.
+/// Returns the living task, otherwise the last one.
 fn best<'a>(tasks: &[&'a Task]) -> Option<&'a Task> {
     tasks.iter().find(|task| !task.is_terminated()).or(tasks.last()).copied()
 }
@@ -146,14 +146,14 @@ fn beginning<'a>(agent: &'a Agent, site: &ProgramStep) -> Option<&'a Task> {
     agent.tasks.iter().map(|(_, task)| task).filter(|task| task.controller.is_none()).find(chose)
 }
 
-/// Steps whose goals the procedure may serve.
+/// Returns the steps whose goals the procedure may serve.
 fn callers(all: &[ProgramStep], procedure: &Procedure) -> Vec<ProgramStep> {
     let index = Phrase::of_pattern(&procedure.index);
     let calls = |site: &&ProgramStep| site.activities().any(|activity| activity.is_telling() && activity.fits(&index));
     all.iter().filter(calls).cloned().collect()
 }
 
-/// Steps whose goals a solver serves: their plans may have any step.
+/// Returns the steps whose goals a solver serves: their plans may contain any step.
 fn planned(agent: &Agent, all: &[ProgramStep]) -> Vec<ProgramStep> {
     let solvers: Vec<Phrase> = agent.library.solvers.iter().map(|solver| Phrase::of_pattern(&solver.index)).collect();
     let asks = |activity: &Phrase| activity.is_telling() && solvers.iter().any(|solver| solver.fits(activity));
@@ -164,7 +164,7 @@ fn serves_initial(agent: &Agent, procedure: &Procedure) -> bool {
     Phrase::read(&agent.initial_task.to_string()).fits(&Phrase::of_pattern(&procedure.index))
 }
 
-/// Returns the chain of steps from the subject of the question to `index`, each with what is missing.
+/// Returns the chain of steps from the subject of the question to `index`, each with its missing requirement.
 fn told(
     agent: &Agent,
     log: &Log<'_>,

@@ -1,11 +1,11 @@
-//! Explanations as plain data, which becomes JSON as it is (`docs/reference/explanations.md`). Texts are made
-//! from it in `text.rs`, so that both say the same.
+//! Explanations as plain data, serialised to JSON without change (`docs/reference/explanations.md`). `text.rs` prints text from the same
+//! data, so that both agree.
 
 use super::{Link, Moment};
 use apex_executive::explanation::ReasonKind;
 use serde::Serialize;
 
-/// The version of the JSON form. A new member does not change it; one that changes or goes is.
+/// The version of the JSON form. It increases when a member changes or is removed, not when one is added.
 pub const EXPLANATION_VERSION: u32 = 1;
 
 /// Head of every answer.
@@ -66,7 +66,7 @@ pub struct ResourceAnswer {
     pub waiting: Vec<Holder>,
 }
 
-/// A task that holds a resource, or waits for it.
+/// A task that holds a resource or waits for it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Holder {
@@ -78,7 +78,7 @@ pub struct Holder {
     pub amount: Option<String>,
     /// Its priority then.
     pub priority: f64,
-    /// Addition to its priority when it defends the resource.
+    /// Added to its priority when it defends the resource.
     pub interrupt_cost: f64,
     /// Reason of the grant or of the refusal.
     pub because: Option<Link>,
@@ -123,23 +123,23 @@ pub struct WhyNot {
     pub about: About,
     /// The answer in one line.
     pub answer: String,
-    /// For what was never created: from what was asked about up to the first that exists.
+    /// For a step without a task: the missing steps, from the subject of the question up to the first existing task.
     pub missing: Vec<Missing>,
-    /// The task that all waits for, or that was asked about.
+    /// The task for which all of them wait, or the subject of the question.
     pub task: Option<Box<Why>>,
-    /// History of the target, if the question is about one.
+    /// History of the target, if the question concerns one.
     pub target: Vec<TargetMoment>,
     /// Other possible meanings of the question.
     pub others: Vec<String>,
 }
 
-/// Something that does not exist yet.
+/// A step, procedure or goal for which no task exists yet.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Missing {
     /// Its step's tag, or `root`.
     pub step: String,
-    /// Its activity, as it is written.
+    /// Its activity as written.
     pub activity: String,
     /// The procedure that the step belongs to: its index.
     pub procedure: String,
@@ -182,11 +182,11 @@ pub struct Why {
     pub since: f64,
     /// `success`, `failure` or `cut`, if it has ended.
     pub outcome: Option<String>,
-    /// Its priority then, without interrupt cost; none when it has ended.
+    /// Its priority at the instant, without interrupt cost; `None` if it has ended.
     pub priority: Option<f64>,
     /// Resources that it holds then.
     pub holds: Vec<String>,
-    /// Method, `procedure file.pdl:3:1`, if it was decided.
+    /// Method, `procedure file.pdl:3:1`, if it was selected.
     pub method: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
@@ -196,15 +196,15 @@ pub struct Why {
     pub choices: Vec<Choice>,
     /// History, oldest first.
     pub history: Vec<Moment>,
-    /// Requirements at that instant; empty if it does not wait.
+    /// Open requirements at the instant; empty if the task does not wait.
     pub waiting: Vec<Unmet>,
-    /// Holder of its resource, if it lost a conflict and has not won since.
+    /// Holder of the resource over which the task lost its last conflict; `None` if it has won since.
     pub blocked: Option<Blocked>,
     /// Its subtasks that live then.
     pub subtasks: Vec<Subtask>,
 }
 
-/// One thing that must still come true.
+/// One open requirement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Unmet {
@@ -213,15 +213,15 @@ pub struct Unmet {
     pub kind: ReasonKind,
     /// The part of the condition as PDL text, or the reason as text.
     pub what: String,
-    /// Present knowledge; empty if `what` is complete.
+    /// Present state; empty if `what` is complete.
     pub now: String,
     /// Since when, in seconds of mission time, where that is known.
     pub since: Option<f64>,
-    /// Instant at which it comes true by time alone, in seconds of mission time, if nothing changes before.
+    /// Instant at which it is met by time alone, if nothing changes before, in seconds of mission time.
     pub until: Option<f64>,
     /// Distance of the newest sample from the threshold, with its unit.
     pub distance: Option<String>,
-    /// The task concerned, `T4`, if another one is.
+    /// The other task concerned, `T4`; `None` if it concerns no other task.
     pub task: Option<String>,
     /// Position in the PDL text.
     pub place: Option<String>,

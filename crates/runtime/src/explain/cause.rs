@@ -1,4 +1,4 @@
-//! A cause with its parts: the names, values and instants that its text is made from, and what was observed.
+//! A cause with its parts: the names, values and instants of its text, and the observations on which it rests.
 
 use apex_model::because::{Because, ConflictRule, EqualsRule, Evidence, Share, Strength};
 use apex_model::task::TaskId;
@@ -6,7 +6,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use serde::Serialize;
 
-/// A cause, taken from the decision itself. Its text stands next to it, in the member `because`.
+/// A cause, taken from the decision itself. Its text is in the member `because` of the same object.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CauseDetail {
@@ -70,7 +70,7 @@ pub enum PartValue {
     Share {
         /// The resource.
         resource: String,
-        /// The amount with its unit; null means all of it.
+        /// The amount with its unit; null means the whole amount.
         amount: Option<String>,
     },
     /// A message of a vehicle, a solver, or the executive.
@@ -80,7 +80,7 @@ pub enum PartValue {
     },
 }
 
-/// Something observed. Instants are seconds of mission time.
+/// An observation. Instants are seconds of mission time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "type", rename_all = "kebab-case")]
@@ -130,7 +130,7 @@ pub enum Observation {
     },
     /// An instant that was waited for.
     Instant {
-        /// Start of the delay, if there was one.
+        /// Start of the delay, if there is one.
         from: Option<f64>,
         /// The instant.
         at: f64,
@@ -144,11 +144,11 @@ pub enum Observation {
         /// Instant.
         at: f64,
     },
-    /// A condition that did not come true.
+    /// A condition that did not become true.
     Absence {
         /// The condition as PDL text.
         condition: String,
-        /// Up to when it did not.
+        /// Instant up to which it was not true.
         at: f64,
     },
     /// A value between or beyond samples.
@@ -157,7 +157,7 @@ pub enum Observation {
         variable: String,
         /// The estimated value.
         value: String,
-        /// The estimator, as PDL names it.
+        /// The estimator, by its PDL name.
         estimator: String,
         /// The instant of the estimate.
         at: f64,
@@ -166,7 +166,7 @@ pub enum Observation {
     Aggregate {
         /// The state variable.
         variable: String,
-        /// The statistic, as PDL names it without the colon.
+        /// The statistic, by its PDL name without the colon.
         name: String,
         /// Its value.
         value: String,

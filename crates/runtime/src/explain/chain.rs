@@ -1,4 +1,4 @@
-//! Chains: a decision, what it rests on, what that rests on, back to a sample, a message or a form of the program.
+//! Chains of causes: a decision, its causes, their causes, back to a sample, a message or a form of the program.
 
 use super::cause::CauseDetail;
 use super::history::{because_of, selected_text};
@@ -152,7 +152,7 @@ impl<'a> Chain<'a> {
         Ok(rows)
     }
 
-    /// Returns the decisions that a cause names, or that stand behind it without being named.
+    /// Returns the decisions that a cause names, or on which it rests without naming them.
     fn behind(&self, row: &Row, cause: &Cause) -> RowsResult {
         let (log, here, own) = (self.log.decisions, (row.id, row.at), row.task.unwrap_or(TaskId(u64::MAX)));
         let found = match cause {
@@ -235,7 +235,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Returns the change of state, or the clause that came true without one.
+    /// Returns the change of state, or the clause that became true without one.
     fn either(&self, task: TaskId, state: &str, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
         let changed = self.log.decisions.transition(task, state, here)?.filter(|row| row.at == here.1);
         if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }

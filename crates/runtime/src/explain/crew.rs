@@ -1,15 +1,15 @@
-//! Questions about several agents: `pilot/T12` names a task, and so does a name that only one of them has.
+//! Questions about several agents: `pilot/T12` names a task of one agent; a name that only one agent has needs no prefix.
 
 use super::{Question, find, find_task};
 use crate::error::RecordError;
 use crate::record::RecordReader;
 use apex_model::time::Time;
 
-/// For several agents: returns the record of the agent in question, and the question without its name. An agent is named
-/// (`pilot/T12`, `pilot/camera-1`), or it is the only one with such a task.
+/// For several agents: returns the record of the agent to which the question refers, and the question without the agent's name. The
+/// question names the agent (`pilot/T12`, `pilot/camera-1`), or only one agent has such a task.
 ///
 /// # Errors
-/// [`RecordError::Question`] when it is not clear who is meant.
+/// [`RecordError::Question`] if the agent is ambiguous.
 pub(super) fn addressed(
     reader: &RecordReader,
     question: &Question,
@@ -21,14 +21,14 @@ pub(super) fn addressed(
     Ok(Some((reader.of_agent(agent)?, Question { what: what.to_owned(), ..question.clone() })))
 }
 
-/// Returns the agent that `name` begins with, else the only one with such a task; and the name without the agent.
+/// Returns the agent with which `name` begins, otherwise the only one with such a task; and the name without the agent.
 fn agent_and_name<'n>(reader: &RecordReader, name: &'n str, at: Time) -> Result<(usize, &'n str), RecordError> {
     let named = name.trim().split_once('/');
     if let Some((agent, rest)) = named.and_then(|(agent, rest)| Some((reader.agent_called(agent).ok()?, rest))) {
         return Ok((agent, rest));
     }
     if let Some((agent, _)) = named.filter(|(_, rest)| find::is_number(rest)) {
-        // The number is of that agent alone: no other one is meant.
+        // The number belongs to this agent alone.
         reader.agent_called(agent)?;
     }
     let found = only_agent_with(reader, name, at);

@@ -6,11 +6,11 @@ use crate::record::TaskRow;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 
-/// Names less alike than this are not suggested; 1 is the same.
+/// Least likeness of a suggested name; 1 means equal.
 const LIKENESS_MIN: f64 = 0.5;
 
-/// Returns the task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has. Of several
-/// called so, the one that lives.
+/// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains. Of
+/// several such tasks, a living one.
 ///
 /// # Errors
 /// [`RecordError::Question`] with candidates when none or several are meant.
@@ -39,7 +39,7 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
     }
 }
 
-/// Returns the name without its agent: `pilot/T12` is T12 of the agent `pilot`, whose record this must be.
+/// Returns the name without its agent: `pilot/T12` is T12 of the agent `pilot`, to which this record must belong.
 ///
 /// # Errors
 /// [`RecordError::Question`] when the record belongs to another agent.
@@ -65,7 +65,7 @@ pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> Record
     }
 }
 
-/// Returns the agent that `pilot/take-off` seems to name; `None` for what only contains a `/`, as files and goals do.
+/// Returns the agent that `pilot/take-off` seems to name; `None` if the `/` has another meaning, as in files and goals.
 pub(super) fn agent_meant(name: &str) -> Option<&str> {
     let (first, rest) = name.trim().split_once('/')?;
     let is_word =
@@ -78,7 +78,7 @@ pub(super) fn is_number(name: &str) -> bool {
     name.trim_start_matches(['T', 't']).parse::<u64>().is_ok()
 }
 
-/// Returns the message that nothing is called `name`, with similar names among `known`.
+/// Returns the message that `name` is unknown, with similar names among `known`.
 pub(super) fn unknown(name: &str, at: Time, known: &[String]) -> String {
     let folded = name.trim().to_lowercase();
     let bare = |text: &str| text.trim_start_matches('(').trim_end_matches(')').to_lowercase();

@@ -39,7 +39,7 @@ impl History {
         Ok(history)
     }
 
-    /// Returns true for states in which a task waits for something that the agent can name.
+    /// Returns true for states in which a task waits for requirements that the agent can name.
     pub(super) fn waits(&self) -> bool {
         self.state != TaskState::Terminated.word()
     }
@@ -95,7 +95,7 @@ impl History {
         });
     }
 
-    /// Returns the conflict that a cause reports; repeated, it began earlier.
+    /// Returns the conflict that a cause reports; a repeated conflict keeps its first instant.
     fn conflict(&self, because: Option<&Because>, at: Time) -> Option<Conflict> {
         let Cause::Outranked { by, resource, winner, loser, .. } = &because?.cause else { return None };
         let (by, resource) = (*by, resource.to_string());
@@ -122,7 +122,7 @@ fn selected_method(row: &DecisionRow) -> Option<&Method> {
     }
 }
 
-/// Returns the selected method as text, `procedure file.pdl:3:1`: the row's text without the cause, which follows it.
+/// Returns the selected method as text, `procedure file.pdl:3:1`: the row's text without the cause that follows it.
 pub(super) fn selected_text(row: &DecisionRow) -> String {
     let cause = because_of(row).map(|because| format!(" because {}", cause_text(because)));
     cause.and_then(|cause| row.text.strip_suffix(&cause)).unwrap_or(&row.text).to_owned()

@@ -1,25 +1,25 @@
-//! A link of an explanation: something that happened, why, and what that rests on.
+//! A link of a chain of causes: an event or decision, its cause, and the links on which that rests.
 
 use super::cause::CauseDetail;
 use apex_model::time::Time;
 use serde::Serialize;
 use std::fmt;
 
-/// Something that happened, with what stands behind it.
+/// An event or decision, with the links on which it rests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Link {
     /// Instant, in seconds of mission time.
     pub t: f64,
-    /// The task, `T3`, if it is about one.
+    /// The task, `T3`, if the link concerns one.
     pub task: Option<String>,
     /// Event: `T3 (photograph fire) started`.
     pub what: String,
-    /// The kind of cause; none for what came from outside.
+    /// The kind of cause; `None` for an input from outside.
     pub kind: Option<String>,
     /// Reason, as text; empty for inputs from outside.
     pub because: String,
-    /// The cause with its parts; none for what came from outside.
+    /// The cause with its parts; `None` for an input from outside.
     pub cause: Option<CauseDetail>,
     /// `file:line:column` of the clause of PDL.
     pub place: Option<String>,
@@ -27,7 +27,7 @@ pub struct Link {
     pub source: Option<String>,
     /// Causes.
     pub causes: Vec<Link>,
-    /// There is more below, which the asked depth leaves out.
+    /// True if further links exist beyond the requested depth.
     pub more: bool,
 }
 
@@ -51,7 +51,7 @@ impl Link {
         }
     }
 
-    /// Returns true when something is left out anywhere below.
+    /// Returns true if links are left out here or anywhere below.
     pub fn is_cut(&self) -> bool {
         self.more || self.causes.iter().any(Link::is_cut)
     }

@@ -14,8 +14,8 @@ pub(super) struct Log<'a> {
 }
 
 impl Log<'_> {
-    /// Returns the largest time between two of the `samples` of a run, as they were recorded by the instant at which it was known; `None`
-    /// for one sample, and where other instants than the run's own are in the record: some came too late, or were no numbers.
+    /// Returns the largest time between two of the `samples` of a run, as recorded when the run was recognised. `None` for a single
+    /// sample, and if the recorded instants differ from those of the run, because some samples arrived too late or were not numbers.
     pub(super) fn largest_gap(
         &self,
         variable: &StateVariable,

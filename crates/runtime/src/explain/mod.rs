@@ -57,13 +57,13 @@ impl<'a> Explainer<'a> {
         Explainer { reader, load: Some(load) }
     }
 
-    /// Returns an explainer that reads the record's decisions and restores nothing: it answers at once, and its answers lack
-    /// what only the agent knows (conditions that are waited for, priorities, choices) and chains of causes.
+    /// Returns an explainer that reads only the record's decisions and restores no agent. It is fast; its answers lack what only the
+    /// agent knows (open conditions, priorities, choices) and chains of causes.
     pub fn of_decisions(reader: &'a RecordReader) -> Explainer<'a> {
         Explainer { reader, load: None }
     }
 
-    /// Explains a task, else a resource (`camera-1`), else a command (`command 7`, or words of its form).
+    /// Explains a task; if there is none with this name a resource (`camera-1`), then a command (`command 7`, or words of its form).
     ///
     /// # Errors
     /// [`RecordError::Question`] with candidates for an ambiguous or unknown name; others if the record cannot be read
@@ -75,8 +75,8 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// Explains why something is not: a task by number, tag or goal, a step or a goal of the program, a procedure by
-    /// its place, a resource, a target.
+    /// Explains why something has not happened: a task by number, tag or goal, a step or goal of the program, a procedure by its place, a
+    /// resource, a target.
     ///
     /// # Errors
     /// [`RecordError::Question`] with suggestions if nothing has this name; others as [`Explainer::why`].
@@ -87,7 +87,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// Explains task `id` as it was at `at`, or at the end of the record if that comes first.
+    /// Explains task `id` at `at`, or at the end of the record if that is earlier.
     ///
     /// # Errors
     /// Like [`Explainer::why`].
@@ -98,7 +98,7 @@ impl<'a> Explainer<'a> {
         why::of_task(snapshot, id, "why", &question.what)
     }
 
-    /// Returns the same explainer on another reader.
+    /// Returns an explainer with the same options for another reader.
     fn on<'b>(&self, reader: &'b RecordReader) -> Explainer<'b>
     where
         'a: 'b,
@@ -110,7 +110,7 @@ impl<'a> Explainer<'a> {
         RecordSnapshot::set(self.reader, question, self.load)
     }
 
-    /// Answers from the record of one agent.
+    /// Answers from the record of a single agent.
     fn why_one(&self, question: &Question) -> Result<Answer, RecordError> {
         let snapshot = self.snapshot(question)?;
         let name = find::without_agent(&question.what, &snapshot.name)?;
@@ -121,7 +121,7 @@ impl<'a> Explainer<'a> {
         }
         match find_task(&snapshot.tasks, name, snapshot.at).map(|row| row.id) {
             Ok(id) => why::of_task(snapshot, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
-            // A step's tag means its tasks, never a command with the same word in it.
+            // The tag of a step refers to its tasks, never to a command that contains the same word.
             Err(error) if tagged => Err(find::of_no_agent(error, name, &snapshot.name)),
             Err(error) => match things::of_command(&snapshot, name)? {
                 Some(answer) => Ok(Answer::Command(Box::new(answer))),

@@ -1,4 +1,4 @@
-//! A moment of a task's history: something that was decided about the task.
+//! A moment of a task's history: an event or decision about the task.
 
 use super::cause::CauseDetail;
 use apex_model::effect::Method;
@@ -6,7 +6,7 @@ use apex_model::time::Time;
 use serde::Serialize;
 use std::fmt;
 
-/// Something that happened to a task.
+/// An event or decision about a task.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Moment {
@@ -28,7 +28,7 @@ pub struct Moment {
     pub to: Option<String>,
     /// `success`, `failure` or `cut`, for the transition to `terminated`.
     pub outcome: Option<String>,
-    /// The goal, form, clause, resource or variable that it is about.
+    /// The goal, form, clause, resource or variable concerned.
     pub subject: String,
     /// The selected method, for `selected`.
     pub method: Option<MethodDetail>,
@@ -49,7 +49,7 @@ pub struct MethodDetail {
 }
 
 impl MethodDetail {
-    /// Returns the detail of `method`, whose text in the record is `text`: `procedure file.pdl:3:1`.
+    /// Returns the detail of `method`; `text` is its text in the record, `procedure file.pdl:3:1`.
     pub(super) fn of(method: &Method, text: &str) -> MethodDetail {
         let place = |kind: &'static str| {
             let place = text.strip_prefix(kind).map(|place| place.trim_start().to_owned());

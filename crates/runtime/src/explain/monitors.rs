@@ -17,7 +17,7 @@ pub struct Monitors {
     pub at_ns: i64,
     /// One entry for each watched clause, in order of the tasks' creation.
     pub monitors: Vec<TaskMonitor>,
-    /// The variables of the task that was asked about, and their values; empty without one.
+    /// The variables of the requested task with their values; empty without a task.
     pub bindings: Vec<Binding>,
 }
 
@@ -35,7 +35,7 @@ pub struct TaskMonitor {
     pub condition: MonitoredCondition,
 }
 
-/// A part of a condition with what is known about it.
+/// A part of a condition with its present state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct MonitoredCondition {
@@ -43,9 +43,9 @@ pub struct MonitoredCondition {
     pub kind: String,
     /// The part as PDL text.
     pub text: String,
-    /// Whether it holds; null if the data do not say.
+    /// True if the part holds; null if the data do not decide.
     pub holds: Option<bool>,
-    /// The state variable that it watches.
+    /// The state variable that the part watches.
     pub variable: Option<String>,
     /// The newest value of that variable, with its unit.
     pub value: Option<String>,
@@ -53,9 +53,9 @@ pub struct MonitoredCondition {
     pub limits: Vec<String>,
     /// Knowledge about it as text.
     pub now: String,
-    /// Since when it holds, or since when what is known is so; nanoseconds of mission time.
+    /// Instant since which the part holds, or since which its present state has been known; nanoseconds of mission time.
     pub since_ns: Option<i64>,
-    /// Instant at which it comes true by time alone; nanoseconds of mission time.
+    /// Instant at which the part becomes true by time alone; nanoseconds of mission time.
     pub until_ns: Option<i64>,
     /// `file:line:column` of the part.
     pub place: String,
@@ -74,8 +74,8 @@ pub struct Binding {
 }
 
 impl Explainer<'_> {
-    /// Returns the conditions that living tasks watch at `at`, or at the end of the record if that comes first; of `task` alone, with its
-    /// variables, if one is given.
+    /// Returns the conditions that living tasks watch at `at`, or at the end of the record if that is earlier. With `task`, only those of
+    /// that task, with its variables.
     ///
     /// # Errors
     /// [`RecordError`] if the instant cannot be restored.

@@ -1,5 +1,5 @@
-//! Phrases: goals, activities and indexes as words, so that a question can be compared with what is written, variables
-//! standing for anything. Words of a question are read loosely: outer parentheses may be missing, case does not matter.
+//! Phrases: goals, activities and indexes as words, so that a question can be compared with the program; variables match anything. Words
+//! of a question are read loosely: outer parentheses are optional, and case is ignored.
 
 use apex_forms::print::Style::Brief;
 use apex_model::expression::Template;
@@ -56,7 +56,7 @@ impl Phrase {
         }
     }
 
-    /// Returns an activity as it is written.
+    /// Returns an activity as written.
     pub(super) fn of_activity(activity: &Activity) -> Phrase {
         match activity {
             Activity::Goal(template) => Phrase::of_template(template),
@@ -90,7 +90,7 @@ impl Phrase {
         }
     }
 
-    /// Returns true if both can be the same goal, with variables that match anything.
+    /// Returns true if both can denote the same goal; variables match anything.
     pub(super) fn fits(&self, other: &Phrase) -> bool {
         match (self, other) {
             (Phrase::Any | Phrase::Rest, _) | (_, Phrase::Any | Phrase::Rest) => true,
@@ -100,7 +100,7 @@ impl Phrase {
         }
     }
 
-    /// Returns true if it is specific enough to name something: not only variables.
+    /// Returns true if the phrase is specific enough to name something: it contains more than variables.
     pub(super) fn is_telling(&self) -> bool {
         match self {
             Phrase::Word(_) => true,
@@ -109,7 +109,7 @@ impl Phrase {
         }
     }
 
-    /// Returns true if the word occurs anywhere in it.
+    /// Returns true if the phrase contains the word.
     pub(super) fn mentions(&self, word: &str) -> bool {
         match self {
             Phrase::Word(own) => same(own, word),

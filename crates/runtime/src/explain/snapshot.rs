@@ -1,4 +1,4 @@
-//! A record at the instant of a question: its tasks, and the agent as it was then.
+//! A record at the instant of a question: its tasks, and the agent restored to that instant.
 
 use super::answer::{About, EXPLANATION_VERSION};
 use super::log::Log;
@@ -22,14 +22,14 @@ const CUT_SIGN: &str = " ..)";
 pub struct Question {
     /// A task, resource, command, target, step, procedure, in the asker's words.
     pub what: String,
-    /// The instant; past the record's end it is the end.
+    /// The instant; the end of the record if the instant is later.
     pub at: Time,
-    /// Number of links of a chain of causes below one another.
+    /// Greatest depth of a chain of causes.
     pub depth: usize,
 }
 
 impl Question {
-    /// Returns a question about `what` at `at`, answered to the default depth.
+    /// Returns a question about `what` at `at` with the default depth.
     pub fn new(what: &str, at: Time) -> Question {
         Question { what: what.into(), at, depth: crate::limits::EXPLANATION_DEPTH_DEFAULT }
     }
@@ -42,12 +42,12 @@ pub(super) struct RecordSnapshot<'a> {
     pub(super) depth: usize,
     pub(super) tasks: Vec<TaskRow>,
     pub(super) name: String,
-    /// The agent as it was; none if it is not asked for.
+    /// The restored agent; `None` if it was not requested.
     agent: Option<Result<Box<Agent>, RecordError>>,
 }
 
 impl<'a> RecordSnapshot<'a> {
-    /// Returns the snapshot that `question` asks about; without `load` the agent is not restored.
+    /// Returns the snapshot for `question`; without `load` the agent is not restored.
     pub(super) fn set(
         reader: &'a RecordReader,
         question: &Question,
@@ -62,7 +62,7 @@ impl<'a> RecordSnapshot<'a> {
         Ok(RecordSnapshot { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
     }
 
-    /// Returns the agent as it was; `None` if it was not asked for.
+    /// Returns the restored agent; `None` if it was not requested.
     ///
     /// # Errors
     /// Why it cannot be restored.
@@ -70,12 +70,12 @@ impl<'a> RecordSnapshot<'a> {
         self.agent.transpose()
     }
 
-    /// Returns the agent as it was; `None` if it was not asked for, or this Apex cannot restore it.
+    /// Returns the restored agent; `None` if it was not requested, or this version of Apex cannot restore it.
     pub(super) fn agent(&self) -> Option<&Agent> {
         self.agent.as_ref()?.as_deref().ok()
     }
 
-    /// Returns true if the agent was asked for: chains of causes are only followed then.
+    /// Returns true if the agent was requested: chains of causes are followed only then.
     pub(super) fn restores(&self) -> bool {
         self.agent.is_some()
     }
@@ -99,7 +99,7 @@ impl<'a> RecordSnapshot<'a> {
         Ok(Log { decisions: self.decisions(), sources })
     }
 
-    /// Returns the goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
+    /// Returns the goal of a task as known at the instant, or as last known if the task no longer exists. Long goals are cut.
     pub(super) fn goal(&self, task: TaskId) -> String {
         let goal = self.whole_goal(task);
         // The omitted part must be longer than the sign in its place.
@@ -124,7 +124,7 @@ impl<'a> RecordSnapshot<'a> {
     }
 }
 
-/// The instant of a question: past the record's end it is the end.
+/// The instant of a question; the end of the record if the instant is later.
 ///
 /// # Errors
 /// Nothing was decided by then.
@@ -139,7 +139,7 @@ pub(super) fn instant_of(reader: &RecordReader, at: Time) -> Result<Time, Record
     Ok(at)
 }
 
-/// The agent as it was at `at`.
+/// The agent restored to `at`.
 ///
 /// # Errors
 /// Why it cannot be restored.
@@ -150,7 +150,7 @@ pub(super) fn restored(reader: &RecordReader, at: Time, load: LoadProgram<'_>) -
     Ok(agent)
 }
 
-/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+/// Returns a place as `file.pdl:14:3`, also for places in plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
 }

@@ -1,4 +1,4 @@
-//! The history of an observation target.
+//! The history of an observation target: its recorded states up to the instant of a question.
 
 use super::answer::TargetMoment;
 use super::snapshot::RecordSnapshot;

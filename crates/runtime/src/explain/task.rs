@@ -1,4 +1,4 @@
-//! A task at an instant with its explanation, as the page shows it.
+//! A task at an instant with its explanation, for the web page.
 
 use super::answer::Why;
 use super::moment::Moment;
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Maximum number of moments of the history; the oldest are left out. A task that restarts for hours has thousands.
 const MOMENTS_MAX: usize = 60;
 
-/// A task at an instant, the tasks around it, and why it is in its state.
+/// A task at an instant, its neighbours in the tree, and the reasons for its state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct TaskExplanation {
@@ -19,13 +19,13 @@ pub struct TaskExplanation {
     pub task: Task,
     /// Its children then.
     pub children: Vec<Task>,
-    /// Its state and the cause of it in one sentence.
+    /// Its state and the cause of that state in one sentence.
     pub now: String,
     /// The explanation; its history holds the last 60 moments.
     pub explanation: Why,
     /// True if older moments are left out.
     pub left_out: bool,
-    /// Reason if the instant could not be restored; the explanation is then made from the record's decisions alone.
+    /// Reason for which the instant could not be restored; the explanation is then made from the record's decisions alone.
     pub explanation_error: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Explanations as text. Every word is taken from the answer's own members, so that text and JSON say the same.
+//! Explanations as text. All text is taken from members of the answer, so that text and JSON agree.
 
 use super::answer::{Answer, Blocked, CommandAnswer, Holder, ResourceAnswer, Subtask, Unmet, Why, WhyNot};
 use super::{Link, Moment};
@@ -7,7 +7,7 @@ use std::fmt;
 
 /// Moments that a text shows; a step that repeats for hours has more than a reader needs.
 const MOMENTS_MAX: usize = 40;
-/// Of these, the first ones.
+/// Number of the first moments shown when the history is shortened.
 const MOMENTS_FIRST: usize = 8;
 
 impl fmt::Display for Answer {
@@ -57,7 +57,7 @@ fn write_chain(f: &mut fmt::Formatter<'_>, because: Option<&Link>) -> fmt::Resul
     Ok(())
 }
 
-/// Writes the choice of a method, if there was one.
+/// Writes the choice of a method, if a method was chosen.
 fn write_choices(why: &Why, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if why.choices.len() < 2 && why.choices.iter().all(|choice| choice.matches) {
         return Ok(());

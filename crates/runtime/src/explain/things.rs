@@ -15,7 +15,7 @@ use apex_model::quantity::Dimension;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// Returns the resource called `name`, if the agent knows it.
+/// Returns the resource called `name`; `None` if the agent does not know it.
 pub(super) fn resource<'a>(agent: &'a Agent, name: &str) -> Option<&'a Resource> {
     let same = |resource: &&Resource| resource.name.to_string().eq_ignore_ascii_case(name.trim());
     agent.resources.iter().map(|(_, resource)| resource).find(same)
@@ -77,7 +77,7 @@ fn holder(
     }
 }
 
-/// Explains the command `asked`: `command 7`, or words of its form, which mean the last such command.
+/// Explains the command `asked`: `command 7`, or words of its form, which refer to the last such command.
 pub(super) fn of_command(snapshot: &RecordSnapshot<'_>, asked: &str) -> Result<Option<CommandAnswer>, RecordError> {
     let log = snapshot.log()?;
     let words = asked.trim();

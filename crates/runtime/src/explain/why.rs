@@ -45,7 +45,7 @@ pub(super) fn of_task(
     });
     let agent = match (snapshot.into_agent(), waits) {
         (Ok(agent), _) => agent,
-        // What has ended is explained by the record alone.
+        // An ended task is explained from the record alone.
         (Err(_), false) => None,
         (Err(error), true) => return Err(error),
     };
@@ -122,7 +122,7 @@ fn subtasks(snapshot: &RecordSnapshot<'_>, parent: TaskId) -> Result<Vec<Subtask
     let mut subtasks = Vec::new();
     let lives = |task: &&TaskRow| task.parent == Some(parent) && task.created <= snapshot.at;
     for task in snapshot.tasks.iter().filter(lives) {
-        // A task that ended long ago and did not come back needs no search in its decisions.
+        // A task that ended long ago and was not repeated needs no search of its decisions.
         if task.ended.is_some_and(|ended| ended <= snapshot.at) {
             continue;
         }

@@ -61,8 +61,8 @@ fn draft(snapshot: &RecordSnapshot<'_>, kind: &'static str, asked: &str, answer:
     WhyNot { about, answer, missing, task: None, target, others }
 }
 
-/// Returns the task that is meant: by number, tag or goal, variables standing for anything; a living one before others, a later
-/// one before earlier ones.
+/// Returns the task that the question names: by number, tag or goal, where variables match anything. A living task precedes others, a
+/// later one precedes earlier ones.
 fn instance(snapshot: &RecordSnapshot<'_>, name: &str) -> Option<TaskId> {
     let number = name.trim().trim_start_matches(['T', 't']).parse::<u64>().ok();
     if let Some(number) = number {
@@ -128,7 +128,7 @@ fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Opt
     Ok(Some(Draft { answer, task }))
 }
 
-/// Follows the missing steps up; fills in what is missing and what else may be meant.
+/// Follows the missing steps upwards; adds the missing steps and other possible readings of the question.
 fn follow(
     snapshot: &RecordSnapshot<'_>,
     agent: &Agent,
@@ -146,7 +146,7 @@ fn follow(
     Ok(found.task)
 }
 
-/// Returns the answer that a procedure or primitive has this goal and no step pursues it.
+/// Returns the answer that a procedure or primitive serves this goal, but no step pursues it.
 fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
     let agent = snapshot.agent()?;
     let telling = matches!(phrase, Phrase::List(_)) && phrase.is_telling();
@@ -159,7 +159,7 @@ fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Optio
     Some(Draft { answer: draft(snapshot, "procedure", asked, text), task: None })
 }
 
-/// Returns a procedure or primitive by its place: who could pursue it, and what is chosen instead.
+/// Explains a procedure or primitive by its place: the steps that could pursue it, and the methods chosen instead.
 fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some((file, line)) = name.trim().rsplit_once(':') else { return Ok(None) };
     let (Ok(line), Some(agent)) = (line.parse::<u32>(), snapshot.agent()) else { return Ok(None) };
@@ -222,7 +222,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
     Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task }))
 }
 
-/// Returns a target: its history, and the step of the plan that is to visit it.
+/// Explains a target: its history, and the step of the plan that is to visit it.
 fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
     let moments = target::moments(&snapshot, id)?;
     let mut answer = draft(&snapshot, "target", asked, target_sentence(id, snapshot.at, moments.last()));
@@ -258,7 +258,7 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     }
 }
 
-/// Returns the error with names that look like what was asked.
+/// Returns the error, extended by similar names.
 fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result<RecordError, RecordError> {
     let RecordError::Question(text) = &error else { return Ok(error) };
     if text.contains("may be one of") || find::is_number(name) {

@@ -1,4 +1,4 @@
-//! Commands of an operator, as the run takes them: each is checked, settled, recorded as an input, and executed if accepted.
+//! Commands of an operator: each is checked, decided, recorded as an input, and executed if accepted.
 
 use super::{Flight, Waited};
 use crate::authority::{Authority, AuthorityRequest};
@@ -9,14 +9,14 @@ use apex_model::event::EventKind;
 use apex_model::time::Time;
 use std::time::Duration;
 
-/// The pace of a step: as fast as possible, but still with a clock, so that the run waits for operators at its end.
+/// The pace of single steps: practically as fast as possible, but with a clock, so that the run waits for operators at its end.
 const STEP_PACE: f64 = 1e9;
 
 impl Flight<'_, '_> {
     /// Settles, records and executes a command while the run waits for `instant`. Some: the wait is over.
     pub(super) fn obey(&mut self, command: &Command, instant: Time) -> Result<Option<Waited>, RunError> {
         let at = self.pacer.now(self.now, instant);
-        // The lock makes decision and effect one.
+        // The lock is held from the decision to the effect, so that authority cannot change between them.
         let board = self.authority.clone();
         let mut authority = board.authority();
         let mut after = authority.clone();
@@ -24,7 +24,7 @@ impl Flight<'_, '_> {
             Ok(change) => (CommandEnd::Accepted { at }, change),
             Err(reason) => (CommandEnd::Rejected { reason }, None),
         };
-        // The sender may have been first: then the command has expired, or was refused before it came here.
+        // The sender may have ended the command first: it then expired, or was refused before it arrived here.
         let settled = command.ticket.settle(end.clone());
         let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
         let agent = match &command.order {
@@ -64,7 +64,7 @@ impl Flight<'_, '_> {
         self.pacer.set(Some(0.0), now).map_err(RunError::Options)
     }
 
-    /// Decides about a command: why it is refused, or the change of `authority` that comes with it, as an event.
+    /// Decides about a command: returns the reason of a refusal, or the accompanying change of `authority` as an event.
     fn judge(&self, command: &Command, authority: &mut Authority, now: Duration) -> Result<Option<EventKind>, String> {
         if let Some(objection) = self.objection(&command.order) {
             return Err(objection);

@@ -1,4 +1,4 @@
-//! Continuing a recorded flight in the middle.
+//! Continues a recorded flight from an instant on.
 
 use super::Flight;
 use crate::error::RunError;
@@ -22,8 +22,9 @@ pub(crate) struct OpenAnswer {
 }
 
 impl Flight<'_, '_> {
-    /// Continues a flight whose agents (with these numbers of their last events), vehicle and deliberator have lived until `at`. Of the options' inputs, those later
-    /// than `at` come; `answers` to open requests come when they are due.
+    /// Continues a flight whose agents, vehicle and deliberator have been advanced to `at`. `last_sequences` are the numbers of the
+    /// agents' last events. Of the options' inputs, those later than `at` are used; `answers` to open requests take effect when they are
+    /// due.
     pub(crate) fn resume(&mut self, at: Time, last_sequences: &[u64], answers: Vec<OpenAnswer>) {
         self.scheduled.retain(|input| input.at > at);
         self.group.resume(last_sequences);

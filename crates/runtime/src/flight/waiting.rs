@@ -1,4 +1,4 @@
-//! Waiting for the next instant of a flight, and hearing what comes in meanwhile.
+//! Waits for the next instant of a flight, and processes inputs that arrive meanwhile.
 
 use super::{Flight, Waited};
 use crate::error::RunError;
@@ -41,7 +41,7 @@ impl Flight<'_, '_> {
                     if let Some(waited) = self.take_live(instant)? {
                         return Ok(waited);
                     }
-                    // A flood does not put off what is due.
+                    // A flood of inputs must not delay what is due.
                     if wait == Wait::Over {
                         return Ok(Waited::Reached(instant));
                     }
@@ -53,7 +53,7 @@ impl Flight<'_, '_> {
         }
     }
 
-    /// Lets a run that is never idle write out what its observers hold back. True if it did.
+    /// Lets observers write their held-back data in a run that is never idle. Returns true if it did.
     fn flush_when_due(&mut self, instant: Time) -> Result<bool, RunError> {
         if self.live.is_none() || self.flushed_at.elapsed() < FLUSH_INTERVAL {
             return Ok(false);
@@ -78,7 +78,7 @@ impl Flight<'_, '_> {
         Ok(None)
     }
 
-    /// Does what is said from outside while the run waits for `instant`. Some: the wait is over.
+    /// Processes a message from outside while the run waits for `instant`. Returns `Some` if the wait is over.
     fn follow(&mut self, control: Control, instant: Time) -> Result<Option<Waited>, RunError> {
         match control {
             Control::Stop => {
@@ -116,7 +116,7 @@ impl Flight<'_, '_> {
         }
     }
 
-    /// Waits as long as `wait` says for a word from outside, or until it is time to look for a solver's answer.
+    /// Waits for at most `wait` for a message from outside, or until solvers must be polled for answers.
     fn hear(&mut self, wait: Wait) -> Result<Option<Control>, RunError> {
         let wait = match wait {
             Wait::For(span) if self.pool.is_waiting() => Wait::For(span.min(SOLVER_LOOK)),

@@ -1,4 +1,4 @@
-//! Classes of live sources: the order in which they are heard, and how much each may say.
+//! Classes of live sources: their precedence, and the rate of inputs that each may send.
 
 /// Class of a live source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -9,7 +9,7 @@ pub enum SourceClass {
     Safing,
     /// The vehicle or its simulator.
     Vehicle,
-    /// Everything else: weather, traffic, sensors on the ground.
+    /// All other sources: weather, traffic, sensors on the ground.
     Feed,
 }
 
@@ -45,7 +45,8 @@ impl SourceClass {
         }
     }
 
-    /// Inputs per second of wall time that the run takes from one source. An autopilot reports some thousands of values a second.
+    /// Returns the inputs per second of wall time that the run accepts from one source. An autopilot reports some thousands of values a
+    /// second.
     pub fn source_rate(self) -> u32 {
         match self {
             SourceClass::Operator | SourceClass::Safing => 10_000,

@@ -1,4 +1,4 @@
-//! Messages about lines that cannot be understood: the first ones, then as many as an operator can read, and the number of the rest.
+//! Messages about unreadable lines: the first ones, then as many as an operator can read, and the number of the others.
 
 use super::rate_limit::RateLimit;
 use crate::limits::INPUT_MESSAGES_MAX;
@@ -17,7 +17,7 @@ pub(super) struct FaultMessages {
 }
 
 impl FaultMessages {
-    /// No message yet; `note` prints them.
+    /// Returns a limiter without messages so far; `note` prints them.
     pub(super) fn new(note: fn(&str)) -> FaultMessages {
         let limit = RateLimit::with_burst(PER_SECOND, INPUT_MESSAGES_MAX as f64);
         FaultMessages { note, limit, began: Instant::now(), hidden: 0 }
@@ -30,14 +30,14 @@ impl FaultMessages {
         admitted
     }
 
-    /// Prints a message that was admitted, after the number of those that were not. `name` is that of the source, if it has one.
+    /// Prints an admitted message, preceded by the number of suppressed ones. `name` is that of the source, if it has one.
     pub(super) fn print(&mut self, name: Option<&str>, fault: &str) {
         self.print_hidden(name);
         let of = name.map(|name| format!("source {name}: ")).unwrap_or_default();
         (self.note)(&format!("  {of}{fault}"));
     }
 
-    /// Prints how many messages were not shown since the last one.
+    /// Prints the number of messages suppressed since the last one.
     pub(super) fn print_hidden(&mut self, name: Option<&str>) {
         let hidden = std::mem::take(&mut self.hidden);
         if hidden > 0 {

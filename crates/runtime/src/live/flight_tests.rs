@@ -1,4 +1,4 @@
-//! A flight in a flood of telemetry: operators are heard, what is due is stepped at its instant, and losses are inputs.
+//! A flight in a flood of telemetry: commands of operators are executed, due steps happen at their instant, and losses are inputs.
 
 use super::*;
 use crate::flight::Flight;
@@ -50,7 +50,7 @@ impl Observer for BatchLog {
     }
 }
 
-/// Says measurements of one variable as fast as possible until it is stopped.
+/// Sends measurements of one variable as fast as possible until it is stopped.
 fn flood(source: &LiveSource, over: &AtomicBool) {
     let variable = StateVariable::new(Symbol::new("height"), Value::symbol("uav"));
     let value = |value| LiveInput::Event(None, EventKind::Measurement(variable.clone(), Value::Integer(value)));

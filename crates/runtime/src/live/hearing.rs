@@ -1,4 +1,4 @@
-//! One source that is heard: its lines become inputs, groups of them at once where it sends more than one at a time.
+//! Reads one live source: its lines become inputs, passed in groups if several arrive together.
 
 use super::class::SourceClass;
 use super::fault_messages::FaultMessages;
@@ -18,9 +18,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Connections at a time, those included that the run has not admitted: each has a thread.
+/// Simultaneous connections, including those that are not admitted yet: each has a thread.
 const CONNECTIONS_MAX: usize = 96;
-/// Inputs that are said to the run at once.
+/// Inputs that are passed to the run at once.
 const GROUP_MAX: usize = 256;
 /// Texts of state variables that a source repeats.
 const KNOWN_TEXTS_MAX: usize = 4_096;
@@ -28,10 +28,10 @@ const KNOWN_TEXTS_MAX: usize = 4_096;
 const KNOWN_TEXT_BYTES_MAX: usize = 200;
 /// Bytes that are read at once.
 const READ_BYTES: usize = 64 << 10;
-/// Time that an answer to a source may take; a source that does not read gets none.
+/// Time limit for an answer to a source; a source that does not read gets none.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(20);
 
-/// Means to read lines of sources, and the destination of messages about them.
+/// The means to read lines of sources, and the destination of messages about them.
 #[derive(Clone)]
 pub struct LineReader {
     /// The questions that an answer may be to.
@@ -50,7 +50,7 @@ struct Hearing<'a> {
     answers: Option<&'a TcpStream>,
 }
 
-/// Hears lines without a connection, such as those of standard input, from a source that has no answers.
+/// Reads lines without a connection, such as those of standard input, from a source that gets no answers.
 pub fn hear_lines(lines: impl Read, source: &LiveSource, reader: &LineReader) {
     hear(lines, &Hearing { source, reader, answers: None });
 }
@@ -79,7 +79,7 @@ fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReade
     stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
     let Ok(reading) = stream.try_clone() else { return };
     let mut lines = BufReader::with_capacity(READ_BYTES, reading);
-    // The first line may say who it is: operators and safing programs are always admitted.
+    // The first line may introduce the source: operators and safing programs are always admitted.
     let Some(first) = first_line(&mut lines) else { return };
     let class = match Introduction::read(&first) {
         Some(Ok(introduction)) => introduction.class,
@@ -94,10 +94,10 @@ fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReade
     }
 }
 
-/// Tells a connection why it is not heard.
+/// Informs a connection why it is refused.
 fn refuse(stream: &TcpStream, fault: &str) {
     stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
-    // Whether the peer reads it or not.
+    // The result does not depend on whether the peer reads it.
     let mut stream = stream;
     writeln!(stream, "{}", json!({"error": fault})).unwrap_or_default();
 }
@@ -118,7 +118,7 @@ fn next_line(lines: &mut impl BufRead) -> Option<String> {
     read.is_ok_and(|count| count > 0).then(|| String::from_utf8_lossy(&bytes).trim().to_string())
 }
 
-/// Hears a source until it has nothing more to say, or the run is over.
+/// Reads a source until its lines end or the run is over.
 fn hear(lines: impl Read, hearing: &Hearing<'_>) {
     let mut lines = BufReader::with_capacity(READ_BYTES, lines);
     let (mut messages, known) = (FaultMessages::new(hearing.reader.note), KnownTexts::new(hearing.reader.read_value));
@@ -166,19 +166,19 @@ fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<O
         Control::Input(kind) => Some(LiveInput::Event(None, kind)),
         Control::InputFor(agent, kind) => Some(LiveInput::Event(Some(agent), kind)),
         Control::Stop => Some(LiveInput::Stop),
-        // A line says nothing else.
+        // No line has one of these kinds.
         Control::Pace(_) | Control::Command(_) | Control::Look | Control::Quiet => None,
     })
 }
 
 fn answer(hearing: &Hearing<'_>, line: &serde_json::Value) {
     if let Some(mut stream) = hearing.answers {
-        // A source that does not read its answers is heard all the same.
+        // A source that does not read its answers is still read.
         writeln!(stream, "{line}").unwrap_or_default();
     }
 }
 
-/// Texts that a source repeats, with what they say: a source measures the same variables again and again.
+/// Parsed forms of repeated texts: a source measures the same variables again and again.
 struct KnownTexts {
     known: RefCell<BTreeMap<String, Value>>,
     read_value: fn(&str) -> Result<Value, String>,

@@ -1,4 +1,4 @@
-//! The line by which a source says who it is: `{"source": "nav-1", "class": "vehicle"}`.
+//! The line by which a source introduces itself: `{"source": "nav-1", "class": "vehicle"}`.
 
 use super::class::SourceClass;
 use crate::unique_json;
@@ -17,10 +17,10 @@ pub struct Introduction {
 }
 
 impl Introduction {
-    /// Reads a line; none if it is not an introduction.
+    /// Reads a line; `None` if it is not an introduction.
     ///
     /// # Errors
-    /// What is wrong with an introduction.
+    /// The error in an introduction.
     pub fn read(line: &str) -> Option<Result<Introduction, String>> {
         // Most lines are none: they are not parsed twice.
         if !line.contains("\"source\"") {

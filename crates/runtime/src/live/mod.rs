@@ -1,9 +1,9 @@
-//! Live sources: the programs and operators that speak during a run, each with a name, a class and a bounded queue.
+//! Live sources: the programs and operators that send inputs during a run, each with a name, a class and a bounded queue.
 //!
-//! A reader says what it has read to its [`LiveSource`]; the flight takes from [`LiveSources`] by class: operators and safing
-//! first, then vehicles, then feeds, and sources of one class in turn. `class` states what a class may say, `rate_limit` keeps
-//! it, `queue` holds what waits (of telemetry the latest value, of everything else all), `introduction` reads who a source says
-//! that it is, `hearing` reads lines of connections, `fault_messages` limits messages about them. What a source loses is an input of the run:
+//! A reader passes its inputs to its [`LiveSource`]. The flight takes them from [`LiveSources`] by class: operators and safing first,
+//! then vehicles, then feeds, and sources of one class in turn. `class` states the permitted rates, `rate_limit` enforces them, `queue`
+//! holds waiting inputs (of telemetry the latest value, of other inputs all), `introduction` reads the introduction of a source,
+//! `hearing` reads lines of connections, `fault_messages` limits messages about them. Lost inputs of a source are an input of the run:
 //! `(live-source NAME lost COUNT VARIABLE)`.
 
 mod class;

@@ -1,23 +1,23 @@
-//! The queue of one source: of telemetry the latest value of each variable, of everything else all.
+//! The queue of one source: the latest value of each telemetry variable, and all other inputs.
 //!
-//! A value replaces an older one of the same variable only if nothing but telemetry came between them: what the run takes is
-//! in the order in which it was said. Bound: O(log n) for each input.
+//! A value replaces an older one of the same variable only if nothing but telemetry is between them, so that the run receives inputs in
+//! the order in which they were sent. Bound: O(log n) for each input.
 
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Inputs other than telemetry that wait; the reader that has more waits, and so does its source.
+/// Waiting inputs other than telemetry; a reader with more must wait, and so does its source.
 pub(super) const COMMANDS_MAX: usize = 1_000;
 /// Values of telemetry that wait; beyond, the oldest is lost.
 pub(super) const VALUES_MAX: usize = 4_096;
 
 type ValueKey = (StateVariable, Option<Symbol>);
 
-/// Something that a source says.
+/// One input of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LiveInput {
-    /// An input for one agent, or for all.
+    /// An input for one agent (`None`: for all).
     Event(Option<Symbol>, EventKind),
     /// The run is to end cleanly.
     Stop,
@@ -43,7 +43,7 @@ pub(super) struct SourceQueue {
 pub(super) struct Lost {
     /// Their number.
     pub(super) count: u64,
-    /// The variable of the last one.
+    /// The variable of the last lost value.
     pub(super) variable: Option<StateVariable>,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Lost {
 #[derive(Debug, PartialEq)]
 pub(super) enum Pushed {
     Kept,
-    /// The queue has no space for it.
+    /// The queue has no space for the input.
     Refused(LiveInput),
 }
 
@@ -209,8 +209,8 @@ mod tests {
         assert_eq!(all(&mut queue).len(), VALUES_MAX);
     }
 
-    /// Computes the inputs that the run takes (naive twin): what was said without the values that a later one of the same variable follows
-    /// before the next command and before the run takes anything, in the places of the first of them.
+    /// Computes the inputs that the run takes (naive twin): a later value of the same variable replaces a waiting one in its place,
+    /// unless a command is between them or the run has taken the older one.
     fn naive(said: &[Option<LiveInput>]) -> (Vec<LiveInput>, u64) {
         let (mut waits, mut taken, mut lost): (Vec<LiveInput>, Vec<LiveInput>, u64) = (Vec::new(), Vec::new(), 0);
         for step in said {

@@ -1,10 +1,10 @@
-//! Token buckets by a clock that the caller reads.
+//! Token buckets, with time passed in by the caller.
 
 use std::time::Duration;
 
-/// An empty bucket is opened again when it holds what arrives in this time: inputs then come in groups, not one by one.
+/// An empty bucket reopens when it holds what arrives in this time: inputs then pass in groups instead of one by one.
 const GROUP: Duration = Duration::from_millis(5);
-/// A full bucket holds what arrives in this time.
+/// Capacity of a bucket, as the time in which that number of items arrives.
 const BURST_S: f64 = 0.1;
 
 /// Lets a number of items per second pass, and a short burst.
@@ -14,12 +14,12 @@ pub struct RateLimit {
     burst: f64,
     tokens: f64,
     at: Duration,
-    /// The bucket ran empty, and is closed until it holds a group.
+    /// True if the bucket ran empty; it is closed until it holds a group.
     closed: bool,
 }
 
 impl RateLimit {
-    /// Returns a full bucket for `per_second` items, with a burst of what arrives in a tenth of a second.
+    /// Returns a full bucket for `per_second` items; its burst is a tenth of a second's items.
     pub fn new(per_second: u32) -> RateLimit {
         RateLimit::with_burst(f64::from(per_second), (f64::from(per_second) * BURST_S).max(1.0))
     }
@@ -44,13 +44,13 @@ impl RateLimit {
         if self.closed { 0 } else { self.tokens as usize }
     }
 
-    /// Lets `count` items pass.
+    /// Removes `count` items from the bucket.
     pub fn spend(&mut self, count: usize) {
         self.tokens = (self.tokens - count as f64).max(0.0);
         self.closed = self.closed || self.tokens < 1.0;
     }
 
-    /// Lets one item pass at `now` if it may.
+    /// Returns true and removes one item if the bucket permits it at `now`.
     pub fn admits(&mut self, now: Duration) -> bool {
         let admitted = self.available(now) > 0;
         if admitted {
@@ -59,7 +59,7 @@ impl RateLimit {
         admitted
     }
 
-    /// Returns the time from the last look until items may pass; zero if they may.
+    /// Returns the time from the last refill until items may pass; zero if they may now.
     pub fn ready_in(&self) -> Duration {
         if !self.closed && self.tokens >= 1.0 {
             return Duration::ZERO;

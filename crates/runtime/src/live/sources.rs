@@ -1,4 +1,4 @@
-//! All live sources of a run: readers say what they read, the flight takes it by class and in turn.
+//! All live sources of a run: readers add their inputs, the flight takes them by class and in turn.
 
 use super::class::{RANKS, SourceClass};
 use super::introduction::Introduction;
@@ -12,7 +12,7 @@ use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The head of the events that record what is known of a source.
+/// First word of the events that record facts about a source.
 const HEAD: &str = "live-source";
 
 /// The live sources of one run. Clones share them.
@@ -23,7 +23,7 @@ struct SharedSources {
     state: Mutex<SourcesState>,
     /// Notified when queues have space again, or the run is over.
     space: Condvar,
-    /// Called when the flight, which sees nothing to take, must look again.
+    /// Wakes a flight that waits because no input was ready.
     wake: Box<dyn Fn() + Send + Sync>,
     began: Instant,
 }
@@ -32,20 +32,20 @@ struct SourcesState {
     sources: BTreeMap<u64, QueuedSource>,
     last_id: u64,
     ranks: [RateLimit; RANKS],
-    /// Before this nothing is taken of vehicles and feeds: what comes meanwhile is one step.
+    /// Before this time, no input of vehicles and feeds is taken: later ones join the same step.
     rests_until: Duration,
-    /// The source after which the next turn begins.
+    /// The source that had its turn last; the next turn begins after it.
     last_heard: u64,
     /// Events about sources that wait to be taken.
     reports: VecDeque<EventKind>,
-    /// The flight looks now, or at this time at the latest; none: only when it is woken.
+    /// Time at which the flight looks for inputs at the latest; `None` if only when it is woken.
     looks_at: Option<Duration>,
     is_over: bool,
 }
 
 struct QueuedSource {
     class: SourceClass,
-    /// Its name, once it has introduced itself.
+    /// Its name; `None` before it has introduced itself.
     name: Option<String>,
     queue: SourceQueue,
     limit: RateLimit,
@@ -54,7 +54,7 @@ struct QueuedSource {
     is_gone: bool,
 }
 
-/// One source, as its reader sees it. When it is dropped the source is gone; what it has said is still taken.
+/// One source, for its reader. Dropping it ends the source; its waiting inputs are still taken.
 pub struct LiveSource {
     sources: LiveSources,
     id: u64,
@@ -78,10 +78,10 @@ impl LiveSources {
         LiveSources(Arc::new(SharedSources { state, space, wake: Box::new(wake), began: Instant::now() }))
     }
 
-    /// Admits a source that has not said who it is, to be heard with `class`.
+    /// Admits a source that has not introduced itself, with class `class`.
     ///
     /// # Errors
-    /// There are too many sources: the text says what to do.
+    /// The remedy as text, if there are too many sources.
     pub fn admit(&self, class: SourceClass) -> Result<LiveSource, String> {
         let mut state = self.state();
         let others = state.sources.values().filter(|source| !source.class.is_always_admitted()).count();
@@ -101,13 +101,13 @@ impl LiveSources {
         Ok(LiveSource { sources: self.clone(), id })
     }
 
-    /// Returns true if anything waits, ready or not.
+    /// Returns true if any input waits, whether its rate permits it or not.
     pub(crate) fn has_waiting(&self) -> bool {
         let state = self.state();
         !state.reports.is_empty() || state.sources.values().any(|source| !source.queue.is_empty())
     }
 
-    /// Returns the time until something may be taken; none if nothing waits.
+    /// Returns the time until an input may be taken; `None` if none waits.
     pub(crate) fn ready_in(&self) -> Option<Duration> {
         let now = self.0.began.elapsed();
         let mut state = self.state();
@@ -116,8 +116,8 @@ impl LiveSources {
         ready
     }
 
-    /// Takes what is to be heard now: everything of operators and safing that their limits allow, else of vehicles, else of feeds;
-    /// sources of one class in turn, at most [`LIVE_TAKE_MAX`] inputs.
+    /// Takes the permitted inputs: all those of operators and safing within their limits, otherwise of vehicles, otherwise of feeds.
+    /// Sources of one class take turns; at most [`LIVE_TAKE_MAX`] inputs are taken.
     pub(crate) fn take(&self) -> Vec<LiveInput> {
         let now = self.0.began.elapsed();
         let mut state = self.state();
@@ -150,7 +150,7 @@ impl LiveSources {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Wakes the flight if something can be taken before it would look anyway.
+    /// Wakes the flight if an input can be taken before the flight's next look.
     fn wake(&self, mut state: MutexGuard<'_, SourcesState>) {
         let now = self.0.began.elapsed();
         let soon = |at: &Duration| *at <= now;
@@ -190,7 +190,7 @@ impl SourcesState {
         sources.values_mut().filter_map(wait).min()
     }
 
-    /// Takes from the sources of a rank, one input of each in turn.
+    /// Takes inputs from the sources of a rank, one from each in turn.
     fn take_rank(&mut self, rank: usize, now: Duration, taken: &mut Vec<LiveInput>) {
         let SourcesState { sources, ranks, last_heard, .. } = self;
         let Some(limit) = ranks.get_mut(rank).filter(|_| rank == 0 || self.rests_until <= now) else { return };
@@ -200,7 +200,7 @@ impl SourcesState {
             .filter(|(_, source)| source.class.rank() == rank && !source.queue.is_empty())
             .map(|(id, source)| (*id, source.limit.available(now)))
             .collect();
-        // The turn continues after the source that was heard last.
+        // The turn continues after the source that was served last.
         let first = turn.iter().position(|(id, _)| *id > *last_heard).unwrap_or(0);
         turn.rotate_left(first);
         while left > 0
@@ -218,7 +218,7 @@ impl SourcesState {
         }
     }
 
-    /// Adds what is to be said of sources: at most once a second of each.
+    /// Adds the pending reports about sources: at most one a second for each.
     fn report(&mut self, now: Duration) {
         let SourcesState { sources, reports, .. } = self;
         for source in sources.values_mut() {
@@ -229,7 +229,7 @@ impl SourcesState {
         }
     }
 
-    /// Removes the introduced sources that are gone and have said all; the run hears that they are gone.
+    /// Removes introduced sources that have ended and whose inputs were all taken, and reports their end to the run.
     fn bury(&mut self) {
         let SourcesState { sources, reports, .. } = self;
         sources.retain(|_, source| {
@@ -247,7 +247,7 @@ impl QueuedSource {
         self.queue.has_lost() || self.not_understood > 0
     }
 
-    /// Returns the time until something may be said of it.
+    /// Returns the time until a report about the source is permitted.
     fn report_in(&self, now: Duration) -> Duration {
         self.reported_at.map_or(Duration::ZERO, |at| (at + LIVE_REPORT_INTERVAL).saturating_sub(now))
     }
@@ -256,7 +256,7 @@ impl QueuedSource {
         self.name.as_deref().unwrap_or("unnamed")
     }
 
-    /// Events of what was lost and of what was not understood since the last report.
+    /// Adds events about inputs lost and lines not understood since the last report.
     fn news(&mut self, reports: &mut VecDeque<EventKind>) {
         let name = Value::symbol(self.printed_name());
         let lost = self.queue.take_lost();
@@ -270,7 +270,7 @@ impl QueuedSource {
         }
     }
 
-    /// Returns the event that names the author of an input that is not telemetry, if it has introduced itself.
+    /// Returns the event that names the author of an input other than telemetry, if the author has introduced itself.
     fn attribution(&self, input: &LiveInput) -> Option<LiveInput> {
         let name = self.name.as_deref()?;
         match input {
@@ -289,7 +289,7 @@ fn count(number: u64) -> Value {
 }
 
 impl LiveSource {
-    /// Takes over the name and the class that the source states, and reports them to the run.
+    /// Adopts the name and the class that the source states, and reports them to the run.
     ///
     /// # Errors
     /// Another source has the name.
@@ -310,7 +310,7 @@ impl LiveSource {
         Ok(())
     }
 
-    /// Says inputs in their order; waits while the source has too many that must not be lost. Returns false once the run is over.
+    /// Adds inputs in their order; waits while the queue is full of inputs that must not be lost. Returns false once the run is over.
     pub fn say(&self, inputs: impl IntoIterator<Item = LiveInput>) -> bool {
         let mut state = self.sources.state();
         for input in inputs {
@@ -335,7 +335,7 @@ impl LiveSource {
         true
     }
 
-    /// Counts lines that could not be understood, and reports them to the run.
+    /// Counts unreadable lines, and reports the count to the run.
     pub fn not_understood(&self, lines: u64) {
         let mut state = self.sources.state();
         if let Some(source) = state.sources.get_mut(&self.id) {

@@ -1,4 +1,4 @@
-//! Tests of live sources: the order of hearing, the reports, and readers that wait instead of losing commands.
+//! Tests of live sources: the order in which they are served, the reports, and readers that wait instead of losing commands.
 
 use super::*;
 use apex_model::event::StateVariable;

@@ -1,4 +1,4 @@
-//! Checks the groups of a record against their seals, in order, up to the first that is not as it was written.
+//! Checks the groups of a record against their seals, in order, up to the first group that was changed.
 //!
 //! Bound: each row is read once. Rows come by the tables' own trees, whose keys must rise, so damaged pages cannot make it
 //! endless.
@@ -8,7 +8,7 @@ use super::tables::{ALL, SCHEMA, TABLES, rows_after};
 use apex_model::time::Time;
 use rusqlite::{CachedStatement, Connection, Row, Rows};
 
-/// Progress of the check of a record: everything up to here is as it was written.
+/// Progress of the check of a record: everything before is unchanged.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CheckProgress {
     pub(super) link: ChainPosition,
@@ -34,7 +34,7 @@ impl Default for Keys {
 pub struct Damage {
     /// Its number, from 1.
     pub group: i64,
-    /// Number of the last batch before it; 0 if none can be trusted.
+    /// Number of the last batch in the checked part; 0 if no batch is valid.
     pub trusted_batches: i64,
     /// The instant of that batch.
     pub trusted_until: Time,
@@ -56,9 +56,9 @@ impl std::fmt::Display for Damage {
 
 /// Sees the rows and seals of intact groups.
 pub(super) trait Visitor {
-    /// Visits a row of the table with this index, of a group whose seal has not been compared yet.
+    /// Receives a row of the table with this index; the seal of its group has not been compared yet.
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
-    /// Visits a seal after it was compared: it fits the rows since the seal before.
+    /// Receives a seal after it was found to fit the rows since the preceding one.
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()>;
 }
 
@@ -115,7 +115,7 @@ pub(super) fn check_indexes(connection: &Connection) -> Result<(), String> {
     }
 }
 
-/// Checks all groups after `position`, which moves on to the last that fits. All reads see one state of the record.
+/// Checks all groups after `position`, and advances it to the last valid group. All reads see one state of the record.
 pub(super) fn check_groups(
     connection: &Connection,
     position: &mut CheckProgress,
@@ -124,7 +124,7 @@ pub(super) fn check_groups(
     check_groups_of(connection, &layout(), position, visitor)
 }
 
-/// Like [`check_groups`], for a version of the format with these tables.
+/// Like [`check_groups`], for a format version with these tables.
 pub(super) fn check_groups_of(
     connection: &Connection,
     layout: &Layout,
@@ -189,7 +189,7 @@ fn walk(
     Ok(())
 }
 
-/// Takes the next `count` rows of a table into the sealer.
+/// Adds the next `count` rows of a table to the sealer.
 fn take_rows(
     (index, name): (usize, &str),
     count: u64,
@@ -221,7 +221,7 @@ fn read_seal(row: &Row<'_>) -> rusqlite::Result<Option<Seal>> {
     Ok(counts.zip(chain).map(|(counts, chain)| Seal { id, t_ns, batch, counts, chain }))
 }
 
-/// Seals the rows after the last seal, as one group: for tools that make records by other means than the recorder.
+/// Seals the rows after the last seal as one group, for tools that write records without the recorder.
 ///
 /// # Errors
 /// SQLite's own; rows that are sealed already and do not fit are not noticed here.

@@ -1,5 +1,5 @@
-//! Copies committed groups from the write-ahead log into the main file once a second, on a separate thread, so that a plain
-//! copy of the `*.apex` file is complete up to the last seconds, and the flight does not wait for the disk.
+//! Copies committed groups from the write-ahead log into the main file once a second, on a separate thread. A plain copy of the `*.apex`
+//! file is then complete except for the last seconds, and the flight does not wait for the disk.
 
 use crate::limits::CHECKPOINT_INTERVAL;
 use rusqlite::{Connection, OpenFlags};
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 
-/// A running thread; dropping ends it.
+/// The running thread; dropping it ends the thread.
 pub(super) struct Checkpoints {
     /// Its end ends the thread.
     stop: Option<Sender<()>>,
@@ -15,15 +15,15 @@ pub(super) struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Begins with the record at `path`, which must be in WAL mode. None if it cannot be opened twice or no thread can be
-    /// made: SQLite then checkpoints alone, every four megabytes.
+    /// Starts for the record at `path`, which must be in WAL mode. `None` if the record cannot be opened twice or no thread can be made:
+    /// SQLite then checkpoints alone, every four megabytes.
     pub(super) fn begin(path: &Path) -> Option<Checkpoints> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags).ok()?;
         let (stop, stopped) = mpsc::channel();
         let work = move || {
             while stopped.recv_timeout(CHECKPOINT_INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                // A reader may hold back a part of it; the next second takes the rest.
+                // A reader may hold back a part of the log; the next second copies the rest.
                 let _ = connection.query_row("PRAGMA wal_checkpoint(PASSIVE)", [], |_| Ok(()));
             }
         };

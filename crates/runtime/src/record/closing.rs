@@ -1,8 +1,8 @@
-//! Closing a record so that it can be read at any moment of it, also if the program is killed in the middle.
+//! Closes a record so that it is readable at every moment of closing, even if the program is killed in the middle.
 //!
-//! The order is: the write-ahead log goes into the main file and is removed (SQLite can repeat that from the log at any time),
-//! the two bytes of the header that ask for a log are changed by one write, and the seal of the whole file is appended. No
-//! rollback journal ever exists, so no reader has anything to roll back.
+//! The order is: the write-ahead log is copied into the main file and removed (SQLite can repeat that from the log at any time); the two
+//! header bytes that require a log are changed by one write; the seal of the whole file is appended. No rollback journal ever exists, so
+//! no reader has anything to roll back.
 
 use super::file_seal;
 use super::schema::{sibling, write_error};
@@ -15,7 +15,7 @@ use std::path::Path;
 /// Offset of the versions for writers and readers in SQLite's header; 2 requires a write-ahead log, 1 does not.
 const VERSIONS_OFFSET: u64 = 18;
 
-/// Closes the record. If another program reads it now, it stays a file with an empty log.
+/// Closes the record. While another program reads it, it remains a file with an empty log.
 pub(super) fn close(connection: Connection, path: &Path) -> Result<(), RecordError> {
     let _ = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
     connection.close().map_err(|(_, error)| write_error(path, "closing it", error))?;

@@ -1,9 +1,9 @@
 //! Batches as bytes. A day of telemetry is millions of samples, so a regular sample costs about ten bytes.
 //!
-//! A batch is: number of events, sequence number of the first, then the events. A regular event follows the one
-//! before in sequence and happened at the batch's instant; others carry both differences. State variables are
-//! referred to by number. A quantity in its variable's usual shape (dimension and printing unit) is its number alone.
-//! Whole numbers are LEB128 (signed ones zigzag), reals eight bytes little-endian, everything else postcard.
+//! A batch consists of the number of events, the sequence number of the first, and the events. A regular event has the next sequence
+//! number and the batch's instant; others carry both differences. State variables are referred to by number. A quantity with the usual
+//! dimension and printing unit of its variable is stored as its number alone. Integers are LEB128 (signed ones zigzag), reals eight bytes
+//! little-endian, everything else postcard.
 
 use super::numbers::{Input, put_signed, put_unsigned};
 use apex_model::event::{Batch, Event, EventKind, StateVariable};
@@ -19,7 +19,7 @@ const SAMPLE_REAL: u8 = 1;
 const SAMPLE_OTHER: u8 = 2;
 const OTHER_EVENT: u8 = 3;
 const WOKEN: u8 = 4;
-/// Added to the kind when sequence and time are not the expected ones.
+/// Added to the kind if sequence number or time are not the expected ones.
 const IRREGULAR: u8 = 0x80;
 
 /// Dimension and printing unit of a quantity.
@@ -35,8 +35,8 @@ pub(super) struct Variable {
 
 /// State variables with their numbers, in order of first appearance, from 1.
 ///
-/// Variables that differ in the case of letters are one variable for the executive, but two here: replay must be given
-/// exactly what was received.
+/// Variables whose names differ only in case are one variable for the executive, but two here: replay must receive exactly what was
+/// received.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Variables {
     list: Vec<Variable>,
@@ -164,7 +164,7 @@ fn shape(value: &Value) -> Option<Shape> {
 /// Reads a batch of the instant `now` back.
 ///
 /// # Errors
-/// What is wrong with the bytes, as a fragment of a message.
+/// The error in the bytes, as a fragment of a message.
 pub(super) fn decode(now: Time, bytes: &[u8], variables: &Variables) -> Result<Batch, String> {
     let mut input = Input { bytes };
     let count = input.unsigned()?;

@@ -1,4 +1,4 @@
-//! Connections to the file of a record, or to a copy of it, without a check of its rows.
+//! Connections to the file of a record, or to a copy of it, before its rows are checked.
 
 use super::file_seal::{self, FileSeal};
 use super::schema::{self, BUSY_PATIENCE, CONVERTIBLE_VERSION, FileState, SCHEMA_VERSION, read_error, sibling};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Connects to the record at `path`, or to a copy of it, without a check: for checks and recovery.
+/// Connects to the record at `path`, or to a copy of it, without a check of its rows: for checks and recovery.
 pub(super) fn connect(path: &Path) -> Result<Connected, RecordError> {
     connect_to(path, SCHEMA_VERSION)
 }
@@ -32,7 +32,7 @@ pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordE
     let connection = match (seal, log || journal) {
         (FileSeal::Intact, _) => immutable(path),
         (_, false) => plain(path, path).or_else(|_| immutable(path)),
-        // What a log or journal holds can only be had where files can be made next to it.
+        // The contents of a log or journal can only be read where SQLite can create files next to it.
         (_, true) if journal => copied(path, &mut copy),
         (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
     }?;
@@ -67,7 +67,7 @@ pub(super) fn plain(place: &Path, path: &Path) -> Result<Connection, RecordError
     defended(Connection::open_with_flags(place, flags), path)
 }
 
-/// A connection to a file that nothing changes: it needs no locks and no files next to it.
+/// A connection to a file that no program changes: it needs no locks and no files next to it.
 pub(super) fn immutable(path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let mut name = String::from("file:");
@@ -81,14 +81,14 @@ pub(super) fn immutable(path: &Path) -> Result<Connection, RecordError> {
     defended(Connection::open_with_flags(name, flags), path)
 }
 
-/// A connection to a copy in the folder for temporary files, where SQLite can finish what was cut off.
+/// A connection to a copy in the folder for temporary files, where SQLite can complete an interrupted write.
 fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, RecordError> {
     let made = Copied::make(path).map_err(|error| RecordError::Damaged {
         path: path.to_path_buf(),
         what: format!("its writing was cut off, and it cannot be copied to be read ({error})"),
     })?;
     let made = copy.insert(Arc::new(made));
-    // Opening it for writing rolls back what was half written.
+    // Opening the copy for writing rolls back a half-written transaction.
     let fail = |error| read_error(path, "its header", error);
     let writable = Connection::open(&made.record).map_err(fail)?;
     let _: i64 = writable.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
@@ -97,14 +97,14 @@ fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, Rec
     connection
 }
 
-/// Lets a connection run nothing that a file says.
+/// Prevents a connection from executing code of the file, such as triggers.
 fn defended(connection: rusqlite::Result<Connection>, path: &Path) -> Result<Connection, RecordError> {
     let prepared = || -> rusqlite::Result<Connection> {
         let connection = connection?;
         connection.busy_timeout(BUSY_PATIENCE)?;
         connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
         connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0;")?;
-        // The first read shows whether the file can be read here.
+        // The first read shows whether the file can be read in its place.
         let _: i64 = connection.query_row("PRAGMA schema_version", [], |row| row.get(0))?;
         Ok(connection)
     };
@@ -114,7 +114,7 @@ fn defended(connection: rusqlite::Result<Connection>, path: &Path) -> Result<Con
     })
 }
 
-/// Files of a record in a separate folder, which is removed when nothing reads them any longer.
+/// Files of a record in a separate folder, which is removed when no reader uses it any longer.
 #[derive(Debug)]
 pub(super) struct Copied {
     folder: PathBuf,
@@ -125,7 +125,7 @@ pub(super) struct Copied {
 static COPIES: AtomicU64 = AtomicU64::new(0);
 
 impl Copied {
-    /// An empty folder, with a name for the copy in it.
+    /// Creates an empty folder and returns the path of the copy in it.
     pub(super) fn folder() -> std::io::Result<Copied> {
         let number = COPIES.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("apex-record-{}-{number}", std::process::id()));
@@ -136,7 +136,7 @@ impl Copied {
 
     fn make(path: &Path) -> std::io::Result<Copied> {
         let copied = Copied::folder()?;
-        // The permissions of the originals are not those of the copies.
+        // The copies must not inherit the permissions of the originals.
         let copy = |from: &Path, to: &Path| std::io::copy(&mut File::open(from)?, &mut File::create(to)?).map(|_| ());
         copy(path, &copied.record)?;
         for suffix in ["-wal", "-journal"] {

@@ -1,7 +1,7 @@
-//! Conversion of records of the version before: the same rows with the same seals' bounds, and effects as bytes.
+//! Conversion of records of the preceding version: the same rows in the same sealed groups, with effects as bytes.
 //!
-//! Version 6 had a row for each effect (`effect`) and each task (`task`). Its effects are written as this version writes them;
-//! its texts and tasks follow from them. Everything else is copied. The old record is checked group by group, and must be whole.
+//! Version 6 had a row for each effect (`effect`) and each task (`task`). Its effects are written in the present form; its texts and
+//! tasks follow from them. Everything else is copied. The old record is checked group by group, and must be complete.
 
 use super::check::{CheckProgress, Layout, Visitor, check_groups_of, check_schema_of};
 use super::closing;
@@ -65,7 +65,7 @@ fn old_tables() -> (Layout, Vec<Option<Table>>) {
     (layout, now)
 }
 
-/// Writes the record of version 6 at `from` into a new one of this version at `to`; returns the number of its steps.
+/// Writes the record of version 6 at `from` into a new one of the present version at `to`; returns the number of its steps.
 ///
 /// # Errors
 /// [`RecordError`] if `from` is not a record of version 6 or is damaged, and if `to` cannot be written.
@@ -113,7 +113,7 @@ pub fn convert(from: &Path, to: &Path) -> Result<i64, RecordError> {
 enum Failure {
     /// The new file cannot be written.
     Target(rusqlite::Error),
-    /// The old one holds something that is not an effect.
+    /// The old record contains an effect that cannot be read.
     Source(String),
 }
 
@@ -137,7 +137,7 @@ struct Converter<'c> {
     failure: Option<Failure>,
 }
 
-/// Writes a row, and enters it into the seal.
+/// Writes a row, and adds it to the seal.
 fn store(
     target: &Connection,
     inserts: &[String; TABLES],

@@ -9,6 +9,6 @@ pub(crate) struct RowDifference {
     pub column: &'static str,
     /// The recorded side as text; `None` if the record has no such row.
     pub recorded: Option<String>,
-    /// The side of the replay as text; `None` if it makes no such row.
+    /// The replayed side as text; `None` if the replay makes no such row.
     pub replayed: Option<String>,
 }

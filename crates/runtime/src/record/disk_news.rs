@@ -1,4 +1,4 @@
-//! Messages about the disk under a record, and what is known of it while it takes nothing.
+//! Messages about the disk of a record, and their state while the disk accepts no writes.
 
 use crate::error::RecordError;
 use apex_model::time::Time;
@@ -22,9 +22,9 @@ pub(super) enum DiskNews {
 pub(super) struct Resumption {
     /// Steps that were kept in memory.
     pub(super) kept: u64,
-    /// First and last batch of those that memory could not keep.
+    /// First and last of the batches that memory could not keep.
     pub(super) gap: Option<(i64, i64)>,
-    /// The new file in which the record continues; none: it continues where it stopped.
+    /// The new file in which the record continues; `None` if it continues in the same file.
     pub(super) segment: Option<PathBuf>,
 }
 

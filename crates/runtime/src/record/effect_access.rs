@@ -1,4 +1,4 @@
-//! Reading single effects, with their texts.
+//! Reads single effects, with their texts.
 
 use super::codec;
 use super::effects::{BLOCK_EFFECTS, EffectKind, EffectNeed, EffectReader, EffectTable, StepRow};
@@ -15,7 +15,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, PoisonError, RwLockReadGuard};
 
-/// Blocks whose effects stay in memory while a reader asks.
+/// Blocks of decoded effects that stay in memory for further queries.
 const BLOCKS_KEPT: usize = 16;
 
 /// All effects of an agent up to now, open for questions.
@@ -24,7 +24,7 @@ pub(crate) struct Effects<'r> {
     pub(crate) table: RwLockReadGuard<'r, EffectTable>,
     describer: RefCell<EffectDescriber>,
     blocks: RefCell<VecDeque<ReadBlock>>,
-    /// By place of the effect that reported it.
+    /// Goals by index of the effect that reported them.
     goals: RefCell<BTreeMap<usize, Arc<str>>>,
 }
 
@@ -50,7 +50,7 @@ pub(crate) struct ScannedEffect {
     pub(crate) at: Time,
     pub(crate) kind: EffectKind,
     pub(crate) task: Option<u64>,
-    /// None if only its kind is wanted.
+    /// The effect; `None` if only its kind was requested.
     pub(crate) effect: Option<Effect>,
 }
 
@@ -72,7 +72,7 @@ impl RecordReader {
         Ok(Effects { reader: self, table, describer, blocks, goals })
     }
 
-    /// Completes the sources of the table: those of the program, and of each plan that was adopted.
+    /// Adds the sources of the program, and of each adopted plan, to the table.
     fn find_plans(&self, table: &mut EffectTable) -> Result<(), RecordError> {
         if table.sources.is_empty() {
             table.sources = self.pdl_sources()?;
@@ -107,7 +107,7 @@ fn newest_step(connection: &Connection) -> rusqlite::Result<i64> {
 }
 
 impl Effects<'_> {
-    /// Calls `take` with each effect at `places` of which anything is wanted, in order.
+    /// Calls `take` with each effect at `places` of which any part is requested, in order.
     pub(crate) fn scan(
         &self,
         places: std::ops::Range<usize>,

@@ -1,6 +1,7 @@
-//! The seal of a whole file: 64 bytes after SQLite's last page, with SHA-256 over everything before. SQLite does not look there.
+//! The seal of a whole file: 64 bytes after SQLite's last page, with SHA-256 over everything before. SQLite ignores them.
 //!
-//! It makes the check of a closed record as fast as reading it, and covers what rows do not: indexes, header, unused pages.
+//! It makes the check of a closed record as fast as reading the file, and covers what the seals of rows do not: indexes, header, unused
+//! pages.
 
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -16,13 +17,13 @@ const CHUNK_BYTES: usize = 1 << 20;
 pub enum FileSeal {
     /// The file has no seal: its flight continues, or was cut off.
     None,
-    /// The file is byte for byte as it was sealed.
+    /// The file is byte for byte the sealed one.
     Intact,
-    /// The file has a seal, but is not as it was sealed.
+    /// The file has a seal, but was changed afterwards.
     Broken,
 }
 
-/// Appends the seal of everything before, in place of an older one. A disk that is full leaves the file without seal.
+/// Appends the seal of everything before it, in place of an older one. On a full disk the file is left without a seal.
 pub(super) fn append(file: &mut File) -> io::Result<()> {
     if seal_at_end(file)?.is_some() {
         let length = file.metadata()?.len();

@@ -1,7 +1,7 @@
-//! Folding the steps of a record into two values at once: one needs inputs and effects, the other inputs alone.
+//! Folds the steps of a record into two values at once: one needs inputs and effects, the other inputs alone.
 //!
-//! The second fold runs on its own thread, behind the first. Each value is a function of the steps in order, so that the threads decide
-//! nothing but the time.
+//! The second fold runs on its own thread, behind the first. Each value is a function of the steps in order, so the threads influence
+//! only the duration.
 
 use super::steps::{RecordedStep, Steps};
 use crate::error::RecordError;
@@ -16,7 +16,7 @@ const BEHIND_MAX: usize = 4_096;
 /// Folds `steps` with `fold`, and the batches of agent 0 into the second value with `see`.
 ///
 /// # Errors
-/// What `fold` returns, or what `damaged` makes of a record that cannot be read.
+/// The result of `fold`, or that of `damaged` for a record that cannot be read.
 pub fn fold_both<S: Send, E>(
     steps: Steps<'_>,
     (second, see): (&mut S, impl Fn(&mut S, &Batch) + Sync),
@@ -33,7 +33,7 @@ pub fn fold_both<S: Send, E>(
                 see(&mut second, &batch);
             }
         };
-        // Where the system gives no thread, both folds are done here.
+        // If the system provides no thread, both folds run here.
         let worker = Builder::new().name("record fold".to_string()).spawn_scoped(threads, work);
         let sender = worker.is_ok().then_some(sender);
         for step in steps {

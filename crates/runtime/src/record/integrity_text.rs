@@ -25,8 +25,8 @@ impl fmt::Display for Integrity {
 }
 
 impl Integrity {
-    /// Returns the members that `apex verify --json` prints: `intact`, `file` (`intact`, `unsealed`, `changed`), `groups`, `steps`,
-    /// `until_s` (seconds of mission time), `damage` and `fault` (null in a record without fault).
+    /// Returns the members of `apex verify --json`: `intact`, `file` (`intact`, `unsealed`, `changed`), `groups`, `steps`, `until_s`
+    /// (seconds of mission time), `damage` and `fault` (null in a record without error).
     pub fn json(&self) -> Value {
         let damage = self.damage.as_ref().map(|damage| {
             json!({

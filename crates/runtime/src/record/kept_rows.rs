@@ -1,5 +1,5 @@
-//! Rows that are not on the disk yet, in bounded memory: those of the open group, and after a write has failed those of all steps
-//! since. A record then continues where it stopped, or, where memory was too small, with the newest steps after a gap.
+//! Rows that are not on the disk yet, in bounded memory: those of the open group, and after a failed write those of all later steps. The
+//! record then continues at the point of failure, or, if memory was too small, with the newest steps after a gap.
 
 use super::tables::{ALL, Table};
 use rusqlite::types::ValueRef as Cell;
@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 struct Chunk {
     bytes: Vec<u8>,
     steps: u64,
-    /// Numbers of the first and last batch in it.
+    /// Numbers of the first and last batch contained.
     batches: Option<(i64, i64)>,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Gap {
 pub(super) struct KeptRows {
     /// Rows of steps that must not be dropped: sources, variables, facts.
     lasting: Vec<u8>,
-    /// All such rows since the beginning, committed ones as well: a new segment begins with them.
+    /// All rows that every segment needs since the beginning, including committed ones: a new segment begins with them.
     ever_lasting: Vec<u8>,
     chunks: VecDeque<Chunk>,
     /// Rows since the last step ended.
@@ -89,7 +89,7 @@ impl KeptRows {
         }
     }
 
-    /// Records the end of a step. With `apart` it can be dropped alone.
+    /// Records the end of a step. With `apart`, the step can be dropped alone.
     pub(super) fn end_step(&mut self, apart: bool) {
         if std::mem::take(&mut self.is_too_large) {
             return;
@@ -130,8 +130,8 @@ impl KeptRows {
         all.try_for_each(|bytes| each_in(bytes, &mut each))
     }
 
-    /// Calls `each` with the rows that a new segment begins with: all rows since the beginning without which later steps cannot be
-    /// read, and the other rows that are kept.
+    /// Calls `each` with the rows with which a new segment begins: all rows since the beginning that later steps need, and the other kept
+    /// rows.
     pub(super) fn each_of_segment<E>(
         &self,
         mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>,
@@ -214,7 +214,7 @@ fn put(bytes: &mut Vec<u8>, cell: Cell<'_>) {
     bytes.extend_from_slice(body);
 }
 
-/// Reads one cell; also returns the bytes after it.
+/// Reads one cell; also returns the remaining bytes.
 fn take(bytes: &[u8]) -> Option<(Cell<'_>, &[u8])> {
     let (kind, rest) = bytes.split_first()?;
     if *kind == 0 {

@@ -1,10 +1,10 @@
-//! The tasks of a record as rows, and as they are kept with a reader.
+//! The tasks of a record as rows, and in the form that a reader keeps.
 
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 
-/// A task with everything that became of it.
+/// A task with its method, end and outcome.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskRow {
     /// The task.

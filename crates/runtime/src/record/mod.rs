@@ -1,5 +1,5 @@
-//! The flight record: one SQLite file per flight. Schema, writer, reader, restoring, and the
-//! view that answers questions (`docs/reference/flight-record.md`).
+//! The flight record: one SQLite file per flight. Schema, writer, reader, restoration, and the view that answers questions
+//! (`docs/reference/flight-record.md`).
 
 mod check;
 mod checkpoints;

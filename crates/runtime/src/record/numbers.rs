@@ -1,4 +1,4 @@
-//! Numbers as bytes: whole ones as LEB128, signed ones as zigzag before that, reals as eight bytes, little-endian.
+//! Numbers as bytes: integers as LEB128, signed ones zigzag-encoded before, reals as eight bytes, little-endian.
 
 use serde::Deserialize;
 

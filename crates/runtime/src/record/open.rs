@@ -1,8 +1,8 @@
-//! Opening a record for reading: it is compared with its seals before it is used.
+//! Opens a record for reading, after comparing it with its seals.
 //!
-//! A closed record is checked as a whole file; any other by the hash chain of its groups, its schema and its indexes. A record
-//! whose folder cannot be written, and one that was cut off, is read where it stands or from a copy in the folder for
-//! temporary files. Bound: the file is read once.
+//! A closed record is checked as a whole file; any other by the hash chain of its groups, its schema and its indexes. A record in a
+//! folder without write access, or one that was interrupted, is read in place or from a copy in the folder for temporary files. Bound:
+//! the file is read once.
 
 use super::check::{self, CheckProgress, Damage, NoVisitor};
 use super::connect::{Copied, connect, immutable, plain};
@@ -20,7 +20,7 @@ use std::time::SystemTime;
 /// Reason to trust the rows of an open record.
 #[derive(Clone, Debug)]
 pub(super) enum Trust {
-    /// The file is as it was sealed, with this length and time of its last change.
+    /// The file equals its seal, with this length and modification time.
     File(Stamp),
     /// The groups up to here fit their seals; the seal of the file is missing or broken.
     Groups(CheckProgress, FileSeal),
@@ -35,7 +35,7 @@ pub(super) struct Opened {
     pub(super) trust: Trust,
     /// The copy that is read in place of the record itself.
     pub(super) copy: Option<Arc<Copied>>,
-    /// The file that the record continues, if it cannot be found: the record is read alone.
+    /// The file that the record continues, if it cannot be found: this file is then read alone.
     pub(super) missing: Option<PathBuf>,
 }
 
@@ -118,7 +118,7 @@ pub(super) fn stamp(path: &Path) -> Stamp {
 /// Result of a check of a whole record.
 #[derive(Clone, Debug)]
 pub struct Integrity {
-    /// Whether the file is as it was sealed.
+    /// Whether the file equals its seal.
     pub file: FileSeal,
     /// Groups that fit their seals.
     pub groups: i64,
@@ -141,10 +141,10 @@ impl Integrity {
     }
 }
 
-/// Checks everything that can be checked of the record at `path`, whatever its state.
+/// Checks everything that can be checked in the record at `path`, whatever its state.
 ///
 /// # Errors
-/// [`RecordError`] if the file is missing, not a record, of another version, or so damaged that no table can be found.
+/// [`RecordError`] if the file is missing, is not a record, has another version, or is so damaged that no table can be found.
 pub fn check_integrity(path: &Path) -> Result<Integrity, RecordError> {
     let (connection, file, _copy) = connect(path)?;
     let mut fault = check::check_schema(&connection).err();
@@ -164,7 +164,7 @@ pub fn check_integrity(path: &Path) -> Result<Integrity, RecordError> {
     Ok(Integrity { file, groups: position.link.id, steps: position.batch, until: position.now, damage, earlier, fault })
 }
 
-/// Checks the files that the segment at `path` continues, by joining them: their names, and the end of the joined record.
+/// Checks the files that the segment at `path` continues, by joining them; returns their names, and the end of the joined record.
 fn check_segments(path: &Path) -> Result<(Vec<PathBuf>, CheckProgress), String> {
     let chain = SegmentChain::open(path).map_err(|fault| match fault {
         ChainFault::Missing(earlier) => format!("it continues {}, which is not there", earlier.display()),

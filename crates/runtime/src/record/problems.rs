@@ -1,4 +1,4 @@
-//! Planning problems, their answers and situations of the mission, as recorded.
+//! Planning problems, their answers and the situations of the mission, as recorded.
 
 use super::reader::RecordReader;
 use crate::error::RecordError;
@@ -16,13 +16,13 @@ pub struct ProblemRow {
     pub at: Time,
     /// The goal to plan for.
     pub goal: String,
-    /// The solver asked for, or `auto`.
+    /// The requested solver, or `auto`.
     pub solver: String,
     /// The problem as JSON.
     pub problem: String,
     /// The answer and the instant at which it takes effect; `None` if no answer arrived.
     pub answer: Option<(Time, SolverReport)>,
-    /// The plan as JSON, if the answer has one.
+    /// The plan as JSON, if the answer contains one.
     pub plan: Option<String>,
 }
 
@@ -70,7 +70,7 @@ impl RecordReader {
         Ok(problems)
     }
 
-    /// Returns all answers of solvers in the order in which they arrived: request, when it takes effect, answer.
+    /// Returns all answers of solvers in order of arrival: request, instant of effect, answer.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -1,4 +1,4 @@
-//! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
+//! Reads a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
 
 use super::codec::{Variable, Variables};
 use super::connect::Copied;
@@ -20,7 +20,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
-/// An open flight record. Records that are still being written can be read; they hold what was committed.
+/// An open flight record. A record that is still being written can be read; it contains the committed steps.
 pub struct RecordReader {
     pub(super) path: PathBuf,
     pub(super) connection: Connection,
@@ -32,9 +32,9 @@ pub struct RecordReader {
     trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
-    /// The file that the record continues, if it is not there.
+    /// The file that the record continues, if it is missing.
     missing: Option<PathBuf>,
-    /// The agent's effects, shared with other readers of them.
+    /// The agent's effects, shared with other readers.
     pub(super) table: Arc<RwLock<EffectTable>>,
     /// The agent's tasks, shared as its effects are.
     pub(super) known_tasks: Arc<Mutex<KnownTasks>>,
@@ -89,8 +89,8 @@ impl RecordReader {
         RecordReader::open_at(path, 0)
     }
 
-    /// Returns the same record, looking at agent `agent` (from 0, in the order of [`RecordReader::agents`]): its steps, tasks
-    /// and snapshots are then all that there are.
+    /// Returns the same record, restricted to agent `agent` (from 0, in the order of [`RecordReader::agents`]): it then contains only
+    /// that agent's steps, tasks and snapshots.
     ///
     /// # Errors
     /// Like [`RecordReader::open`].
@@ -128,8 +128,7 @@ impl RecordReader {
         })
     }
 
-    /// Checks what has been added since the last check; a record that is complete must not have changed at all. Long readers
-    /// call it before they read on.
+    /// Checks what was added since the last check; a complete record must be unchanged. Long-running readers call this before each read.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -148,7 +147,7 @@ impl RecordReader {
         &self.agents
     }
 
-    /// Returns true when several agents ran: a task's number alone does not name it then.
+    /// Returns true if several agents ran: a task's number alone is then ambiguous.
     pub fn has_several_agents(&self) -> bool {
         self.agents.len() > 1
     }
@@ -193,7 +192,7 @@ impl RecordReader {
         Ok(self.meta("complete")?.as_deref() == Some("1"))
     }
 
-    /// Warnings to print before anything else: the record is incomplete, was changed, or is of another version of Apex.
+    /// Returns warnings to print before anything else: the record is incomplete, was changed, or is of another version of Apex.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -277,7 +276,7 @@ impl RecordReader {
         })
     }
 
-    /// Returns the PDL sources in load order: what replay loads again.
+    /// Returns the PDL sources in load order, which replay loads again.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -1,7 +1,7 @@
-//! Recovery: a new record with everything of an old one that can be trusted.
+//! Recovery: writes a new record with everything of an old one that is valid.
 //!
-//! What SQLite can finish (a write-ahead log, a half-written transaction) it finishes on a copy. Then the groups are checked in
-//! order, and those that fit their seals are written into the new file, which is sealed. The old file stays as it is.
+//! SQLite first completes its unfinished work (a write-ahead log, a half-written transaction) on a copy. Then the groups are checked in
+//! order, and those that fit their seals are written into the new file, which is sealed. The old file remains unchanged.
 
 use super::check::{CheckProgress, Damage, Visitor, check_groups, check_schema};
 use super::closing;
@@ -29,7 +29,7 @@ pub struct Recovered {
     pub damage: Option<Damage>,
 }
 
-/// Writes what can be trusted of the record at `from` into a new record at `to`.
+/// Writes the valid part of the record at `from` into a new record at `to`.
 ///
 /// # Errors
 /// [`RecordError`] if `from` is not a record of this version or has no trustworthy group, and if `to` cannot be written.
@@ -39,7 +39,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     if same {
         return Err(RecordError::Question(format!("{} cannot be recovered into itself", from.display())));
     }
-    // A segment whose earlier files are gone is saved alone; what else is wrong with it shows below.
+    // A segment whose earlier files are missing is recovered alone; other faults are found below.
     if let Ok(Some(chain)) = SegmentChain::open(from) {
         return recover_segments(&chain, from, to);
     }
@@ -91,7 +91,7 @@ fn recover_segments(chain: &SegmentChain, from: &Path, to: &Path) -> Result<Reco
     }
 }
 
-/// Writes the rows of each group, and commits them when its seal fits.
+/// Writes the rows of each group, and commits them if the seal fits.
 struct Copier<'c> {
     target: &'c Connection,
     inserts: [String; TABLES],

@@ -1,4 +1,4 @@
-//! Restoring: the agent as it was at an instant, from the nearest snapshot and the inputs after it.
+//! Restores the agent at an instant, from the nearest snapshot and the inputs after it.
 
 use super::reader::RecordReader;
 use super::steps::Steps;
@@ -25,7 +25,7 @@ impl RecordReader {
         load(&self.pdl_sources()?).map_err(|message| RecordError::Load { path: self.path.clone(), message })
     }
 
-    /// Returns the agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
+    /// Returns the agent after the last step not later than `at`. Neither solvers nor the vehicle are called: their answers are in the
     /// record.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
     pub fn restore_with(&self, at: Time, program: &RestoredProgram) -> Result<Agent, RecordError> {
-        // Another version's snapshot may decode into nonsense. Nothing is lost: everything can be had from the inputs.
+        // A snapshot of another version may decode into nonsense. Ignoring it loses nothing: the inputs alone suffice.
         let ours = self.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
         let stored = if ours { self.snapshot_before(at)? } else { None };
         let snapshot =

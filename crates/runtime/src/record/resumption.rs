@@ -1,4 +1,4 @@
-//! Attempts to store what was kept since a write failed, in the same file or in a new segment.
+//! Attempts to store the steps kept since a failed write, in the same file or in a new segment.
 
 use super::checkpoints::Checkpoints;
 use super::disk_news::{DiskNews, GAP, Resumption};
@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 impl Store {
-    /// Tries to store what was kept since a write failed: in the same file, later in a new segment. `is_last`: no attempt follows.
+    /// Tries to store the steps kept since a failed write: in the same file, later in a new segment. `is_last`: no further attempt
+    /// follows.
     pub(super) fn resume(&mut self, is_last: bool) {
         let Some(loss) = &mut self.loss else { return };
         loss.attempts += 1;
@@ -46,7 +47,7 @@ impl Store {
         self.seal_and_commit()
     }
 
-    /// Says in the record which steps it does not have.
+    /// Records in the file which steps are missing.
     fn store_gap(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
         let Some(gap) = kept.gap() else { return Ok(()) };
         self.store_fact(GAP, &format!("{} {}", gap.first_batch, gap.last_batch))
@@ -57,7 +58,7 @@ impl Store {
         self.store(Table::Meta, position.into_iter().chain([text(Some(key)), text(Some(value))]))
     }
 
-    /// Continues in the first new file that takes what was kept.
+    /// Continues in the first new file that accepts the kept steps.
     fn begin_segment(&mut self, kept: &KeptRows) -> Option<PathBuf> {
         let candidates = self.places.next(&self.path);
         candidates.into_iter().find(|segment| self.try_segment(segment, kept).is_ok())
@@ -83,7 +84,7 @@ impl Store {
         }
     }
 
-    /// Stores the first group of a segment, which says what it continues.
+    /// Stores the first group of a segment, which names the file that it continues.
     fn store_segment(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
         let path = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let continuation = Continuation { after: self.link, batch: self.committed_batch, path };

@@ -32,8 +32,8 @@ impl Recorder {
         self.store.insert("storing a fact about the flight", Table::Meta, &[text(Some(key)), text(Some(value))])
     }
 
-    /// Stores a file that the mission was made from, after those stored before. Role `pdl` is for PDL in load order,
-    /// which replay checks again; `data` is for everything else.
+    /// Stores a source file of the mission after those stored before. Role `pdl` is for PDL in load order, which replay checks again;
+    /// `data` is for all other files.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
@@ -45,7 +45,7 @@ impl Recorder {
         )
     }
 
-    /// Adds a target; of two with one name the later counts.
+    /// Adds a target; of two with one name the later one counts.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
@@ -56,7 +56,7 @@ impl Recorder {
         self.store.insert("storing a target", Table::Target, &row)
     }
 
-    /// Stores the changes of targets' states after those that are stored already.
+    /// Stores the changes of targets' states that are not stored yet.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.

@@ -1,5 +1,5 @@
-//! Making a record's file, and other files at its path. A change of the tables (`tables.rs`) is a change of
-//! `docs/reference/flight-record.md` and, where old readers would err, of the version.
+//! Creates the file of a record and removes an older one at its path. A change of the tables (`tables.rs`) also changes
+//! `docs/reference/flight-record.md` and, if older readers would misread the file, the version.
 
 use super::tables::SCHEMA;
 use crate::error::RecordError;
@@ -9,12 +9,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Bytes of one page of the file: SQLite's default, with which the file is made.
+/// Bytes of one page of the file: SQLite's default, with which the file is created.
 pub(super) const PAGE_BYTES: u64 = 4096;
 
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
-/// The version of the format that this program writes, and the only one that it reads.
+/// The format version that this program writes, and the only one that it reads.
 pub const SCHEMA_VERSION: i64 = 7;
 /// The version of the format that is converted.
 pub(super) const CONVERTIBLE_VERSION: i64 = 6;
@@ -25,15 +25,15 @@ pub(super) const BUSY_PATIENCE: Duration = Duration::from_secs(2);
 const APPLICATION_ID_OFFSET: usize = 68;
 const SQLITE_MARK: &[u8] = b"SQLite format 3\0";
 
-/// Makes an empty record at `path`, in place of an older record if there is one.
+/// Creates an empty record at `path`, in place of an older record if there is one.
 pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
     make_room(path)?;
     let fail = |error| write_error(path, "making its tables", error);
     let connection = Connection::open(path).map_err(fail)?;
     connection.busy_timeout(BUSY_PATIENCE).map_err(fail)?;
     let tables: Vec<&str> = SCHEMA.iter().map(|(_, _, sql)| *sql).collect();
-    // The marks go into the main file before the write-ahead log exists: readers that read the header only see them. No
-    // rollback journal is left if the program is killed here; nothing is recorded yet.
+    // The marks are written into the main file before the write-ahead log exists, for readers that read only the header. A program killed
+    // here leaves no rollback journal; nothing is recorded yet.
     connection
         .execute_batch(&format!(
             "PRAGMA journal_mode = MEMORY;
@@ -46,7 +46,7 @@ pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
     Ok(connection)
 }
 
-/// Removes an older record; refuses to touch anything else.
+/// Removes an older record; refuses to remove any other file.
 fn make_room(path: &Path) -> Result<(), RecordError> {
     match look(path)? {
         FileState::Nothing => return Ok(()),
@@ -143,8 +143,8 @@ pub fn agents(connection: &Connection) -> rusqlite::Result<Vec<String>> {
     connection.prepare("SELECT name FROM agent ORDER BY id")?.query_map([], |row| row.get(0))?.collect()
 }
 
-/// Lets every later query on `connection` see one agent of several: the tables that belong to an agent are covered by
-/// views of the same names. `main.batch` and the like still show everything.
+/// Restricts every later query on `connection` to one agent of several: views hide the tables that belong to an agent under the same
+/// names. `main.batch` and the like still contain everything.
 ///
 /// # Errors
 /// SQLite's own.

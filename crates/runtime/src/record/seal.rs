@@ -1,8 +1,8 @@
 //! The hash chain of a record: each group of rows that is committed together ends with a seal.
 //!
-//! A seal holds how many rows each table got in the group, and SHA-256 over the seal before it, its own columns and the digests
-//! of the group's rows, table by table in the order of their keys. So no row can be changed, added, removed or moved without
-//! a seal that no longer fits. Cells are hashed with their type as SQLite gives them back.
+//! A seal contains the number of rows of each table in the group, and SHA-256 over the preceding seal, its own columns and the digests of
+//! the group's rows, table by table in the order of their keys. So a row cannot be changed, added, removed or moved without invalidating
+//! a seal. Cells are hashed with the type that SQLite returns for them.
 
 use super::tables::{ALL, TABLES};
 use rusqlite::types::ValueRef;
@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 /// SHA-256.
 pub(super) type Hash = [u8; 32];
 
-/// Begins every chained text, so that a later layout cannot be taken for this one.
+/// Begins every hashed text, so that a later layout cannot be mistaken for this one.
 const MARK: &[u8] = b"apex record seal 1\0";
 
 /// Position in a chain.
@@ -59,7 +59,7 @@ impl Sealer {
         *self = Sealer { bytes: std::mem::take(&mut self.bytes), ..Sealer::default() };
     }
 
-    /// Returns true if it has no row.
+    /// Returns true if the group has no row.
     pub(super) fn is_empty(&self) -> bool {
         self.counts.iter().all(|count| *count == 0)
     }
@@ -111,12 +111,12 @@ fn put_cell(bytes: &mut Vec<u8>, cell: ValueRef<'_>) {
 }
 
 impl Seal {
-    /// Returns the position in the chain after it.
+    /// Returns the position in the chain after this seal.
     pub(super) fn link(&self) -> ChainPosition {
         ChainPosition { id: self.id, chain: self.chain }
     }
 
-    /// Returns the counts as they are stored: index of the table and number of rows, for each table that has any.
+    /// Returns the counts in their stored form: index of the table and number of rows, for each table that has any.
     pub(super) fn count_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (index, count) in self.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
@@ -132,7 +132,7 @@ impl Seal {
     }
 }
 
-/// Reads stored counts; `None` if they are garbled.
+/// Reads stored counts; `None` if they are malformed.
 pub(super) fn counts_of(bytes: &[u8]) -> Option<[u64; TABLES]> {
     let mut counts = [0; TABLES];
     let mut rest = bytes.iter();
@@ -189,7 +189,7 @@ mod tests {
             seal(&[]),
         ];
         let distinct: std::collections::BTreeSet<_> = chains.iter().collect();
-        // A row's number of columns is fixed by its table, so two cells may hash like two rows; the counts differ.
+        // The table determines a row's number of columns, so two cells may hash like two rows; the counts differ.
         assert_eq!(distinct.len(), chains.len());
         let stored = seal(&[(0, &[ValueRef::Null, ValueRef::Real(0.0)])]);
         assert_eq!(stored, seal(&[(0, &[ValueRef::Real(f64::NAN), ValueRef::Real(-0.0)])]), "as SQLite stores them");

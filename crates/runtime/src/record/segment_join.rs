@@ -1,7 +1,7 @@
-//! Joining: the segments of a record (`segments.rs`) as one record, whose groups are sealed as one chain.
+//! Joins the segments of a record (`segments.rs`) into one record, whose groups are sealed as one chain.
 //!
-//! Each file is checked by its own seals, and each link by the chain that the later segment names. Rows that a segment repeats are
-//! taken from the file that had them first. Bound: every file is read once.
+//! Each file is checked by its own seals, and each link by the chain that the later segment names. Rows that a segment repeats are taken
+//! from the file that contained them first. Bound: every file is read once.
 
 use super::check::{CheckProgress, Damage, Visitor, check_groups, check_schema};
 use super::connect::{Copied, connect};
@@ -18,7 +18,7 @@ use rusqlite::{Connection, Row, params, params_from_iter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Segments of one record: with more, its links go in a circle or its disk takes next to nothing.
+/// Greatest number of segments of one record: with more, the links form a circle or the disk accepts almost nothing.
 const CHAIN_MAX: usize = 1_000;
 
 /// One file of a record.
@@ -44,7 +44,7 @@ pub(super) struct Joined {
     pub(super) damage: Option<Damage>,
 }
 
-/// The files before the segment at `path` cannot be had, or are not those that it continues.
+/// The files before the segment at `path` are missing, or are not those that it continues.
 #[derive(Debug)]
 pub(super) enum ChainFault {
     /// This file is nowhere.
@@ -82,7 +82,7 @@ impl SegmentChain {
         self.0.iter().map(|file| file.path.clone()).collect()
     }
 
-    /// True if one of the files was changed after it was closed.
+    /// Returns true if one of the files was changed after it was closed.
     pub(super) fn is_changed(&self) -> bool {
         self.0.iter().any(|file| file.seal == FileSeal::Broken)
     }
@@ -131,7 +131,7 @@ fn damaged(path: &Path, what: String) -> RecordError {
     RecordError::Damaged { path: path.to_path_buf(), what }
 }
 
-/// Writes the rows of segments as one record.
+/// Writes the rows of segments into one record.
 struct Joiner<'c> {
     target: &'c Connection,
     inserts: [String; TABLES],
@@ -140,11 +140,11 @@ struct Joiner<'c> {
     /// Last keys that the joined record has.
     keys: [i64; TABLES],
     until: Option<ChainPosition>,
-    /// The seal up to which the file is taken, once it was seen.
+    /// The seal at which the file ends, once it was found.
     reached: Option<ChainPosition>,
     /// The gap before a segment, which its earlier files fill.
     filled: Option<String>,
-    /// Steps after which snapshots were taken only because a segment began: replay takes none there.
+    /// Steps after which a snapshot exists only because a segment began: replay takes none there.
     extra: Vec<i64>,
     /// The joined record cannot be written.
     failure: Option<rusqlite::Error>,
@@ -222,7 +222,7 @@ impl<'c> Joiner<'c> {
     }
 }
 
-/// Steps after which a segment has a snapshot only because it began there.
+/// Returns the steps after which a segment has a snapshot only because it began there.
 fn extra_snapshots(connection: &Connection) -> Vec<i64> {
     let sql = "SELECT CAST(value AS INTEGER) FROM main.meta WHERE key = ?1";
     let found = connection.prepare(sql).and_then(|mut statement| {
@@ -234,7 +234,7 @@ fn extra_snapshots(connection: &Connection) -> Vec<i64> {
 
 impl Visitor for Joiner<'_> {
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
-        // Groups after the last one that the next segment knows were not acknowledged: that segment has their rows.
+        // Groups after the last one that the next segment knows were not acknowledged: that segment contains their rows.
         let is_over = self.until.is_some() && self.reached.is_some();
         let Some(table) = ALL.get(table).copied().filter(|_| !is_over) else { return Ok(()) };
         let key: i64 = row.get(0)?;

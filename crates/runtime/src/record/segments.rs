@@ -1,8 +1,8 @@
-//! Segments: a record whose file takes no rows any longer continues in a new file, next to it or in a spare folder.
+//! Segments: a record whose file accepts no more rows continues in a new file, next to it or in a spare folder.
 //!
-//! A segment begins with every row that later steps need (facts, sources, variables, words, shapes, targets), so it can be read
-//! alone. The fact `continues` names the file before it, up to which group, with the chain of that group: together they are one
-//! record again (`segment_join.rs`).
+//! A segment begins with every row that later steps need (facts, sources, variables, words, shapes, targets), so it can be read alone.
+//! The fact `continues` names the preceding file, its last group that counts, and the chain of that group, so that both can be joined
+//! again (`segment_join.rs`).
 
 use super::closing;
 use super::schema::{self, PAGE_BYTES, limit_bytes, remove};
@@ -12,11 +12,11 @@ use rusqlite::Connection;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The fact of a segment that says what it continues ([`Continuation`]).
+/// The fact that names the file that a segment continues ([`Continuation`]).
 pub(super) const CONTINUES: &str = "continues";
 /// The fact that names the step after which a snapshot was taken only because the segment began.
 pub(super) const SEGMENT_SNAPSHOT: &str = "segment_snapshot";
-/// Files of one record: names of segments are looked for up to this number.
+/// Greatest number in the name of a segment: further names are not searched.
 const SEGMENTS_MAX: u32 = 10_000;
 
 /// The place in an earlier file after which a segment continues.
@@ -52,7 +52,7 @@ impl Continuation {
         Some(Continuation { after, batch: batch.parse().ok()?, path: PathBuf::from(path) })
     }
 
-    /// The earlier file: where it was, or next to `segment`, where both were moved together.
+    /// Returns the preceding file: at its recorded path, or next to `segment` if both were moved together.
     pub(super) fn find(&self, segment: &Path) -> Option<PathBuf> {
         let same_folder = self.path.file_name().map(|name| segment.with_file_name(name));
         [Some(self.path.clone()), same_folder].into_iter().flatten().find(|path| path.is_file())
@@ -103,7 +103,7 @@ impl SegmentPlaces {
     }
 }
 
-/// SQLite never makes a file smaller than it is: tables that take more than all bytes are refused.
+/// Checks the size of the tables: SQLite never makes a file smaller, so tables beyond `bytes` are rejected.
 fn check_room(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
     let pages: i64 = connection
         .query_row("PRAGMA page_count", [], |row| row.get(0))
@@ -114,10 +114,10 @@ fn check_room(connection: &Connection, path: &Path, bytes: u64) -> Result<(), Re
     Err(RecordError::DiskFull { path: path.to_path_buf(), doing: "making its tables".into() })
 }
 
-/// Leaves the file of a segment that has become the last but one. What its disk still takes is moved out of its log.
+/// Closes the file of a segment that a newer one continues. As much of its log as the disk accepts is copied into it.
 pub(super) fn leave(connection: Option<Connection>, path: &Path) {
     if let Some(connection) = connection {
-        // The log next to it holds what the disk does not take.
+        // The log next to it keeps what the disk does not accept.
         let _ = closing::close(connection, path);
     }
 }

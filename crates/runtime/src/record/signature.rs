@@ -1,8 +1,8 @@
 //! Signatures of closed records: Ed25519 (RFC 8032) over the seal of the file, in a file next to the record.
 //!
-//! A seal shows changes by accident, and by programs that do not know it; who knows it can make another. A signature shows them all,
-//! to readers who know the public key. The record names the key that will sign it (fact `signed_by`), so that a signature cannot
-//! be left out unnoticed.
+//! A seal reveals accidental changes, and changes by programs that do not know it; a program that knows the seal can compute another one.
+//! A signature reveals every change to readers who know the public key. The record names the key that will sign it (fact `signed_by`), so
+//! that a missing signature is noticed.
 
 use super::file_seal;
 use super::schema::sibling;
@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// First line of a signature's file, and beginning of what is signed.
+/// First line of a signature's file, and beginning of the signed text.
 const MARK: &str = "apex record signature 1";
 /// Bytes of a key file or signature file that are read.
 const FILE_BYTES_MAX: u64 = 4_096;
@@ -28,7 +28,7 @@ impl fmt::Debug for SigningKey {
 }
 
 impl SigningKey {
-    /// Reads a key file: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
+    /// Reads a key file: 64 hexadecimal digits, in the format of `openssl rand -hex 32`.
     ///
     /// # Errors
     /// Why the file is not a key.
@@ -50,9 +50,9 @@ impl SigningKey {
 pub enum SignatureState {
     /// The record names no key.
     Unsigned,
-    /// The record is as the holder of this key signed it.
+    /// The record is the one that the holder of this key signed.
     SignedBy(String),
-    /// The record is not as it was signed, or has no signature of the key that it names: why.
+    /// The reason if the record was changed after it was signed, or lacks the signature of the key that it names.
     Broken(String),
 }
 

@@ -39,7 +39,7 @@ impl RecordedEffect {
     /// Returns the effect itself.
     ///
     /// # Errors
-    /// What is wrong with the bytes, as a fragment of a message.
+    /// The error in the bytes, as a fragment of a message.
     pub fn effect(&self) -> Result<Effect, String> {
         postcard::from_bytes(&self.body).map_err(|error| format!("effect {} is garbled ({error})", self.number))
     }
@@ -49,7 +49,7 @@ impl RecordedStep {
     /// Returns the effects themselves.
     ///
     /// # Errors
-    /// What is wrong with the bytes, as a fragment of a message.
+    /// The error in the bytes, as a fragment of a message.
     pub fn decoded_effects(&self) -> Result<Vec<Effect>, String> {
         self.effects.iter().map(RecordedEffect::effect).collect()
     }
@@ -63,7 +63,7 @@ pub struct Steps<'a> {
     next_batch: i64,
     to: Time,
     with_effects: bool,
-    /// Of all agents, not only of the one that the reader selects.
+    /// True for the steps of all agents, false for those of the selected one.
     of_all: bool,
     page: VecDeque<RecordedStep>,
     ended: bool,
@@ -89,7 +89,7 @@ impl<'a> Steps<'a> {
         })
     }
 
-    /// Returns the same steps without their effects: faster where only inputs count.
+    /// Returns the same steps without their effects, for callers that need only inputs.
     #[must_use]
     pub fn without_effects(mut self) -> Steps<'a> {
         self.with_effects = false;
@@ -123,7 +123,7 @@ impl<'a> Steps<'a> {
             }
             let batch = codec::decode(now, bytes, &self.variables)
                 .map_err(|fault| reader.garbled(format!("batch {batch_number} at {now} cannot be read: {fault}")));
-            // Steps before the damage are returned before it.
+            // Steps before the damage are returned before the error.
             let batch = match batch {
                 Ok(batch) => batch,
                 Err(fault) => {
@@ -150,7 +150,8 @@ impl<'a> Steps<'a> {
         Ok(())
     }
 
-    /// Returns the effects of steps by number, up to the first step whose effects are damaged, and that step with the reason.
+    /// Returns the effects of the steps from `first` to `last`, up to the first step whose effects are damaged, and that step with the
+    /// error.
     fn effects(&mut self, first: i64, last: i64) -> Result<(EffectsOfSteps, Option<(i64, RecordError)>), RecordError> {
         let reader = self.reader;
         let broken = |error| reader.damaged("the effects", error);
@@ -179,7 +180,7 @@ impl<'a> Steps<'a> {
 /// Effects by the number of their step.
 type EffectsOfSteps = BTreeMap<i64, Vec<RecordedEffect>>;
 
-/// Returns the effects of one step, numbered from `first` on.
+/// Returns the effects of one step; the first one has the number `first`.
 fn effects_of(dictionary: &Dictionary, now: Time, first: i64, bytes: &[u8]) -> Result<Vec<RecordedEffect>, String> {
     let mut effects: Vec<RecordedEffect> = Vec::new();
     let mut items = EffectReader::new(dictionary, now, bytes);
@@ -200,7 +201,7 @@ impl Iterator for Steps<'_> {
             }
             self.ended |= self.failure.is_some();
         }
-        // Steps before the damage are returned before it.
+        // Steps before the damage are returned before the error.
         match self.page.pop_front() {
             Some(step) => Some(Ok(step)),
             None => self.failure.take().map(Err),

@@ -1,6 +1,5 @@
-//! The file under the recorder: rows in grouped transactions, each of which ends with a seal, and what to do when a write
-//! fails: before the flight has begun that is an error; a flight continues, its newest steps stay in memory, and they are stored
-//! when the disk takes them.
+//! The file of the recorder: rows in grouped transactions, each of which ends with a seal. A write that fails before the flight has begun
+//! is an error; during a flight the newest steps stay in memory until the disk accepts them.
 
 use super::checkpoints::Checkpoints;
 use super::closing;
@@ -33,9 +32,9 @@ pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)
 }
 
-/// Destination of the recorder's rows: they are stored, or compared with stored ones.
+/// Destination of the recorder's rows: stores them, or compares them with stored ones.
 pub(super) trait RowStore: Send {
-    /// Appends a row. Tables whose rows are numbered get their first column here. `doing` is for the message if it fails.
+    /// Appends a row. Tables with numbered rows get their first column here. `doing` describes the action in the error message.
     fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError>;
 
     /// Sets the instant that is being stored, for messages and seals.
@@ -50,7 +49,7 @@ pub(super) trait RowStore: Send {
     /// Closes the file: one file without companions, sealed as a whole.
     fn close(&mut self) -> Result<(), RecordError>;
 
-    /// Returns the error of a value that cannot be converted to bytes; nothing is stored after it.
+    /// Returns the error for a value that cannot be converted to bytes; nothing is stored afterwards.
     fn unstorable(&mut self, what: &str, reason: String) -> RecordError;
 
     /// Returns the file.
@@ -64,7 +63,7 @@ pub(super) trait RowStore: Send {
     /// Signs the file when it is closed.
     fn sign_with(&mut self, _: SigningKey) {}
 
-    /// Turns failed writes into messages ([`RowStore::take_news`]) instead of errors from now on.
+    /// From now on reports failed writes as messages ([`RowStore::take_news`]) instead of errors.
     fn outlive_the_disk(&mut self) {}
 
     /// Takes the next message about the disk.
@@ -72,7 +71,7 @@ pub(super) trait RowStore: Send {
         None
     }
 
-    /// Returns the first row that differs from the stored one; for stores that compare.
+    /// Returns the first row that differs from the stored one; `None` for stores that do not compare.
     fn difference(&self) -> Option<&RowDifference> {
         None
     }
@@ -81,7 +80,7 @@ pub(super) trait RowStore: Send {
 /// Durability of a committed group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Durability {
-    /// Survives the end of the program, however it comes. A power cut may take the last groups, never the order.
+    /// Survives the end of the program, however it ends. A power cut may lose the last groups, but never their order.
     #[default]
     Program,
     /// Survives a power cut as well: each commit waits for the disk.
@@ -102,7 +101,7 @@ pub(super) struct Store {
     pub(super) path: PathBuf,
     /// None after it was closed.
     pub(super) connection: Option<Connection>,
-    /// Copies what is committed into the main file from time to time.
+    /// Copies committed rows into the main file from time to time.
     pub(super) checkpoints: Option<Checkpoints>,
     pub(super) group: Option<OpenTransaction>,
     pub(super) sealer: Sealer,
@@ -114,7 +113,7 @@ pub(super) struct Store {
     committed_at: Option<Time>,
     pub(super) counts: [u64; TABLES],
     inserts: [String; TABLES],
-    /// A write failed; nothing is written after it.
+    /// True after a failed write; nothing is written afterwards.
     broken: bool,
     now: Time,
     /// Rows that are not committed.
@@ -216,8 +215,8 @@ impl Store {
         Ok(())
     }
 
-    /// Handles a failed write. In a flight its steps stay in memory; before, nothing more is written: half a step in the record would be
-    /// worse than its end.
+    /// Handles a failed write. During a flight its steps stay in memory; before the flight nothing more is written, because half a step
+    /// in the record would be worse than its end.
     fn failed(&mut self, doing: &str, error: rusqlite::Error) -> Result<(), RecordError> {
         let error = write_error(&self.path, &format!("{doing} at {}", self.now), error);
         self.abandon_group();
@@ -342,7 +341,7 @@ impl RowStore for Store {
 }
 
 impl Drop for Store {
-    /// Keeps the stored steps, also if the record was never finished; it then states that it is incomplete.
+    /// Keeps the stored steps even if the record was never finished; it then states that it is incomplete.
     fn drop(&mut self) {
         let _ = self.commit();
     }

@@ -1,5 +1,5 @@
-//! The tables of a record. Rows are only ever appended, in the order of the first column, which is the key: the seal of a
-//! group (`seal.rs`) then says for each table how many rows belong to it.
+//! The tables of a record. Rows are only appended, in the order of the first column, which is the key: the seal of a group (`seal.rs`)
+//! can therefore state the number of its rows in each table.
 
 /// A table of a record, except the table of the seals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,7 +27,7 @@ pub(super) enum Table {
 /// Number of tables.
 pub(super) const TABLES: usize = 17;
 
-/// All tables; a seal refers to them by their place here.
+/// All tables; a seal refers to them by their index here.
 pub(super) const ALL: [Table; TABLES] = [
     Table::Meta,
     Table::Agent,
@@ -48,7 +48,7 @@ pub(super) const ALL: [Table; TABLES] = [
     Table::Report,
 ];
 
-/// Everything that `sqlite_schema` of a record holds, in order. A record with anything else is not read.
+/// The whole content of `sqlite_schema` of a record, in order. A record with other content is not read.
 pub(super) const SCHEMA: [(&str, &str, &str); TABLES + 2] = [
     ("table", "meta", "CREATE TABLE meta (position INTEGER PRIMARY KEY, key TEXT, value TEXT)"),
     ("table", "agent", "CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT)"),
@@ -149,7 +149,7 @@ impl Table {
         inside.split(", ").nth(index).and_then(|column| column.split(' ').next()).unwrap_or("")
     }
 
-    /// Inserts one row with all of its columns.
+    /// Returns the SQL statement that inserts one row with all of its columns.
     pub(super) fn insert(self) -> String {
         let places: Vec<String> = (1..=self.columns()).map(|place| format!("?{place}")).collect();
         format!("INSERT INTO {} VALUES ({})", self.name(), places.join(", "))

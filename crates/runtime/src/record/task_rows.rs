@@ -1,4 +1,4 @@
-//! The tasks of a record, with everything that became of them.
+//! The tasks of a record, with their methods, ends and outcomes.
 
 use super::effect_access::Effects;
 use super::effects::EffectKind;
@@ -11,7 +11,7 @@ use apex_model::time::Time;
 use std::sync::PoisonError;
 
 impl TaskRow {
-    /// Returns a task as it was created; `None` for another decision.
+    /// Returns a task as created by `decision`; `None` for another decision.
     fn created(id: u64, at: Time, decision: &Decision, effects: &Effects<'_>) -> Option<TaskRow> {
         let DecisionKind::Created { parent, tag, goal, .. } = &decision.kind else { return None };
         Some(TaskRow {
@@ -59,7 +59,7 @@ impl KnownTasks {
 }
 
 impl RecordReader {
-    /// All tasks, oldest first. Each effect is read once, however often this is asked.
+    /// Returns all tasks, oldest first. Each effect is read only once, however often this is called.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

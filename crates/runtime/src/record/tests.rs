@@ -1,4 +1,4 @@
-//! The record against files: what goes in comes out, and what is wrong is said.
+//! Tests of records on disk: written rows are read back, and damage is reported.
 
 use super::*;
 use crate::error::RecordError;
@@ -193,7 +193,7 @@ fn damage_is_told_after_what_stands_before_it() {
     connection.execute("UPDATE batch SET events = substr(events, 1, 9) WHERE id = 2", []).unwrap();
     let refused = RecordReader::open(&path).err().unwrap().to_string();
     assert!(refused.contains("group 3") && refused.contains("apex recover"), "{refused}");
-    // Sealed again it is honest, but no batch.
+    // Sealed again, its hash is valid, but it is not a batch.
     connection.execute("DELETE FROM seal", []).unwrap();
     seal_rows(&connection).unwrap();
     let reader = RecordReader::open(&path).unwrap();

@@ -1,17 +1,17 @@
-//! The track: where the vehicle was, thinned for drawing.
+//! The track: positions of the vehicle, thinned for drawing.
 
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// A row at least so often while samples come.
+/// Greatest time between two rows while samples arrive.
 const INTERVAL_MAX: Duration = Duration(10_000_000_000);
-/// A row at most so often, however much it turns.
+/// Least time between two rows, however much the vehicle turns.
 const INTERVAL_MIN: Duration = Duration(1_000_000_000);
-/// A turn or a bank of so many degrees is drawn.
+/// Change of heading or bank in degrees that makes a new row.
 const TURN_DEG: f64 = 3.0;
-/// A climb of so many metres is drawn.
+/// Change of altitude in metres that makes a new row.
 const CLIMB_M: f64 = 30.0;
 
 /// One row of the `track` table.
@@ -27,7 +27,7 @@ pub(super) struct TrackRow {
     pub(super) fuel_kg: Option<f64>,
 }
 
-/// Watches the measurements of one vehicle.
+/// Makes track rows from the measurements of one vehicle.
 #[derive(Clone, Debug)]
 pub(super) struct TrackWatcher {
     vehicle: Symbol,
@@ -51,7 +51,7 @@ impl TrackWatcher {
         TrackWatcher { vehicle: Symbol::new(vehicle), latest: nowhere, written: None }
     }
 
-    /// Takes in a batch; answers with a row when one is worth drawing.
+    /// Reads a batch; returns a row if the vehicle's position has changed enough for drawing.
     pub(super) fn hear(&mut self, batch: &Batch) -> Option<TrackRow> {
         let mut located = false;
         for event in &batch.events {

@@ -1,7 +1,7 @@
-//! A store that compares: what a replay records again must be, row by row, what the record holds.
+//! A store that compares: what a replay records again must equal the stored record, row by row.
 //!
-//! So every column of every derived table is confirmed, not only the effects themselves: words, shapes, track, states of
-//! targets, variables, snapshots. Rows that no step derives (facts, sources, notes, the report) are left to the seals.
+//! This confirms every column of every derived table, in addition to the effects: words, shapes, track, states of targets, variables,
+//! snapshots. Rows that no step derives (facts, sources, notes, the report) are covered by the seals alone.
 
 use super::difference::RowDifference;
 use super::reader::RecordReader;
@@ -25,7 +25,7 @@ const SHOWN_MAX: usize = 300;
 pub(crate) struct Derivable {
     /// Situations, states of targets and planning problems: only with the record's mission.
     pub(crate) mission: bool,
-    /// Snapshots: only by the version of Apex that made them.
+    /// True if snapshots are compared: only for the version of Apex that made them.
     pub(crate) snapshots: bool,
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn recorder(
     Recorder::with_store(Box::new(twin), library, vehicle.as_deref())
 }
 
-/// Compares the rows that it is given with stored ones.
+/// Compares the rows that it receives with the stored ones.
 struct Twin {
     reader: RecordReader,
     path: PathBuf,
@@ -171,7 +171,7 @@ impl RowStore for Twin {
     }
 }
 
-/// Returns a cell as SQLite gives it back.
+/// Returns a cell in the form in which SQLite returns it.
 fn as_stored(cell: SqlValue<'_>) -> Value {
     match Value::try_from(cell) {
         Ok(Value::Real(real)) if real.is_nan() => Value::Null,
@@ -181,7 +181,7 @@ fn as_stored(cell: SqlValue<'_>) -> Value {
     }
 }
 
-/// Returns a cell as text of one line.
+/// Returns a cell as text in one line.
 fn shown(cell: &Value) -> String {
     let text = match cell {
         Value::Null => return "nothing".into(),

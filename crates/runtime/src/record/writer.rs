@@ -35,11 +35,11 @@ pub const SIGNED_BY: &str = "signed_by";
 /// Options of a record, beyond inputs and effects.
 #[derive(Clone, Debug, Default)]
 pub struct RecordOptions {
-    /// The vehicle whose measurements make the track, for example `aircraft-1`; none draws no track.
+    /// The vehicle whose measurements make the track, for example `aircraft-1`; `None` for no track.
     pub vehicle: Option<String>,
     /// Largest size of each file in the record's folder, in bytes; none is as much as the disk holds.
     pub bytes_max: Option<u64>,
-    /// Folder on another disk, in which the record continues when its own takes nothing.
+    /// Folder on another disk in which the record continues when its own disk accepts no more writes.
     pub spare_folder: Option<PathBuf>,
     /// Durability of a committed group.
     pub durability: Durability,
@@ -63,7 +63,7 @@ pub struct Recorder {
     begun: bool,
     /// Changes of targets' states that are stored.
     pub(super) stored_changes: usize,
-    /// The flight has begun: from now on it outlives its disk.
+    /// True once the flight has begun: from then on a failed write does not end it.
     flies: bool,
 }
 
@@ -82,7 +82,7 @@ struct Snapshots {
     input_bytes_since: usize,
     last_bytes: usize,
     impossible: bool,
-    /// One is taken after this step, whatever it costs.
+    /// True if a snapshot is taken after this step, whatever its cost.
     is_wanted: bool,
 }
 
@@ -94,11 +94,11 @@ impl Snapshots {
 }
 
 impl Recorder {
-    /// Makes a record at `path` for a run of `library`. An older flight record there is replaced; any other file is
-    /// left alone. The record counts as incomplete until [`Recorder::finish`].
+    /// Creates a record at `path` for a run of `library`. An older flight record there is replaced; any other file is left alone. The
+    /// record counts as incomplete until [`Recorder::finish`].
     ///
     /// # Errors
-    /// [`RecordError`] with what, where, why and what to do.
+    /// [`RecordError`] with the failed action, the place, the reason and the remedy.
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
         let kept_bytes_max = options.kept_bytes_max.unwrap_or(RECORDING_KEPT_BYTES_MAX);
         let places = SegmentPlaces { spare_folder: options.spare_folder, bytes_max: options.bytes_max };
@@ -114,7 +114,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Returns a recorder whose rows go into `store`, with the agents of `library` in it.
+    /// Returns a recorder that writes its rows into `store`; the agents of `library` are registered in it.
     pub(super) fn with_store(
         store: Box<dyn RowStore>,
         library: &Library,
@@ -158,7 +158,7 @@ impl Recorder {
         library.sources.iter().try_for_each(|source| self.source(&source.name, "pdl", source.text.as_bytes()))
     }
 
-    /// Returns the first row that a replay makes otherwise than it is stored; for recorders of a replay.
+    /// Returns the first row in which the replay differs from the stored record; for recorders of a replay.
     pub(crate) fn difference(&self) -> Option<&RowDifference> {
         self.store.difference()
     }
@@ -171,7 +171,7 @@ impl Recorder {
         self.store.set_bytes_max(bytes)
     }
 
-    /// Signs the record with `key` when it is closed; the record names the key from now on.
+    /// Signs the record with `key` when it is closed; from now on the record names the key.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
@@ -186,7 +186,7 @@ impl Recorder {
         self.store.path()
     }
 
-    /// Closes the record properly: it is complete from now on. `reason` is [`crate::EndReason::text`].
+    /// Closes the record: it is complete from now on. `reason` is [`crate::EndReason::text`].
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
@@ -200,7 +200,7 @@ impl Recorder {
     fn store_batch(&mut self, batch: &Batch) -> Result<(), RecordError> {
         self.store.set_now(batch.now);
         if !std::mem::replace(&mut self.flies, true) {
-            // What a record needs to be read is on the disk, or the flight does not begin.
+            // The rows that every reader needs must be on the disk before the flight begins.
             self.store.commit()?;
             self.store.outlive_the_disk();
         }
@@ -255,7 +255,7 @@ impl Recorder {
         self.store.insert("storing the track", Table::Track, &row)
     }
 
-    /// Stores the effects of a step as one row, after the words and shapes that are new in it.
+    /// Stores the effects of a step as one row, after the new words and shapes in it.
     fn store_effects(&mut self, now: Time, effects: &[Effect]) -> Result<(), RecordError> {
         if effects.is_empty() {
             return Ok(());
@@ -293,7 +293,7 @@ impl Recorder {
                 self.store_state(&body, deliberator, now)?;
             }
         } else if begins_segment {
-            // The schedule stays that of the whole record, so that a replay of the joined segments takes the same snapshots.
+            // The snapshot schedule is that of the whole record, so that a replay of the joined segments takes the same snapshots.
             let encoded = postcard::to_stdvec(agent);
             let body = encoded.map_err(|error| self.store.unstorable("the agent", error.to_string()))?;
             self.store_state(&body, deliberator, now)?;
@@ -390,7 +390,7 @@ impl Observer for Recorder {
     fn take_news(&mut self) -> Option<News> {
         let news = self.store.take_news()?;
         if let DiskNews::Resumed(Resumption { gap, segment, .. }) = &news {
-            // What follows a gap is restored from a snapshot, and so is what a segment holds.
+            // A snapshot is needed to restore the steps after a gap, and those of a segment.
             for agent in &mut self.agents {
                 agent.snapshots.is_wanted |= gap.is_some();
                 agent.begins_segment |= segment.is_some();

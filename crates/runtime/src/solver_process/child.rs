@@ -1,5 +1,5 @@
-//! A solver program while it runs: in a separate process group, with limits on processor time, memory and words, killed with
-//! everything that it started when nothing reads it any longer.
+//! A running solver program: in a separate process group, with limits on processor time, memory and output. It is killed, with everything
+//! that it started, when its reader is dropped.
 
 use super::protocol::{STOP_LINE, excerpt};
 use crate::limits::{SOLVER_ERROR_BYTES_MAX, SOLVER_LAST_WORDS, SOLVER_LINE_BYTES_MAX, SOLVER_OUTPUT_BYTES_MAX};
@@ -12,12 +12,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Lines that wait to be read; a program that says more waits.
+/// Lines that may wait to be read; the program blocks while there are more.
 const LINES_WAITING_MAX: usize = 4;
-/// Wall time that a program which has closed its output, and has other files open, may take to end.
+/// Wall time within which a program that has closed its output, but has other open files, must end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
-/// Wall time that the system may take to end a program which has no open file any longer, and this program to read its last words: a
-/// busy computer takes seconds.
+/// Wall time that the system may take to end a program without open files, and this process to read its last output: a busy computer
+/// takes seconds.
 const EXIT_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Limits of a running program.
@@ -35,7 +35,7 @@ pub(super) enum Heard {
     Line(Vec<u8>),
     /// Nothing yet.
     Nothing,
-    /// More than the limit: what it did.
+    /// The program exceeded a limit: description of the excess.
     TooMuch(String),
     /// Its output has ended.
     End,
@@ -48,7 +48,7 @@ struct LastWords {
     count: u64,
 }
 
-/// A running program. Dropping kills it.
+/// A running program. Dropping it kills the program.
 pub(super) struct Running {
     child: Child,
     limits: ProcessLimits,
@@ -61,7 +61,7 @@ pub(super) struct Running {
 }
 
 impl Running {
-    /// Starts a program. It is limited before it gets its problem.
+    /// Starts a program. Its limits are set before it receives its problem.
     ///
     /// # Errors
     /// Why it cannot be started.
@@ -103,11 +103,11 @@ impl Running {
             let limit = Rlimit { current: Some(most), maximum: Some(most) };
             prlimit(pid, resource, limit).map(|_| ()).map_err(std::io::Error::from)
         };
-        // A program that grows slowly is seen at its limit and named; one that grows at once meets this.
+        // A program that grows slowly is detected at its limit and reported; this system limit stops one that grows at once.
         set(Resource::Data, self.limits.memory_bytes.saturating_add(self.limits.memory_bytes / 4))?;
         set(Resource::Cpu, self.limits.processor.as_secs().saturating_add(1))?;
         set(Resource::Core, 0)?;
-        // The flight goes before its planners.
+        // The flight has precedence over its planners.
         let _ = setpriority_process(pid, 10);
         Ok(())
     }
@@ -118,7 +118,7 @@ impl Running {
         Ok(())
     }
 
-    /// Sends a line, without waiting until it is read.
+    /// Sends a line without waiting until the program reads it.
     pub(super) fn say(&self, line: String) {
         // A program that has ended is noticed at its output.
         let _ = self.to_say.send(line);
@@ -129,7 +129,7 @@ impl Running {
         self.say(STOP_LINE.to_string());
     }
 
-    /// Returns the next line, if one comes within `patience`.
+    /// Returns the next line, if one arrives within `patience`.
     pub(super) fn hear(&self, patience: Duration) -> Heard {
         match self.lines.recv_timeout(patience) {
             Ok(Ok(line)) => Heard::Line(line),
@@ -166,10 +166,10 @@ impl Running {
             Some(status) => self.words_of(status),
         };
         if status.is_some() {
-            // What it started would hold the pipe of its last words open.
+            // Processes that the program started would keep the pipe of its error output open.
             self.kill_group();
         }
-        // The thread that reads them may be behind; it ends with the pipe.
+        // The thread that reads the error output may be behind; it ends with the pipe.
         let patience = if status.is_some() { EXIT_PATIENCE } else { END_PATIENCE };
         while !self.errors.as_ref().is_none_or(JoinHandle::is_finished) && since.elapsed() < patience {
             thread::sleep(Duration::from_millis(2));
@@ -189,11 +189,11 @@ impl Running {
         if has_no_files(self.child.id()) { EXIT_PATIENCE } else { END_PATIENCE }
     }
 
-    /// Kills the program and what it started.
+    /// Kills the program and the processes that it started.
     fn kill_group(&self) {
         #[cfg(unix)]
         if let Some(group) = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw) {
-            // It has ended already, as it should.
+            // The group has ended already.
             let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
         }
     }
@@ -203,7 +203,7 @@ impl Running {
         if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
             let limits = self.limits;
             return match signal {
-                // SIGXCPU, and SIGKILL at the same limit: the system sends either.
+                // SIGXCPU, or SIGKILL at the same limit: systems differ.
                 24 => format!("took more than {} s of processor time", limits.processor.as_secs().max(1)),
                 6 => {
                     "was ended by signal 6 (SIGABRT: an abort, a stack that overflowed, or memory that it did not get)"
@@ -227,7 +227,7 @@ fn excerpt_of(text: &str) -> String {
 }
 
 impl Drop for Running {
-    /// Kills the program and what it started, and leaves no zombie.
+    /// Kills the program and the processes that it started, and leaves no zombie.
     fn drop(&mut self) {
         self.kill_group();
         let _ = self.child.kill();
@@ -235,13 +235,13 @@ impl Drop for Running {
     }
 }
 
-/// True for a process that the system is ending: it has closed all of its files. False where the system does not tell.
+/// Returns true for a process that is ending, because it has closed all of its files. False if the system does not report it.
 fn has_no_files(process: u32) -> bool {
     cfg!(target_os = "linux")
         && std::fs::read_dir(format!("/proc/{process}/fd")).map_or(true, |mut files| files.next().is_none())
 }
 
-/// Bytes of memory that a process holds now; none where the system does not tell.
+/// Returns the resident memory of a process in bytes; `None` if the system does not report it.
 fn resident_bytes(process: u32) -> Option<u64> {
     let told = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
@@ -253,7 +253,7 @@ fn write_lines(mut input: ChildStdin, say: &Receiver<String>) {
         let written =
             input.write_all(line.as_bytes()).and_then(|()| input.write_all(b"\n")).and_then(|()| input.flush());
         if written.is_err() {
-            // A program that does not listen may answer all the same.
+            // A program that does not read its input may still answer.
             return;
         }
     }
@@ -285,7 +285,7 @@ fn read_lines(output: impl Read, lines: &SyncSender<Result<Vec<u8>, String>>) {
     }
 }
 
-/// Keeps the end of what a program writes to standard error.
+/// Keeps the last part of a program's standard error.
 fn read_errors(mut errors: impl Read, words: &Mutex<LastWords>) {
     let mut chunk = vec![0; 1 << 16];
     while let Ok(read) = errors.read(&mut chunk) {

@@ -1,9 +1,9 @@
-//! Solver programs (deliberation): a planner of a third party in a separate process, so that whatever it does ends there.
+//! Solver programs (deliberation): a planner of a third party in a separate process, which isolates the flight from its faults.
 //!
-//! The program reads one request from its standard input and says what it does on its standard output (`protocol.rs`). To the
-//! rest of Apex it is a [`Solver`] like any other: its work is charged, its best plan counts if it has to be stopped, its plan
-//! is checked. A crash, an end without an answer, more memory, time or words than allowed, and lines that are not of the
-//! protocol end it with a cause; nothing of it reaches the process of the flight.
+//! The program reads one request from its standard input and reports on its standard output (`protocol.rs`). To the rest of Apex it is a
+//! [`Solver`] like any other: its work is charged, its best plan counts if it must be stopped, its plan is checked. The program ends with
+//! a stated cause after a crash, an end without an answer, an exceeded limit of memory, time or output, or a line that violates the
+//! protocol. No fault reaches the process of the flight.
 
 mod child;
 mod protocol;
@@ -27,12 +27,12 @@ pub struct SolverProgram {
     name: String,
     /// The program and its arguments.
     command: Vec<OsString>,
-    /// Tells which problems it serves; without one, all.
+    /// Decides which problems the program serves; `None`: all.
     serves: Option<Arc<dyn Solver>>,
 }
 
 impl SolverProgram {
-    /// Returns the planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
+    /// Returns the planner `name` that runs `command`, the program with its arguments. It serves problems of all kinds.
     pub fn new(name: &str, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: name.to_string(), command, serves: None }
     }
@@ -57,7 +57,7 @@ impl SolverProgram {
 
 /// Ends the invocation with a cause: the best plan that was reported counts.
 fn break_down(cause: String) -> ! {
-    // No panic: nothing is printed, and the watcher of the invocation takes the cause.
+    // This is not a panic: nothing is printed, and the supervisor of the invocation receives the cause.
     resume_unwind(Box::new(cause))
 }
 

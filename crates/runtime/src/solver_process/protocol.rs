@@ -15,7 +15,7 @@ pub(super) const VERSION: u32 = 1;
 #[serde(deny_unknown_fields)]
 pub(super) struct ProgramRequest {
     pub(super) apex_solver: u32,
-    /// The planner that is asked, for programs that have several.
+    /// The requested planner, for programs that contain several.
     pub(super) solver: String,
     pub(super) seed: u64,
     /// Work allowed, in units of a microsecond of flight.
@@ -25,13 +25,13 @@ pub(super) struct ProgramRequest {
     pub(super) previous: Option<Plan>,
 }
 
-/// The line that tells a program to end soon: its budget is used up, or its answer is not wanted.
+/// The line that requests a program to end soon, because its budget is used up or its answer is no longer required.
 pub(super) const STOP_LINE: &str = "{\"stop\":true}";
 
 /// One line of a program.
 #[derive(Debug, PartialEq)]
 pub(super) enum ProgramLine {
-    /// It has done this work since it said so last.
+    /// Work units since the last charge.
     Charge(u64),
     /// Its best plan so far.
     Report(Plan),
@@ -53,10 +53,10 @@ impl ProgramLine {
         json.map_err(|error| error.to_string())
     }
 
-    /// Reads a line of the program `name`, which was asked to solve `problem`.
+    /// Reads a line of the program `name`, whose request was `problem`.
     ///
     /// # Errors
-    /// What is wrong with the line, with its beginning.
+    /// The error in the line, with its beginning.
     pub(super) fn read(line: &[u8], name: &str, problem: &Problem) -> Result<ProgramLine, String> {
         let text = String::from_utf8_lossy(line);
         let wrong = |why: String| format!("said a line that is not of the protocol ({why}): `{}`", excerpt(&text));
@@ -78,7 +78,7 @@ impl ProgramLine {
     }
 }
 
-/// Returns a plan as the program writes it: whole, or of surveillance the names of the targets in the order of visits.
+/// Returns a plan in the program's notation: complete, or for surveillance the names of the targets in the order of visits.
 fn plan(value: Json, name: &str, problem: &Problem) -> Result<Plan, String> {
     match (problem, value) {
         (Problem::Surveillance(problem), Json::Array(order)) => surveillance(order, name, problem),

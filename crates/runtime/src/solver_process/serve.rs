@@ -1,4 +1,4 @@
-//! The other end of the protocol: a planner in Rust as a program that Apex asks.
+//! The program side of the protocol: runs a Rust planner as a solver program.
 
 use super::protocol::{ProgramLine, ProgramRequest, VERSION};
 use crate::limits::SOLVER_OVERRUN_UNITS;
@@ -10,11 +10,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// Work units after which a program says how much it has done: a line each, ten to a thousand for usual budgets.
+/// Work units between two charges that a program reports: ten to a thousand lines for usual budgets.
 const CHARGE_STEP_UNITS: u64 = 10_000;
 
-/// Answers the one request that comes from `input`, with `solver`, on `output`. When the input ends, Apex has ended, and so does
-/// this process.
+/// Answers the single request on `input` with `solver`, on `output`. When the input ends, Apex has ended, and this process ends too.
 ///
 /// # Errors
 /// An input that is not a request, and an output that nothing reads.
@@ -71,7 +70,7 @@ fn answer(
         Ok(Ok(plan)) => ProgramLine::Plan(plan),
         Ok(Err(reason)) => ProgramLine::Failed(reason),
         Err(payload) => {
-            // A panic ends the process without an answer: Apex tells it apart from a problem without a plan.
+            // A panic ends the process without an answer: Apex distinguishes this from a problem without a plan.
             eprintln!("{}", panic_text(&*payload));
             std::process::exit(101)
         }
@@ -120,7 +119,7 @@ impl Budget for SpokenBudget<'_, '_> {
             self.tell();
         }
         if is_over {
-            // Apex ends it now; until then it does no harm.
+            // Apex ends the process now; until then it sleeps.
             thread::sleep(std::time::Duration::from_secs(1));
         }
     }

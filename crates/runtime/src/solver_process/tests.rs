@@ -1,4 +1,4 @@
-//! Programs that misbehave in every way that a process can, and one that does its work.
+//! Programs that misbehave in every way that a process can, and one that works correctly.
 
 use super::*;
 use crate::invocation::{Answer, Invocation, SolverLimits};
@@ -6,7 +6,7 @@ use crate::ports::CancelToken;
 use apex_model::problem::{SingleVisitProblem, SurveillancePlan};
 use std::time::Duration;
 
-/// Asks a shell script for a plan of single visits.
+/// Runs a shell script as solver program of a single-visit problem and returns the answer.
 fn ask(script: &str, limits: SolverLimits) -> Answer {
     let command = ["sh", "-c", script].map(OsString::from).to_vec();
     let problem = Arc::new(Problem::SingleVisit(SingleVisitProblem::default()));
@@ -49,7 +49,7 @@ fn a_program_is_asked_and_answers() {
 
 #[test]
 fn the_request_holds_everything() {
-    // The program answers with what it was asked.
+    // The program answers with its own request.
     let script = "read request; r=$(printf '%s' \"$request\" | sed 's/\\\\/\\\\\\\\/g; s/\"/\\\\\"/g'); echo \"{\\\"failed\\\": \\\"$r\\\"}\"";
     let request = ask(script, usual()).plan.unwrap_err();
     for member in [

@@ -36,7 +36,7 @@ impl From<Time> for FieldValue {
 }
 
 impl From<&Value> for FieldValue {
-    /// Returns a number for a plain number, PDL text for everything else.
+    /// Returns a number for a plain number, otherwise PDL text.
     fn from(value: &Value) -> FieldValue {
         match value {
             Value::Integer(integer) => FieldValue::Integer(*integer),
@@ -61,7 +61,7 @@ impl Serialize for FieldValue {
     }
 }
 
-/// Compact JSON with the numbers of trace lines: reals as Rust prints them (`1e-5`, `12.0`), and instants, which come as
+/// Compact JSON with the number format of trace lines: reals as Rust prints them (`1e-5`, `12.0`), and instants, which are passed as
 /// 128-bit nanoseconds, as exact seconds.
 pub(super) struct LineFormatter;
 

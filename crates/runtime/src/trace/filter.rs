@@ -35,20 +35,20 @@ pub const KINDS: &[&str] = &[
     "end",
 ];
 
-/// Wanted lines; the default wants everything but wakes, which say nothing that their consequences do not.
+/// Selection of lines. The default selects all but wakes, which contain nothing that their consequences lack.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TraceFilter {
     /// Only these kinds, out of [`KINDS`]; empty is all but `wake`.
     pub kinds: BTreeSet<String>,
-    /// Only what this agent does, where several run.
+    /// Only lines of this agent, if several run.
     pub agent: Option<String>,
-    /// Only what concerns this task (`T12`, `pilot/T12`), or has this text in its goal, form or state variable, in any case.
+    /// Only lines about this task (`T12`, `pilot/T12`), or with this text in the goal, form or state variable, in any case.
     pub object: Option<String>,
     /// Not before this instant.
     pub from: Option<Time>,
     /// Not after this instant.
     pub to: Option<Time>,
-    /// Only what stems from this place: `file.pdl`, `file.pdl:14`; folders before the name may be left out.
+    /// Only lines caused by this place: `file.pdl`, `file.pdl:14`; folders before the name are optional.
     pub place: Option<String>,
 }
 

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Columns that the instant takes in text, so that lines of one hour are aligned.
+/// Columns of the instant in text, so that lines within one hour are aligned.
 const TIME_COLUMNS: usize = 12;
 
 /// A line before it is written.

@@ -1,6 +1,6 @@
 //! The trace: every input, decision and output as one line, as JSON for programs or as text for operators.
 //!
-//! Live it is an observer of a run; afterwards [`trace_record`] makes the same lines from a flight record.
+//! During a run the trace is an observer; afterwards [`trace_record`] makes the same lines from a flight record.
 
 mod field;
 mod filter;
@@ -97,7 +97,7 @@ impl<W: Write> Tracer<W> {
         Ok(())
     }
 
-    /// Writes a line of the agent whose turn it is.
+    /// Writes a line of the agent whose step it is.
     fn write_own(&mut self, mut line: TraceLine) -> io::Result<()> {
         line.agent = self.agents.get(self.turn).and_then(|agent| agent.name.clone());
         self.write(&line)
@@ -114,8 +114,8 @@ impl<W: Write> Tracer<W> {
         self.out.write_all(b"\n")
     }
 
-    /// Returns true if the filter of places admits the effect: what the procedure's own lines caused, its tasks, and the tasks of its
-    /// steps.
+    /// Returns true if the filter of places admits the effect: lines caused by the procedure's own text, by its tasks, or by the tasks of
+    /// its steps.
     fn is_of_procedure(&self, line: &TraceLine) -> bool {
         let Some(place) = &self.filter.place else { return true };
         let Some(agent) = self.agents.get(self.turn) else { return true };

@@ -1,6 +1,6 @@
-//! The crash simulator: a flight is recorded and closed while all that it writes is logged; then the program is killed at many
-//! points of the log, and the power is cut at many more, with torn sectors in any order. Whatever was acknowledged must be found,
-//! and what is found must be what was recorded.
+//! The crash simulator: the writes of a recorded and closed flight are logged. Then the program is killed at many points of the log, and
+//! the power is cut at many more, with torn sectors in any order. Every acknowledged step must be found, and everything found must equal
+//! what was recorded.
 //!
 //! `APEX_KILL_POINTS` and `APEX_POWER_CUTS` (`make nightly`) set how many.
 
@@ -28,7 +28,7 @@ use tempfile::TempDir;
 const RECORD: &str = "flight.apex";
 const ACKNOWLEDGEMENTS: &str = "acknowledged";
 
-/// Acknowledges steps in a file when they are committed, as a vehicle that obeys does.
+/// Acknowledges committed steps in a file, like a vehicle that obeys them.
 struct Acknowledging<'r> {
     recorder: &'r mut Recorder,
     acknowledgements: File,
@@ -67,7 +67,7 @@ impl Observer for Acknowledging<'_> {
                 self.acknowledge();
             }
         }
-        // The copying of groups into the main file has its turn, too.
+        // Gives the thread that copies groups into the main file time to run.
         std::thread::sleep(std::time::Duration::from_millis(40));
         Ok(())
     }
@@ -100,7 +100,7 @@ fn child_that_is_logged() {
 /// A logged flight.
 struct Logged {
     operations: Vec<(String, Operation)>,
-    /// All of its steps, as its closed record has them.
+    /// All of its steps, as in its closed record.
     steps: Vec<RecordedStep>,
     folder: TempDir,
 }
@@ -140,7 +140,7 @@ impl Logged {
         usize::try_from(number).ok()
     }
 
-    /// Returns a fault of the files after a crash; `None` if everything that must be there is, unchanged.
+    /// Returns a fault of the files after a crash; `None` if every required step exists unchanged.
     fn fault(&self, files: &Files, acknowledged: usize, with_replay: bool) -> Option<String> {
         files.put(self.folder.path());
         let path = self.folder.path().join(RECORD);
@@ -204,7 +204,7 @@ impl Logged {
         None
     }
 
-    /// Cuts the power at `count` points. What is acknowledged must be there only if the record is `safe`. The first fault.
+    /// Cuts the power at `count` points and returns the first fault. Acknowledged steps must exist only if the record is `safe`.
     fn cut(&self, count: usize, seed: u64, safe: bool) -> Option<String> {
         let mut dice = ChaCha8Rng::seed_from_u64(seed);
         let mut points: Vec<usize> =
@@ -258,7 +258,7 @@ fn the_simulator_finds_planted_bugs() {
     hasty.operations.retain(|(_, operation)| !matches!(operation, Operation::Sync));
     let lost = hasty.cut(2_000, 5, true);
     assert!(lost.is_some(), "without syncs");
-    // The log is removed before the main file is safe, however much of it was copied and synchronized on the way.
+    // The log is removed before the main file is synchronised, however much of it was copied on the way.
     let mut swapped = Logged::fly("power");
     let unlink = swapped.operations.iter().rposition(|(name, operation)| {
         name.ends_with("-wal") && matches!(operation, Operation::Unlink | Operation::Truncate(0))

@@ -1,5 +1,5 @@
-//! Durability: records survive the end of the program at any moment, a plain copy of the file is complete, and commands leave only once
-//! recorded.
+//! Durability: records survive the end of the program at any moment, a plain copy of the file is complete, and commands are sent only
+//! after they are recorded.
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, event, load, program};
 use apex_executive::Agent;
@@ -110,7 +110,7 @@ fn a_hot_rollback_journal_is_read_and_left_alone() {
     let flight = camera();
     let expected = steps(&flight.path);
     let connection = Connection::open(&flight.path).unwrap();
-    // A program that is killed in the middle of a change leaves this: pages in the file, the old ones in the journal.
+    // State after a program was killed in the middle of a change: new pages in the file, the old ones in the journal.
     connection.execute_batch("PRAGMA cache_size = 1; PRAGMA cache_spill = 1; BEGIN; DELETE FROM effects;").unwrap();
     connection.execute_batch("INSERT INTO note (text) SELECT randomblob(3000) FROM batch").unwrap();
     let (folder, copy) = place();
@@ -124,7 +124,7 @@ fn a_hot_rollback_journal_is_read_and_left_alone() {
     drop(folder);
 }
 
-/// A vehicle that counts the steps of the record when it gets a command, as the next program would find them.
+/// A vehicle that counts the recorded steps when it receives a command, as another program would find them.
 struct Witness {
     path: PathBuf,
     found: Vec<(usize, bool)>,
@@ -172,7 +172,7 @@ fn a_command_leaves_after_its_step_is_committed() {
     );
 }
 
-/// The simulator's side of the link: reads the record at each line that it gets.
+/// The simulator's side of the link: reads the record at each received line.
 struct Told {
     path: PathBuf,
     lines: Vec<(String, usize)>,

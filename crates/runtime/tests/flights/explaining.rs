@@ -1,4 +1,4 @@
-//! Explanations: why a task waits, is interrupted, ended.
+//! Explanations: the reasons for which a task waits, is interrupted, or ended.
 
 use crate::support::{camera, load};
 use apex_model::time::Time;

@@ -1,4 +1,4 @@
-//! Damaged and forged records: every answer is that of the honest record, or comes with a warning or not at all.
+//! Damaged and forged records: every answer equals that of the genuine record, comes with a warning, or is refused.
 
 use crate::support::{CAMERA, altitude, event, load, program};
 use apex_model::event::{EventKind, StateVariable};
@@ -23,7 +23,7 @@ use tempfile::TempDir;
 /// Damages in `make test`; `APEX_DAMAGES=1000` tries as many as the release notes state.
 const DAMAGES: usize = 200;
 
-/// A mission with one target, which was observed.
+/// A mission with one observed target.
 struct OneTarget(Vec<TargetChange>);
 
 impl OneTarget {
@@ -80,7 +80,7 @@ fn honest(path: &Path) {
     recorder.finish(end.at, &end.reason.text()).unwrap();
 }
 
-/// Every answer that a record gives, and whether a warning or an error comes with them.
+/// Returns every answer that a record gives, and true if a warning or an error accompanies them.
 fn answers(path: &Path) -> (bool, Vec<String>) {
     match try_answers(path) {
         Ok((warned, answers)) => (warned, answers),
@@ -127,7 +127,7 @@ fn place() -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-/// Bytes at random, in one of the ways in which files are damaged.
+/// Damages the bytes at random, in one of the ways in which files are damaged.
 fn damage(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
     let mut below = |limit: usize| (random.next_u64() % limit.max(1) as u64) as usize;
     let length = bytes.len();

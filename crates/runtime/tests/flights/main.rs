@@ -1,4 +1,4 @@
-//! Whole programs: PDL in, flown without a vehicle, recorded, replayed, restored, explained.
+//! Whole programs: PDL is loaded, flown without a vehicle, recorded, replayed, restored and explained.
 #![cfg(test)]
 
 mod crash;

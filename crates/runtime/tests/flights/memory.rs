@@ -1,4 +1,4 @@
-//! The memory budget of an agent: what asks for more is refused with the limit as its cause, and replay refuses the same.
+//! The memory budget of an agent: a task that exceeds it fails with the limit as its cause, and a replay does the same.
 
 use crate::support::{load, record};
 use apex_runtime::program::NoDeliberator;
@@ -53,7 +53,7 @@ fn values_count_as_long_as_a_task_holds_them() {
         text.chars().take(2_000).collect::<String>()
     );
     assert!(text.contains("prints too large") && text.contains("prints still here"));
-    // The same lists in sequence, each in a procedure that ends, have space.
+    // The same lists in sequence, each in a procedure that ends, fit into the budget.
     let apart = lists.replace("(step a (wait) (select ?one (range 20000)))", "(step a (one))").replace(
         "(step b (wait) (select ?two (range 20000)))\n           (step c (wait) (select ?three (range 20000))))",
         "(step b (one)) (step c (one)))

@@ -1,5 +1,5 @@
-//! Flights by wall time whose solvers misbehave: the executive is never late, and the record names what they did. The
-//! clock is the test's own: it advances by sleeping only, so a flight that waited for its solver would stand still.
+//! Flights by wall time with misbehaving solvers: the executive is never late, and the record states what the solvers did. The test's own
+//! clock advances by sleeping only, so a flight that waited for its solver would stop.
 
 use super::support::{altitude, load, record_with};
 use apex_model::effect::SolveRequest;
@@ -20,7 +20,7 @@ use apex_runtime::replay::replay;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Circles until the plan is there, or photographs what there is without one.
+/// Circles until the plan has arrived, or takes photographs without one.
 const TOUR: &str = r#"
 (solver bad (index (tour)) :budget 5s :meanwhile (circle))
 (procedure (index (do-domain))
@@ -86,7 +86,7 @@ impl Solver for Bad {
     }
 }
 
-/// Asks its solver, with the limits of a flight; what the solver did wrong is its answer.
+/// Invokes its solver with the limits of a flight; the solver's misbehaviour is part of the answer.
 struct Asks {
     solver: Arc<dyn Solver>,
     limits: SolverLimits,
@@ -120,7 +120,7 @@ fn one_site(goal: &Value) -> PlannedProcedure {
     }
 }
 
-/// Gives solvers real time where the test says that an answer must come, and opens the gate for those that hang.
+/// Gives solvers real time where the test requires an answer, and opens the gate for those that hang.
 #[derive(Debug, Default)]
 struct Patron {
     clock: ManualClock,
@@ -145,7 +145,7 @@ impl Clock for Patron {
     }
 }
 
-/// Notes that an answer has been heard, and that nothing is heard later than it was said.
+/// Records that an answer has arrived, and that no input is processed later than it was sent.
 struct Listener(Arc<AtomicBool>, usize);
 
 impl Observer for Listener {
@@ -234,7 +234,7 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
 
 #[test]
 fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
-    // It never ends: its budget is endless.
+    // It never ends, because its budget is endless.
     let told = fly("obeys", false);
     assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");
 }

@@ -1,4 +1,4 @@
-//! Uses of a record: traces, replay, restoring, plans that are never made again.
+//! Uses of a record: traces, replay, restoration, plans that are not computed again.
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
 use apex_model::effect::SolveRequest;
@@ -59,7 +59,7 @@ fn replay_confirms_an_honest_record() {
     assert!(report.to_string().starts_with("The record is confirmed:"), "{report}");
 }
 
-/// Changes a record and seals it again: only replay can notice.
+/// Changes a record and seals it again, so that only replay can notice.
 fn tamper(path: &Path, sql: &str, body: Option<Vec<u8>>) {
     let connection = Connection::open(path).unwrap();
     let changed = connection.execute(sql, params![body]).unwrap();
@@ -133,7 +133,7 @@ fn replay_finds_missing_effects_and_changed_programs() {
     assert!(message.starts_with("the mission inside "), "{message}");
 }
 
-/// Tasks, samples and messages come to limits that the program itself has lowered: replaying and restoring obey them, too.
+/// Tasks, samples and messages reach limits that the program itself has lowered: replay and restoration obey them too.
 #[test]
 fn limits_that_an_agent_has_lowered_are_those_of_the_replay() {
     let pdl = "(agent pilot :limits (:tasks 6 :history-samples 20 :event-history 3))
@@ -195,7 +195,7 @@ fn any_instant_is_restored_from_snapshot_or_from_inputs() {
     assert_eq!([at(10.0), at(40.0), at(89.0)], from_snapshot);
 }
 
-/// Plans two visits after 4 s of thinking; counts the problems that it poses.
+/// Plans two visits after 4 s of planning time; counts the problems that it poses.
 #[derive(Default)]
 struct Planner(u32);
 

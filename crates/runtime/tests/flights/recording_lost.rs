@@ -1,4 +1,4 @@
-//! A flight outlives its disk: it continues when writes fail, answers that as its mission says, and so does its record.
+//! A flight and its record survive failed writes: the flight continues and reacts as its mission states.
 
 use crate::support::{altitude, load, program};
 use apex_executive::Agent;
@@ -34,7 +34,7 @@ const BYTES_AT_FIRST: u64 = 40_000_000;
 impl Observer for Disk<'_> {
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         if batch.now == self.full_from {
-            // SQLite never makes it smaller than it is: no page more.
+            // SQLite never makes the file smaller: it can add no page.
             self.recorder.set_bytes_max(1).unwrap();
         }
         if batch.now == self.full_until {
@@ -111,7 +111,7 @@ fn a_record_whose_disk_was_full_for_a_while_has_no_gap() {
     let [lost, again] = flown.news.as_slice() else { panic!("{:?}", flown.news) };
     assert!(lost.contains(RECORDING_LOST) && lost.contains("disk is full"), "{lost}");
     assert!(again.contains("without a gap"), "{again}");
-    // The mission has answered both, and the record knows it.
+    // The mission has reacted to both messages, and the record contains that.
     let informed = informs(&flown.path);
     assert_eq!(informed[0], "(coming-home \"the disk is full\")");
     assert!(
@@ -143,7 +143,7 @@ fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
     let report = replay(&reader, &load).unwrap();
     assert_eq!((report.difference.clone(), report.gap), (None, Some(gap)));
     assert!(report.to_string().contains("confirmed up to its gap"), "{report}");
-    // No state is restored across the gap; after the snapshot that follows it there is one.
+    // No state is restored across the gap; after the next snapshot restoration works again.
     let program = reader.load(&load).unwrap();
     assert!(reader.restore_with(Time::from_seconds(19.0), &program).is_ok());
     let refused = reader.restore_with(Time::from_seconds(39.0), &program).unwrap_err().to_string();
@@ -159,7 +159,7 @@ fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
     assert!(informed.contains("the recording was lost at ") && informed.contains("the disk is full"), "{informed:#}");
     let reader = RecordReader::open(&flown.path).unwrap();
     assert!(!reader.is_complete().unwrap());
-    // What is said to be in the record is what a reader finds in it.
+    // The steps that the messages call recorded are those that a reader finds.
     let held = reader.steps().unwrap().map(|step| step.unwrap().batch.now).last().unwrap();
     assert!(informed.contains(&format!("holds the steps up to {held}, and")), "{held}: {informed}");
     let steps = reader.steps().unwrap().count();

@@ -1,4 +1,4 @@
-//! A record whose disk takes nothing any longer continues in a new segment, and its segments are one record again.
+//! A record whose disk accepts no more writes continues in a new segment, and its segments can be joined into one record.
 
 use crate::support::{altitude, load, program};
 use apex_executive::Agent;
@@ -64,14 +64,14 @@ impl Observer for Disk<'_> {
 struct Flown {
     folder: TempDir,
     spare: TempDir,
-    /// The file that the flight began with, and the one that it ended with.
+    /// The file with which the flight began, and the one with which it ended.
     first: PathBuf,
     last: PathBuf,
     end: RunEnd,
     news: Vec<String>,
 }
 
-/// A flight of 60 s with 10 samples a second, whose disk is full from 20 s on.
+/// Flies for 60 s with 10 samples a second; the disk is full from 20 s on.
 fn fly_on_a_full_disk(kept_bytes_max: Option<usize>) -> Flown {
     let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     let first = folder.path().join("flight.apex");
@@ -126,10 +126,10 @@ fn a_record_continues_in_the_spare_folder_and_is_one_record() {
     let integrity = check_integrity(&flown.last).unwrap();
     assert!(integrity.is_intact() && integrity.earlier == [flown.first.clone()], "{integrity:?}");
     assert_eq!(integrity.steps, flown.end.steps.cast_signed());
-    // The first file holds what came before, and says that it does not end its flight.
+    // The first file contains the earlier steps, and states that the flight continues.
     let first = RecordReader::open(&flown.first).unwrap();
     assert!(first.warning().unwrap().unwrap().contains("incomplete"));
-    // One file of all of them, without the others.
+    // One joined file can be read without the others.
     let whole = flown.folder.path().join("whole.apex");
     assert_eq!(recover(&flown.last, &whole).unwrap().steps, flown.end.steps.cast_signed());
     std::fs::remove_file(&flown.first).unwrap();
@@ -164,7 +164,7 @@ fn segments_that_are_moved_together_are_found_and_others_are_refused() {
         std::fs::copy(path, place(path)).unwrap();
         std::fs::remove_file(path).unwrap();
     }
-    // What the disk did not take of the first file is in its log.
+    // The part of the first file that the disk did not accept is in its log.
     let log = PathBuf::from(format!("{}-wal", flown.first.display()));
     if log.exists() {
         std::fs::rename(&log, moved.path().join("flight.apex-wal")).unwrap();

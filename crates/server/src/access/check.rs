@@ -1,4 +1,4 @@
-//! The check of every request to the API: who sends it, and whether its role suffices for the address.
+//! Checks every request to the API: determines the caller, and whether the caller's role permits the address.
 
 use super::table;
 use crate::answer::ApiError;
@@ -18,7 +18,7 @@ pub(crate) async fn check(State(state): Shared, mut request: Request, next: Next
     let path = request.extensions().get::<MatchedPath>().map(|path| path.as_str().to_owned()).unwrap_or_default();
     let least = match table::least_role(request.method(), &path) {
         Some(least) => least,
-        // The router answers 405 to a method that an address does not take.
+        // The router answers 405 to a method that an address does not support.
         None if table::has_path(&path) => return next.run(request).await,
         None => {
             return ApiError::forbidden(format!("no role may use {path}"), "this is a fault of Apex; please report it")

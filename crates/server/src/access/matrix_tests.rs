@@ -1,4 +1,4 @@
-//! The complete matrix of routes and roles, over real HTTP; and that no route is missing from it.
+//! Tests all routes with all roles over real HTTP, and that no route is missing.
 
 use super::table::rows;
 use super::token::AccessToken;

@@ -1,8 +1,8 @@
 //! Access: tokens and sessions (`sessions`), the table of addresses and roles (`table`), the check of every request
 //! (`check`), the address `/api/session` (`routes`).
 //!
-//! On a loopback address a caller without a session is this machine, as pilot in command. Elsewhere, and where tokens are
-//! given, every address of the API but `/api/session` needs a session or a token.
+//! On a loopback address a caller without a session is the local user, as pilot in command. On other addresses, and if tokens are
+//! configured, every address of the API except `/api/session` needs a session or a token.
 
 mod check;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `/api/session`: who the caller is, and the beginning and the end of a session.
+//! `/api/session`: identifies the caller, and begins and ends sessions.
 
 use super::sessions::Sessions;
 use crate::answer::{ApiError, ApiResult};
@@ -22,11 +22,11 @@ struct Opening {
     token: Option<String>,
     /// A name, where none are.
     name: Option<String>,
-    /// The role that goes with a name; default is operator.
+    /// The requested role of a caller without a token; the default is operator.
     role: Option<String>,
 }
 
-/// The caller, as the API describes it.
+/// The caller in the form of the API.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct SessionState {

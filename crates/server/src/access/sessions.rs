@@ -1,4 +1,4 @@
-//! Sessions: who speaks, by the cookie of a session or by a token that comes with the request.
+//! Sessions: identifies a caller by the cookie of a session or by a token in the request.
 
 use super::stations::Stations;
 use super::token::{AccessToken, check_name, digest, new_secret};
@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The name of a session's cookie, before the port: cookies do not tell the ports of one machine apart.
+/// Beginning of the name of a session's cookie, followed by the port, because cookies do not distinguish ports of one machine.
 const COOKIE_NAME: &str = "apex-session";
-/// Sessions at a time; a new one beyond replaces the one that was silent longest.
+/// Maximum number of sessions; a further one replaces the one that has been silent longest.
 const SESSIONS_MAX: usize = 200;
 /// Time without a request after which a session is over.
 const IDLE_MAX: Duration = Duration::from_secs(12 * 3600);
@@ -85,7 +85,7 @@ impl Sessions {
 
     fn actor_of(&self, secret: &str) -> Option<Actor> {
         let digest = digest(secret.trim());
-        // All are compared, so that the time tells nothing.
+        // All tokens are compared, so that the duration reveals nothing.
         let found = self.tokens.iter().fold(None, |found, token| if token.fits(&digest) { Some(token) } else { found });
         found.map(|token| token.actor.clone())
     }

@@ -1,13 +1,13 @@
-//! Stations: the callers with a recent request that may hold authority. It can be offered to them.
+//! Stations: callers with a recent request that may hold authority. Authority can be offered to them.
 
 use apex_runtime::authority::{Actor, ActorRole};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time without a request after which a station is no longer listed; a page asks several times a second.
+/// Time without a request after which a station is no longer listed; a page sends several requests a second.
 const SILENT_AFTER: Duration = Duration::from_secs(30);
-/// Stations that are remembered; a new one beyond replaces the one that was silent longest.
+/// Maximum number of remembered stations; a further one replaces the one that has been silent longest.
 const STATIONS_MAX: usize = 200;
 
 /// The callers by name, with the instant of the last request of each.

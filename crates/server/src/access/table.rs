@@ -1,9 +1,9 @@
-//! The addresses of the API with the least role that each method needs. What is not in the table is refused.
+//! The addresses of the API, with the least role for each method. A request that is not in the table is refused.
 
 use apex_runtime::authority::ActorRole;
 use axum::http::Method;
 
-/// The least role for a route: method, path as the router writes it, role; none for an address that needs no session.
+/// One route: method, path in the router's notation, least role; `None` for an address that needs no session.
 pub(crate) type RouteRow = (Method, &'static str, Option<ActorRole>);
 
 /// Returns all rows.
@@ -60,7 +60,7 @@ pub(crate) fn rows() -> Vec<RouteRow> {
     ]
 }
 
-/// Returns the least role of a route: `Some(None)` needs no session; `None` if the table does not have it.
+/// Returns the least role of a route: `Some(None)` if it needs no session; `None` if the table does not contain it.
 pub(crate) fn least_role(method: &Method, path: &str) -> Option<Option<ActorRole>> {
     // HEAD is GET without a body.
     let method = if method == Method::HEAD { &Method::GET } else { method };

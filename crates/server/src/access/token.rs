@@ -1,4 +1,4 @@
-//! Tokens: a secret that gives a name and a role. The server keeps digests only.
+//! Tokens: secrets, each with a name and a role. The server stores only digests.
 
 use apex_runtime::authority::{Actor, ActorRole};
 use sha2::{Digest, Sha256};
@@ -44,7 +44,7 @@ impl AccessToken {
     /// Reads a file of tokens: lines `ROLE NAME SECRET`; empty lines and lines that begin with `#` are skipped.
     ///
     /// # Errors
-    /// The first line that is not a token, or a secret that stands twice.
+    /// The first line that is not a token, or a repeated secret.
     pub fn read_all(text: &str) -> Result<Vec<AccessToken>, TokenError> {
         let mut tokens: Vec<AccessToken> = Vec::new();
         for (index, line) in text.lines().enumerate() {
@@ -86,7 +86,7 @@ impl AccessToken {
         Ok((AccessToken { actor, digest: digest(&secret) }, secret))
     }
 
-    /// True if `secret` is the token's; takes the same time for every secret.
+    /// Returns true if `secret` is the token's; the duration is the same for every secret.
     pub(crate) fn fits(&self, secret: &[u8; 32]) -> bool {
         let differences =
             self.digest.iter().zip(secret).fold(0, |differences, (ours, theirs)| differences | (ours ^ theirs));

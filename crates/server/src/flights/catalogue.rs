@@ -1,4 +1,4 @@
-//! The missions of the folder: names, titles, and why one does not load.
+//! The missions of the folder: names, titles, and the reasons for which some do not load.
 
 use crate::answer::{ApiError, ApiResult};
 use apex_mission::Mission;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The longest name of a mission, in bytes.
 const NAME_MAX: usize = 100;
-/// Most missions that one answer lists; the others can still be flown.
+/// Maximum number of missions in one answer; the others can still be flown.
 const LISTED_MAX: usize = 200;
 /// Names in the help of an unknown name.
 const NAMES_TOLD_MAX: usize = 12;
@@ -17,11 +17,11 @@ const NAMES_TOLD_MAX: usize = 12;
 /// One mission in `/api/missions`.
 #[derive(Debug, Serialize)]
 pub(crate) struct MissionEntry {
-    /// Name of its folder, by which it is flown.
+    /// Name of its folder, which identifies the mission.
     name: String,
     /// Title, if it loads.
     title: Option<String>,
-    /// True if it can be read.
+    /// True if the mission can be loaded.
     loads: bool,
     /// Failure to load, if any.
     failure: Option<Failure>,
@@ -37,7 +37,7 @@ pub(crate) struct Failure {
     pub(crate) reason: Option<String>,
     /// Remedy, if known.
     pub(crate) help: Option<String>,
-    /// File, line or option at fault, if there is one.
+    /// File, line or option with the error, if there is one.
     pub(crate) place: Option<String>,
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn missions(folder: &Path) -> ApiResult<Vec<MissionEntry>> {
 /// Returns the folder of the mission called `name`.
 ///
 /// # Errors
-/// The name is not one of a sub-folder, or there is no such mission.
+/// If the name is not one of a sub-folder, or there is no such mission.
 pub(crate) fn folder_of(folder: &Path, name: &str) -> ApiResult<PathBuf> {
     if !is_name(name) {
         return Err(ApiError::bad_request(

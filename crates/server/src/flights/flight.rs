@@ -49,7 +49,7 @@ pub(crate) struct Preparation {
     pub(crate) recorder: Recorder,
 }
 
-/// A flight as the API describes it.
+/// A flight in the form of the API.
 #[derive(Debug, Serialize)]
 pub(crate) struct FlightState {
     id: u64,
@@ -105,7 +105,7 @@ impl Flight {
         Ok(End::Ended { reason: outcome.end.reason.text(), report })
     }
 
-    /// Asks the flight to end cleanly.
+    /// Requests the flight to end in an orderly way.
     pub(crate) fn stop(&self) {
         // A flight that has ended does not listen, and needs no stop.
         self.door.stop();

@@ -1,4 +1,4 @@
-//! Flights that the server itself flies: missions of one folder in the built-in simulator.
+//! Flights that the server itself runs: missions of one folder in the built-in simulator.
 //!
 //! `catalogue` lists the missions, `plans` plans one without flying it, `flight` is one flight on its own thread, `tower`
 //! starts and stops flights, `routes` is the table of addresses. Records are written into one folder and never replaced.
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 /// Lets the server fly missions.
 pub struct FlightOptions {
-    /// Folder of the missions: each sub-folder with a `mission.pdl` is one, called like the sub-folder.
+    /// Folder of the missions: each sub-folder with a `mission.pdl` is a mission with the name of the sub-folder.
     pub missions: PathBuf,
     /// Folder of the records that the flights write.
     pub records: PathBuf,

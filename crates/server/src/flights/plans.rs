@@ -1,4 +1,4 @@
-//! A mission's plan from its start, without flying it.
+//! Plans a mission from its start, without flying it.
 
 use crate::answer::{ApiError, ApiResult};
 use apex_mission::Mission;
@@ -12,8 +12,8 @@ use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use axum::http::StatusCode;
 
-/// Plans for `mission` within `budget`, or within that of its first solver, and writes the plan as `apex plan --json` does.
-/// The proof of its bound takes no longer than the plan.
+/// Plans for `mission` within `budget`, or within that of its first solver, and writes the plan like `apex plan --json`. The proof of its
+/// bound takes no longer than the plan.
 ///
 /// # Errors
 /// The mission has nothing to plan, or no plan is found.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 /// The fastest pace. Faster is as fast as possible, which needs no pace.
 const PACE_MAX: f64 = 1e9;
-/// The latest end of a flight that can be asked for: a year.
+/// Latest end of a requested flight: a year.
 const UNTIL_MAX_S: f64 = 366.0 * 86_400.0;
 /// The longest time to plan in.
 const BUDGET_MAX_S: f64 = 60.0;
@@ -37,7 +37,7 @@ impl FlightRequest {
     /// Returns the latest end of the flight.
     ///
     /// # Errors
-    /// It is not a time after the start.
+    /// If it is not a time after the start.
     pub(crate) fn until(&self) -> ApiResult<Option<Time>> {
         let seconds =
             in_range("until_s", self.until_s, UNTIL_MAX_S, "the mission time in seconds at which the flight ends")?;
@@ -57,14 +57,14 @@ impl PlanParams {
     /// Returns the time to plan in.
     ///
     /// # Errors
-    /// It is not a time, or too long.
+    /// If it is not a duration, or too long.
     pub(crate) fn budget(&self) -> ApiResult<Option<Duration>> {
         let seconds = in_range("budget_s", self.budget_s, BUDGET_MAX_S, "the time to plan in, in seconds")?;
         Ok(seconds.map(|seconds| Time::from_seconds(seconds) - Time::ZERO))
     }
 }
 
-/// `value`, if it is above 0 and at most `max`.
+/// Returns `value` if it is above 0 and at most `max`.
 fn in_range(name: &str, value: Option<f64>, max: f64, meaning: &str) -> ApiResult<Option<f64>> {
     match value {
         Some(value) if !(value > 0.0 && value <= max) => Err(ApiError::bad_request(

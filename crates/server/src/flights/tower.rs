@@ -1,4 +1,4 @@
-//! Starts, finds and stops flights, and keeps their number within limits.
+//! Starts, finds and stops flights, and limits their number.
 
 use crate::answer::{ApiError, ApiResult};
 use crate::flights::FlightOptions;
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, TryAcquireError};
 
-/// Flights at a time: each takes a core, and so do its solvers.
+/// Maximum number of simultaneous flights: each uses a core, and so do its solvers.
 const FLIGHTS_MAX: usize = 2;
 /// Plans at a time that are made without flying.
 const PLANS_MAX: usize = 1;
@@ -72,8 +72,8 @@ impl Tower {
     /// Starts a flight.
     ///
     /// # Errors
-    /// A wrong request, a mission that does not load or cannot be simulated, too many flights at a time, a record that
-    /// cannot be written, a server that is being stopped.
+    /// An invalid request, a mission that does not load or cannot be simulated, too many simultaneous flights, a record that cannot be
+    /// written, a server that is shutting down.
     pub(crate) fn start(&self, request: FlightRequest) -> ApiResult<FlightState> {
         let folder = folder_of(&self.options.missions, &request.mission)?;
         let (until, pace) = (request.until()?, request.pace()?);
@@ -86,7 +86,7 @@ impl Tower {
         let (id, record) = self.reserve(&request.mission)?;
         let recorder = apex_simulation::create_record(&record, &mission, Some(seed))?;
         let (door, controls) = FlightDoor::new(&mission, pace, Arc::clone(&self.options.read));
-        // The run need not wait for commands that may never come.
+        // The run need not wait for further commands.
         door.be_quiet();
         let terms = FlyOptions {
             pace,
@@ -100,7 +100,7 @@ impl Tower {
         Ok(flight.state())
     }
 
-    /// Takes the next number whose record does not exist yet, and makes its empty file so that no other program takes it.
+    /// Reserves the next number whose record does not exist yet, and creates its empty file so that no other program uses it.
     fn reserve(&self, mission: &str) -> ApiResult<(u64, PathBuf)> {
         let mut known = self.known();
         loop {
@@ -152,7 +152,7 @@ impl Tower {
     /// Returns the flight with this number.
     ///
     /// # Errors
-    /// There is none, or it is forgotten.
+    /// If there is none, or it was removed.
     pub(crate) fn flight(&self, id: u64) -> ApiResult<Arc<Flight>> {
         self.known().flights.iter().find(|flight| flight.id == id).cloned().ok_or_else(|| {
             ApiError::not_found(
@@ -162,7 +162,7 @@ impl Tower {
         })
     }
 
-    /// Starts no more flights and asks those under way to end.
+    /// Starts no more flights, and requests those in progress to end.
     pub(crate) fn close(&self) {
         self.flying.close();
         self.planning.close();
@@ -184,7 +184,7 @@ impl Tower {
     }
 }
 
-/// Returns a place among those at a time.
+/// Returns a permit of the limited number.
 fn place(places: &Arc<Semaphore>, full: impl FnOnce() -> String) -> ApiResult<OwnedSemaphorePermit> {
     Arc::clone(places).try_acquire_owned().map_err(|refused| match refused {
         TryAcquireError::NoPermits => ApiError {

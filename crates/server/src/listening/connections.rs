@@ -1,4 +1,4 @@
-//! Accepting connections and serving requests on them.
+//! Accepts connections and serves their requests.
 
 use super::stream::GuardedStream;
 use axum::Router;
@@ -23,9 +23,9 @@ use tower::ServiceExt;
 
 /// Connections at a time: browsers open six each.
 const CONNECTIONS_MAX: usize = 256;
-/// Connections of one other machine at a time.
+/// Maximum number of simultaneous connections of one other machine.
 const CONNECTIONS_OF_ONE_MAX: usize = 32;
-/// Time for the head of a request, from the first moment of waiting for it; also the time that an idle connection stays open.
+/// Time limit for the head of a request, from the beginning of the wait for it; also the time for which an idle connection stays open.
 const HEAD_PATIENCE: Duration = Duration::from_secs(10);
 /// Time for the handshake of an encrypted connection.
 const HANDSHAKE_PATIENCE: Duration = Duration::from_secs(5);
@@ -104,7 +104,7 @@ pub(crate) async fn serve_connections(
             tokio::spawn(turn_away(stream, acceptor.is_some()));
             continue;
         };
-        // An answer is small pieces that should go at once.
+        // Answers consist of small pieces that should be sent at once.
         stream.set_nodelay(true).unwrap_or_default();
         let (router, acceptor, stopped) = (router.clone(), acceptor.clone(), stopped.clone());
         tokio::spawn(async move {
@@ -126,7 +126,7 @@ pub(crate) async fn serve_connections(
     tokio::time::timeout(patience, stopping.closed()).await.ok();
 }
 
-/// Says that there is no place, where that can be read.
+/// Answers that there is no capacity, if the peer can read that.
 async fn turn_away(mut stream: TcpStream, encrypted: bool) {
     if encrypted {
         return;
@@ -138,7 +138,7 @@ async fn turn_away(mut stream: TcpStream, encrypted: bool) {
         body.len()
     );
     let written = stream.write_all(answer.as_bytes());
-    // Whether the peer reads it or not.
+    // The result does not depend on whether the peer reads it.
     tokio::time::timeout(Duration::from_secs(1), written).await.ok();
 }
 
@@ -163,7 +163,7 @@ async fn serve_one(
         .with_upgrades();
     let mut connection = pin!(connection);
     tokio::select! {
-        // What went wrong concerns this connection only: its peer knows.
+        // The error concerns this connection only, and its peer notices it.
         _ = connection.as_mut() => {}
         _ = stopped.changed() => {
             connection.as_mut().graceful_shutdown();

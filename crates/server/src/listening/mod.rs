@@ -1,7 +1,7 @@
-//! Listening: connections within caps, with time-outs, encrypted where the address is open.
+//! Listening: limited numbers of connections, with time-outs, encrypted if the address is public.
 //!
-//! `connections` accepts and serves; `stream` is a connection that ends when its peer does not read; `tls` makes the
-//! encryption from a certificate of the user or a new one.
+//! `connections` accepts and serves; `stream` is a connection that ends if its peer does not read; `tls` sets up encryption with the
+//! user's certificate or a new one.
 
 mod connections;
 mod stream;

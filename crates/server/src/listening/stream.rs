@@ -1,4 +1,4 @@
-//! A connection that counts as open until it is dropped, and ends when its peer does not take what is written to it.
+//! A connection that counts as open until it is dropped, and ends if its peer does not accept written data.
 
 use std::future::Future;
 use std::io;
@@ -8,7 +8,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Instant, Sleep};
 
-/// A connection with a place among those that may be open, of type `P`.
+/// A connection with its permit, of type `P`.
 pub(crate) struct GuardedStream<S, P> {
     stream: S,
     patience: Duration,

@@ -1,4 +1,4 @@
-//! Encryption by rustls: with a certificate of the user, or with one that is made for this run.
+//! Encryption by rustls: with the user's certificate, or with one that is made for this run.
 
 use rcgen::{CertificateParams, KeyPair};
 use rustls::ServerConfig;
@@ -17,7 +17,7 @@ pub struct TlsIdentity {
 /// Reason for which connections cannot be encrypted.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
-    /// A file is not what it should be.
+    /// A file has invalid contents.
     #[error("cannot read {what} from {}: {reason}; give a file in PEM format", .path.display())]
     File {
         /// The content that was expected.
@@ -49,10 +49,10 @@ impl TlsIdentity {
         Ok(TlsIdentity { chain, key })
     }
 
-    /// Makes a certificate for these names and addresses, which signs itself.
+    /// Makes a self-signed certificate for these names and addresses.
     ///
     /// # Errors
-    /// The system gives no random numbers, or a name is not one.
+    /// If the system provides no random numbers, or a name is invalid.
     pub fn generate(names: Vec<String>) -> Result<TlsIdentity, TlsError> {
         let fail = |error: rcgen::Error| TlsError::Unusable(error.to_string());
         let key = KeyPair::generate().map_err(fail)?;
@@ -61,7 +61,7 @@ impl TlsIdentity {
         Ok(TlsIdentity { chain: vec![certificate.der().clone()], key })
     }
 
-    /// Returns the SHA-256 digest of the certificate, as browsers show it.
+    /// Returns the SHA-256 digest of the certificate, in the form that browsers show.
     pub fn fingerprint(&self) -> String {
         let pairs: Vec<String> = Sha256::digest(self.certificate()).iter().map(|byte| format!("{byte:02X}")).collect();
         pairs.join(":")

@@ -1,13 +1,13 @@
-//! Authority over a run, as the API shows it to one caller.
+//! Authority over a run, in the form in which the API shows it to one caller.
 
 use apex_runtime::authority::{Actor, ActorRole, AuthorityBoard};
 use serde::Serialize;
 
-/// Authority as the API describes it.
+/// Authority in the form of the API.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct AuthorityState {
-    /// The number of the epoch; commands may state it.
+    /// The number of the epoch, which commands may state.
     epoch: u64,
     /// The holder; none while authority is free.
     holder: Option<ActorState>,
@@ -18,13 +18,13 @@ pub(crate) struct AuthorityState {
     you: ActorState,
     /// The caller holds it.
     yours: bool,
-    /// The caller may take it now.
+    /// True if the caller may take it now.
     may_take: bool,
     /// Other callers with a recent request that may hold it.
     stations: Vec<ActorState>,
 }
 
-/// An operator or program, as the API describes it.
+/// An operator or program, in the form of the API.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ActorState {
@@ -37,9 +37,9 @@ pub(crate) struct ActorState {
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct OfferState {
-    /// The name of the actor that it is offered to.
+    /// The name of the actor to which it is offered.
     to: String,
-    /// Wall time until it is over, in seconds.
+    /// Remaining wall time of the offer, in seconds.
     left_s: f64,
 }
 

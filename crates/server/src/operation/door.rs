@@ -1,4 +1,4 @@
-//! The way to a run under way: numbers commands, sends them, and tells how each ended.
+//! The connection to a run in progress: numbers commands, sends them, and returns the end of each.
 
 use crate::operation::authority::AuthorityState;
 use crate::operation::request::Wish;
@@ -20,13 +20,13 @@ use std::time::{Duration, Instant};
 pub(crate) const EXPIRES_AFTER: Duration = Duration::from_secs(10);
 /// Commands on their way at a time.
 const OPEN_MAX: usize = 16;
-/// Commands whose ends are remembered; all are in the record.
+/// Maximum number of remembered commands with their ends; the record contains all.
 const REMEMBERED_MAX: usize = 50;
 
-/// Reads one datum of PDL from text; the server knows no syntax.
+/// Reads one PDL datum from text; the server itself has no parser.
 pub type ReadDatum = Arc<dyn Fn(&str) -> Result<Value, String> + Send + Sync>;
 
-/// The way to one run under way. Clones lead to the same run.
+/// The connection to one run in progress. Clones share it.
 #[derive(Clone)]
 pub struct FlightDoor {
     shared: Arc<Shared>,
@@ -36,7 +36,7 @@ struct Shared {
     controls: Mutex<Sender<Control>>,
     seen: Seen,
     sent: Mutex<Sent>,
-    /// Targets of the mission, and whether each is known from the start.
+    /// Targets of the mission; true if a target is known from the start.
     targets: BTreeMap<String, bool>,
     read: ReadDatum,
     authority: AuthorityBoard,
@@ -60,7 +60,7 @@ struct SourceEntry {
     ticket: Ticket,
 }
 
-/// A command as the API describes it.
+/// A command in the form of the API.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct CommandState {
@@ -75,7 +75,7 @@ pub(crate) struct CommandState {
     age_s: f64,
 }
 
-/// The run as the API describes it.
+/// The run in the form of the API.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Operation {
@@ -95,12 +95,12 @@ pub(crate) struct Operation {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct TargetNews {
     id: String,
-    /// True while the mission counts it as to be observed.
+    /// True while the mission treats it as a target to observe.
     known: bool,
 }
 
 impl FlightDoor {
-    /// Returns a door to a run of `mission` that begins at `pace`, and the other end of it, for the run.
+    /// Returns a door to a run of `mission` that begins at `pace`, and the end of it for the run.
     pub fn new(mission: &Mission, pace: Option<f64>, read: ReadDatum) -> (FlightDoor, Receiver<Control>) {
         let (controls, receiver) = mpsc::channel();
         let targets = mission
@@ -126,28 +126,28 @@ impl FlightDoor {
         self.shared.authority.hear(name);
     }
 
-    /// Returns the name of the holder of authority, if that is another actor than this one.
+    /// Returns the name of the holder of authority, if it is another actor.
     pub(crate) fn other_holder(&self, actor: &Actor) -> Option<String> {
         let authority = self.shared.authority.authority();
         authority.holder.as_ref().filter(|holder| holder.name != actor.name).map(|holder| holder.name.clone())
     }
 
-    /// The pace at which a paused run continues, until another one is chosen.
+    /// Sets the pace at which a paused run continues, until another one is chosen.
     pub fn continues_at(&self, pace: Option<f64>) {
         self.sent().running = pace;
     }
 
-    /// Returns an observer that keeps for the door what happens in the run.
+    /// Returns an observer that stores the events of the run for the door.
     pub fn watch(&self) -> FlightWatch {
         FlightWatch::new(self.shared.seen.clone())
     }
 
-    /// True until the run has ended. A paused run writes nothing for long, and is under way nevertheless.
+    /// Returns true until the run has ended. A paused run writes nothing for a long time, but is still in progress.
     pub(crate) fn is_under_way(&self) -> bool {
         !self.shared.seen.state().is_over
     }
 
-    /// Ends the run cleanly, as the system asks: not an operator's command.
+    /// Ends the run in an orderly way, for the system and not for an operator.
     pub fn stop(&self) {
         self.say(Control::Stop);
     }
@@ -158,7 +158,7 @@ impl FlightDoor {
         self.say(Control::Pace(running));
     }
 
-    /// Says that the run need not wait for operators.
+    /// Informs the run that it need not wait for operators.
     pub fn be_quiet(&self) {
         self.say(Control::Quiet);
     }
@@ -172,7 +172,7 @@ impl FlightDoor {
         self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends a command. It is settled at once if it can be seen that the run would not execute it.
+    /// Sends a command. It ends at once if it is certain that the run would not execute it.
     pub(crate) fn send(&self, wish: &Wish, author: Author) -> u64 {
         let seen = self.shared.seen.state();
         let running = self.sent().running;
@@ -192,7 +192,7 @@ impl FlightDoor {
         let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at: Instant::now(), ticket };
         let command = Command { number, words, order, author: Some(author), ticket: entry.ticket.clone() };
         if let Some(reason) = refusal {
-            // The run records what it is not to execute.
+            // The run records a command that it is not to execute.
             command.ticket.settle(CommandEnd::Rejected { reason });
         }
         sent.entries.push_back(entry);
@@ -201,18 +201,18 @@ impl FlightDoor {
         number
     }
 
-    /// True if the target is to be observed now; an error if the mission has no such target.
+    /// Returns true if the target is to be observed now; `None` if the mission has no such target.
     fn is_known(&self, id: &str, seen: &SeenState) -> Option<bool> {
         let from_start = self.shared.targets.get(id)?;
         Some(seen.news.get(id).copied().unwrap_or(*from_start))
     }
 
-    /// Returns the state of command `number`; one that is too old and open expires now.
+    /// Returns the state of command `number`; an open one that is too old expires now.
     pub(crate) fn command(&self, number: u64) -> Option<CommandState> {
         self.sent().entries.iter().find(|entry| entry.number == number).map(SourceEntry::state)
     }
 
-    /// Returns the run now, for an actor, who can offer authority to `stations`.
+    /// Returns the present state of the run for an actor, who can offer authority to `stations`.
     pub(crate) fn operation(&self, actor: &Actor, stations: Vec<Actor>) -> Operation {
         let seen = self.shared.seen.state();
         let sent = self.sent();

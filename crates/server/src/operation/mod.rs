@@ -1,9 +1,9 @@
-//! Operating a flight under way: run control, answers, messages, updates of targets.
+//! Operates a flight in progress: run control, answers, messages, updates of targets.
 //!
-//! `authority` shows who holds the authority over the run; `door` carries commands to the run and knows how each ended; `watch`
-//! is an observer of the run that keeps what an operator needs to decide: open questions, planning under way, targets; `request`
-//! reads and checks commands; `routes` is the table of addresses. A command ends in exactly one of accepted, rejected and expired,
-//! and the run records it as an input.
+//! `authority` shows the holder of authority over the run; `door` passes commands to the run and stores their ends; `watch` is an
+//! observer of the run that keeps what an operator needs for decisions: open questions, planning in progress, targets; `request` reads
+//! and checks commands; `routes` is the table of addresses. A command ends as exactly one of accepted, rejected and expired, and the run
+//! records it as an input.
 
 mod authority;
 mod door;

@@ -1,4 +1,4 @@
-//! Bodies of commands, and what they ask of the run.
+//! Bodies of commands, and the orders that they give to the run.
 
 use crate::operation::watch::SeenState;
 use apex_model::effect::QuestionId;
@@ -22,7 +22,7 @@ const MESSAGE_MAX: usize = 2000;
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) enum Wish {
-    /// Mission time stands still.
+    /// Stops mission time.
     Pause,
     /// Mission time continues at the last pace.
     Resume,
@@ -31,7 +31,7 @@ pub(crate) enum Wish {
         /// The pace.
         pace: Option<f64>,
     },
-    /// To the next instant at which something happens, then pause.
+    /// Continues to the next instant at which something happens, then pauses.
     Step,
     /// The flight ends.
     Stop,
@@ -41,12 +41,12 @@ pub(crate) enum Wish {
         agent: String,
         /// The question's number.
         question: u64,
-        /// One of its options as printed, or any answer if it has none.
+        /// One of its options as printed, or any answer if it has no options.
         answer: String,
     },
     /// A message, as a form of PDL.
     Message {
-        /// The agent that hears it; none is all.
+        /// The agent that receives it; `None` for all.
         #[cfg_attr(test, ts(optional))]
         agent: Option<String>,
         /// The form.
@@ -81,7 +81,7 @@ pub(crate) enum Wish {
         /// Its name.
         to: String,
     },
-    /// The author does not take the authority that is offered.
+    /// Refuses the authority that is offered to the author.
     RefuseAuthority,
     /// Authority is free from now on.
     ReleaseAuthority,
@@ -123,11 +123,11 @@ impl Wish {
         }
     }
 
-    /// Translates the command for a run whose observed state is `seen`. A run that is paused continues at `running`; `known` says
-    /// whether a target is to be observed now, `None` for one that the mission does not have.
+    /// Translates the command for a run with the observed state `seen`. A paused run continues at `running`; `known` returns whether a
+    /// target is to be observed now, `None` for an unknown target.
     ///
     /// # Errors
-    /// Why the run would not execute it.
+    /// The reason for which the run would not execute it.
     pub(crate) fn order(
         &self,
         seen: &SeenState,

@@ -1,4 +1,4 @@
-//! The addresses for operating: the flight of the served record, and flights that the server started.
+//! The addresses of operation: for the flight of the served record, and for flights that the server started.
 
 use crate::access::Caller;
 use crate::answer::{ApiError, ApiResult};
@@ -81,7 +81,7 @@ fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<
     Ok(state.tower()?.flight(id)?.door().clone())
 }
 
-/// Sends a command and waits for its end, which comes also if the caller leaves.
+/// Sends a command and waits for its end, which is reached even if the caller disconnects.
 async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> ApiResult<Json<CommandState>> {
     let refused = |status, error| {
         ApiError {

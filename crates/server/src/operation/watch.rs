@@ -1,4 +1,4 @@
-//! View of a run under way for operators, kept from its steps: open questions, planning, updates of targets.
+//! View of a run in progress for operators, computed from its steps: open questions, planning, updates of targets.
 
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// State of a run as its steps show it; shared by its observer and the door.
+/// State of a run according to its steps; shared by its observer and the door.
 #[derive(Clone, Default)]
 pub(crate) struct Seen(Arc<Mutex<KeptLines>>);
 
@@ -22,7 +22,7 @@ struct KeptLines {
     planning: BTreeMap<SolveRequestId, (String, Instant)>,
 }
 
-/// State of a run as the API describes it.
+/// State of a run in the form of the API.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct SeenState {
@@ -30,7 +30,7 @@ pub(crate) struct SeenState {
     pub(crate) now_ns: i64,
     /// Open questions, oldest first.
     pub(crate) questions: Vec<OpenQuestion>,
-    /// The request that planners work on; mission time stands still meanwhile.
+    /// The request on which planners work; mission time stops meanwhile.
     pub(crate) planning: Option<Planning>,
     /// The run has ended.
     #[serde(skip)]
@@ -62,7 +62,7 @@ pub(crate) struct OpenQuestion {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Planning {
-    /// The goal that it plans for.
+    /// The goal of the requested plan.
     goal: String,
     /// Wall time since the request, in seconds.
     since_s: f64,
@@ -86,7 +86,7 @@ impl Seen {
 /// Observes a run for its [`crate::FlightDoor`].
 pub struct FlightWatch {
     seen: Seen,
-    /// Questions of the step that was just observed; the agent is named when it is inspected.
+    /// Questions of the last observed step; the name of the agent is added at its inspection.
     asked: Vec<OpenQuestion>,
 }
 

@@ -1,4 +1,4 @@
-//! `POST /api/drafts`: an order of visits, planned and checked from the situation of an instant.
+//! `POST /api/drafts`: an order of visits, planned and checked from the situation at an instant.
 
 use crate::answer::{ApiError, ApiResult};
 use crate::state::{Shared, blocking};
@@ -90,7 +90,7 @@ fn answer(at: Time, visits: &[String], planned: Planned) -> DraftAnswer {
     }
 }
 
-/// Returns the visit that a reason is about: by its number, else by the target that it names.
+/// Returns the visit to which a reason refers: by its number, otherwise by the target that it names.
 fn place_in(reason: &str, visits: &[String]) -> Option<usize> {
     let number = reason.split("visit ").nth(1).and_then(|rest| rest.split(',').next()?.parse::<usize>().ok());
     let by_number = number.and_then(|number| number.checked_sub(1)).filter(|index| *index < visits.len());

@@ -1,4 +1,4 @@
-//! The forks of a server, and how each stands.
+//! The forks of a server, with their states.
 
 use crate::flights::Failure;
 use apex_runtime::Control;
@@ -34,7 +34,7 @@ pub(super) enum ForkEnd {
     Failed(Failure),
 }
 
-/// A fork as the API describes it.
+/// A fork in the form of the API.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ForkState {
@@ -48,7 +48,7 @@ pub(crate) struct ForkState {
     now_ns: i64,
     /// Its number in `/api/records`, once it has ended.
     record: Option<usize>,
-    /// Both reports side by side, as `apex fork` prints them.
+    /// Comparison of both reports, in the form of `apex fork`.
     comparison: Option<String>,
     failure: Option<Failure>,
 }

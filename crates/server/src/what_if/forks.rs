@@ -1,4 +1,4 @@
-//! `/api/forks`: the served flight continued from an instant with changes, in the built-in simulator, one at a time.
+//! `/api/forks`: continues the served flight from an instant with changes, in the built-in simulator, one fork at a time.
 
 use crate::answer::{ApiError, ApiResult};
 use crate::state::{AppState, Shared, blocking, no_record};
@@ -49,7 +49,7 @@ pub(crate) async fn stop(
     Ok((StatusCode::ACCEPTED, Json(flight.state())))
 }
 
-/// Starts a fork; answers when it flies, or with why it cannot.
+/// Starts a fork; answers when it flies, or with the reason for which it cannot.
 pub(crate) async fn begin(
     State(state): Shared,
     body: Result<Json<ForkRequest>, JsonRejection>,

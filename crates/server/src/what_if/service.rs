@@ -10,7 +10,7 @@ pub(crate) struct WhatIf {
     pub(crate) means: PlanningResources,
     pub(crate) read: ReadDatum,
     pub(crate) forks: Arc<Forks>,
-    /// One draft is planned at a time.
+    /// Permits one draft at a time.
     pub(crate) drafting: Mutex<()>,
 }
 

@@ -1,5 +1,5 @@
-//! Writes a plausible flight record of the schema in `docs/reference/flight-record.md`: a fire-mapping flight of some
-//! hours over the western states. For tests of the server and for work on the page; no part of the product.
+//! Writes a plausible flight record with the schema of `docs/reference/flight-record.md`: a fire-mapping flight of some hours over the
+//! western states. For tests of the server and for work on the page; not part of the product.
 
 // Shared by a test and an example, of which each uses a part.
 #![allow(unreachable_pub, dead_code, missing_docs, clippy::unwrap_used, clippy::indexing_slicing)]

@@ -1,6 +1,6 @@
-//! The story that the fixture tells: what was flown and decided, as a list in time order.
+//! The fictitious flight of the fixture: its events and decisions, as a list in order of time.
 
-/// One thing that happened.
+/// One event.
 pub enum Entry {
     Created {
         task: u64,
@@ -65,7 +65,7 @@ pub struct Story {
     pub samples: Vec<Sample>,
 }
 
-/// The mission's procedures; the places in the record point into it.
+/// The mission's procedures, to which the places in the record refer.
 pub const PDL: &str = r#";; western-states: map the fires of one night.
 
 (procedure
@@ -127,7 +127,7 @@ const STEP_S: f64 = 15.0;
 const SECOND: f64 = 1e9;
 
 impl Story {
-    /// Ten fires in one long flight; one is hidden by smoke, one line is flown again, one link is lost.
+    /// Returns a long flight over ten fires: smoke hides one, one line is flown again, one link is lost.
     pub fn western_states() -> Story {
         let mut teller = Teller::new();
         teller.fly();

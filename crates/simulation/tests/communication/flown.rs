@@ -1,4 +1,4 @@
-//! Missions over made-up sites, and what their records say.
+//! Missions over invented sites, and readings from their records.
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
@@ -52,7 +52,7 @@ impl World {
         }
     }
 
-    /// Returns a site so far east and north of home.
+    /// Returns the world with one more site, at the given distances east and north of home.
     pub(crate) fn site(mut self, id: &str, east_m: f64, north_m: f64) -> World {
         self.sites.push((id.to_string(), east_m, north_m));
         self
@@ -143,7 +143,7 @@ impl World {
     }
 }
 
-/// Latitude and longitude so far east and north of home.
+/// Latitude and longitude of the place at the given distances east and north of home.
 pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
     (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
 }
@@ -153,7 +153,7 @@ pub(crate) fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
     ((a.0 - b.0) * DEGREE_M).hypot((a.1 - b.1) * DEGREE_M * a.0.to_radians().cos())
 }
 
-/// A flight as its record tells it.
+/// A flight, read from its record.
 pub(crate) struct Flown {
     folder: tempfile::TempDir,
     events: Vec<(f64, EventKind)>,
@@ -170,7 +170,7 @@ impl Flown {
         of.map(|(at_s, form)| (*at_s, form.to_string())).collect()
     }
 
-    /// Everything that was said, and where the vehicle was sent.
+    /// All statements of the flight, and all places to which the vehicle was sent.
     pub(crate) fn story(&self) -> String {
         let said = self.said.iter().map(|(at_s, form)| (*at_s, form.to_string()));
         let failed = self.events.iter().filter_map(|(at_s, kind)| match kind {
@@ -213,7 +213,7 @@ impl Flown {
             let mut within = levels.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s));
             within.all(|(_, level)| *level >= 0.3)
         };
-        // A later sample that is good says how long it stayed so.
+        // The link counts as good if every sample from 10 s before up to the first sample at least 5 s later is good.
         let stays = |at_s: f64| {
             let later = levels.iter().find(|(later_s, _)| *later_s >= at_s + 5.0).map(|(later_s, _)| *later_s);
             later.is_some_and(|later_s| is_good(at_s - 10.0, later_s))
@@ -274,7 +274,7 @@ impl Flown {
         passes
     }
 
-    /// Returns true if the vehicle reported that it is on the ground at the end.
+    /// Returns true if the vehicle's last report has it on the ground.
     pub(crate) fn landed(&self) -> bool {
         let on_ground = |(_, kind): &(f64, EventKind)| match kind {
             EventKind::Measurement(variable, value) if variable.attribute.is("on-ground") => Some(value.is_true()),

@@ -1,4 +1,4 @@
-//! Missions with a world file, and what their records say.
+//! Missions with a world file, and readings from their records.
 
 #![allow(dead_code, reason = "two tests use it, each a part")]
 
@@ -138,7 +138,7 @@ fn fly(mission: Mission, folder: tempfile::TempDir) -> Flown {
 }
 
 impl Flown {
-    /// Instant of the first message that begins so.
+    /// Instant of the first message with this beginning.
     pub(crate) fn first_s(&self, text: &str) -> f64 {
         let found = self.said.iter().find(|(_, said)| said.starts_with(text));
         found.map(|(at_s, _)| *at_s).unwrap_or_else(|| panic!("no {text}\n{}", self.story()))
@@ -190,7 +190,7 @@ impl Flown {
         (number(0), number(1), number(2))
     }
 
-    /// Returns metres from the last place to one.
+    /// Returns the distance from the vehicle's last place to a given one, m.
     pub(crate) fn last_distance_m(&self, latitude_deg: f64, longitude_deg: f64) -> f64 {
         const DEGREE_M: f64 = 111_195.0;
         let (latitude, longitude, _) = self.last_place();

@@ -1,4 +1,4 @@
-//! Random missions over a made-up land: zones of all bands and times, fires, recalls, new targets, lost links.
+//! Random missions over invented land: zones of all altitude bands and times, fires, recalls, new targets, lost links.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -27,7 +27,7 @@ impl Draws {
 
 const KM_PER_DEG: f64 = 111.2;
 const HOME: (f64, f64) = (40.0, -115.0);
-/// Zones keep this far from home, so that there is space to take off and to land.
+/// Least distance of zones from home, to leave space for takeoff and landing.
 const HOME_ROOM_KM: f64 = 40.0;
 
 /// The files of a mission.

@@ -1,4 +1,4 @@
-//! A bound that a known plan betters: one of the two is wrong, so neither is reported.
+//! A bound that a known plan violates: bound or plan is wrong, so neither is reported.
 
 use apex_model::problem::{Plan, Problem};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// Share within which a value and its bound are equal: both are sums, and proofs round.
 const SAME: f64 = 1e-7;
 
-/// An internal error: a bound and a plan that cannot both be right, with what is needed to see it again.
+/// An internal error: a bound and a plan that contradict each other, with the data to reproduce it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contradiction {
     /// The problem.
@@ -20,7 +20,8 @@ pub struct Contradiction {
 }
 
 impl Contradiction {
-    /// Returns the error for a plan of this value if it betters `bound`; `None` if the two agree. `less_is_better` of costs and lengths.
+    /// Returns the error for a plan of this value if it is better than `bound`; `None` if the two agree. `less_is_better` for costs and
+    /// lengths.
     pub fn found(
         problem: &Problem,
         plan: &Plan,
@@ -48,7 +49,8 @@ impl fmt::Display for Contradiction {
 
 impl std::error::Error for Contradiction {}
 
-/// Compares what a plan states with its own value; a plan that betters its bound loses it. The remaining rounding error is taken off.
+/// Compares the stated bound of a plan with the plan's value; a plan that violates its bound loses the bound. A remaining rounding error
+/// is removed.
 pub(super) fn check(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
     let (value, bound, less_is_better) = match plan {
         Plan::Surveillance(plan) => (plan.expected_cost, &mut plan.expected_cost_bound, true),

@@ -1,4 +1,4 @@
-//! Values that no plan undercuts: least event rates and shortest times of paths, of which bounds are made.
+//! Lower bounds of inputs, from which bounds on plans are made: least event rates and shortest travel times.
 
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 
@@ -25,7 +25,7 @@ pub(super) fn ways(problem: &SurveillanceProblem) -> Vec<Vec<f64>> {
             }
         }
     }
-    // A path that no vehicle can fly takes no part in a plan; as a number it would only weaken the others.
+    // A path that no vehicle can fly is in no plan; as a number it would only weaken the bounds.
     let limit_s = problem.horizon_s;
     ways.iter_mut().flatten().for_each(|way| *way = way.min(limit_s));
     ways

@@ -1,11 +1,11 @@
 //! Proven lower bounds on the expected cost of ignorance (paper, section II.A; ours beyond it): no plan costs less.
 //!
-//! Three ways, the greatest value counts. [`price`] puts a price on time and lets every target answer to it alone: some
-//! microseconds, weak where targets lie in groups. [`absences`] is a linear program over how often each leg is flown, in which
-//! groups of targets are unobserved together while the vehicle is elsewhere: some tenths of a second for 16 targets.
-//! [`ages`] goes backwards in time over a grid of the ages of all targets, which are few, and bounds flights that never wait: a
-//! second or two, and near to the best. The others bound all flights.
-//! Each bound brings its proof, whose value [`verified`] computes again without the solver that found it.
+//! Three methods exist, and the greatest bound counts. [`price`] puts a price on time and lets every target respond to it independently:
+//! some microseconds; weak if targets are clustered. [`absences`] is a linear program over the number of times each leg is flown, in
+//! which groups of targets are unobserved together while the vehicle is elsewhere: some tenths of a second for 16 targets. [`ages`] is a
+//! dynamic program backwards in time over a grid of the ages of all targets, for few targets and flights that never wait: a second or
+//! two, and tight. The first two bound all flights. Each bound has a certificate whose value [`verified`] computes again without the
+//! solver that found it.
 
 pub mod age_grid;
 mod contradiction;
@@ -23,7 +23,7 @@ use apex_planning::meter::Meter;
 use apex_planning::solver::WorkBudget;
 use std::borrow::Cow;
 
-/// A bound with what proves it.
+/// A bound with its certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     /// No plan costs less; with a proof by ages, none that never waits.
@@ -43,8 +43,8 @@ pub enum Proof {
     AgeGrid(age_grid::horizon::GridResolution),
 }
 
-/// States in a plan of surveillance a bound of any plan, where the plan has none or claims less, by the price of time:
-/// in little time, as in flight. Plans of single visits bring their bounds.
+/// Adds a bound to a surveillance plan, by the price of time, if the plan has none or a weaker one; fast enough for flights. Single-visit
+/// plans contain their bounds already.
 ///
 /// # Errors
 /// The bound contradicts the plan, which then states none.
@@ -52,7 +52,7 @@ pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
     state_at_least(problem, plan, |problem| price::expected_cost(&simplified(problem)).expected_cost)
 }
 
-/// States `bound` in a plan of surveillance, unless the plan claims a greater one.
+/// Stores `bound` in a surveillance plan, unless the plan has a greater one.
 ///
 /// # Errors
 /// Like [`state`].
@@ -73,7 +73,7 @@ pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// Like [`expected_cost_without_waiting`], with what the budget is enough for.
+/// Like [`expected_cost_without_waiting`], within the budget of `meter`.
 pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let of_all = expected_cost_within(problem, meter);
     match age_grid::horizon::expected_cost(&rates::held(problem), meter) {
@@ -89,12 +89,12 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// Like [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
-/// the horizon: each counts at its least.
+/// Like [`expected_cost`], within the budget of `meter`. If rates change before the horizon, each counts at its least value, and the
+/// meter reports that the bound is incomplete.
 pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let problem = &*simplified(problem);
     if rates::change(problem) {
-        // Every rate counts at its least: what changes would prove more is left undone.
+        // Every rate counts at its least value: a proof that uses the changes does not exist.
         meter.cut();
     }
     let of_price = price::expected_cost(problem);
@@ -108,8 +108,8 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
     }
 }
 
-/// Returns the problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
-/// more than those of the problem: a slow leg is a fast one and a wait, which no bound here forbids.
+/// Returns the problem with the least time of each leg over all departures, and with the rates up to the horizon. It admits all plans of
+/// the original problem: a slow leg is a fast one followed by a wait, which no bound here forbids.
 fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let held = rates::held(problem);
     if problem.travel.is_constant() {
@@ -118,7 +118,7 @@ fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..held.into_owned() })
 }
 
-/// Returns what the proof proves for `problem`, computed again: any numbers prove something, good ones much.
+/// Returns the bound that the certificate proves for `problem`, computed again: arbitrary numbers prove a valid but weak bound.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
     let quickest = &*simplified(problem);
     match proof {

@@ -1,11 +1,11 @@
 //! A bound by a price on time (a Lagrange multiplier).
 //!
-//! The cost of a span without observation is convex in its length, because the cost of an event never falls with its age.
-//! So a target where the vehicle stays `k` times, `e` seconds longer in all than one observation each, costs at least
-//! `(k + 1) G((T - e) / (k + 1))`: the rest of the time in equal parts, nothing while it stays longer. Each stay takes one
-//! observation, half of the shortest way to the target and half of the shortest way from it. All must fit into the flight,
-//! which the price takes care of: whatever it is, the targets' cheapest answers to it bound every plan.
-//! Not counted is that ways between far groups of targets must be flown too, so the bound is weak for two clusters.
+//! The cost of an interval without observation is convex in its length, because the cost of an event never falls with its age. So a
+//! target at which the vehicle stays `k` times, `e` seconds longer in total than one observation each, costs at least `(k + 1) G((T - e)
+//! / (k + 1))`: the remaining time in equal parts, and no cost during stays. Each stay takes one observation, half of the shortest way to
+//! the target and half of the shortest way from it. All stays must fit into the flight; a multiplier relaxes this constraint, and for any
+//! multiplier the targets' cheapest responses bound every plan. Travel between distant groups of targets is not counted, so the bound is
+//! weak for clusters.
 //! Bound: O(prices x targets x visits that fit), with [`PRICES_MAX`] prices.
 
 use apex_metrics::eci;
@@ -15,12 +15,12 @@ use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S
 pub const PRICES_MAX: usize = 48;
 /// Work per target for all prices together, in nanoseconds.
 pub(super) const TARGET_NS: f64 = 2e5;
-/// Share by which a bound is lowered, so that rounding cannot lift it above the truth.
+/// Relative amount by which a bound is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 1e-9;
-/// Halvings in the search for the span that a price is worth: they end at the last bit.
+/// Bisection steps in the search for the interval that a price is worth: enough for the last bit.
 const HALVINGS: usize = 64;
 
-/// A bound with the price of a second that proves it.
+/// A bound with the price of a second as its certificate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PriceBound {
     /// No plan costs less.
@@ -33,7 +33,7 @@ pub struct PriceBound {
 pub fn expected_cost(problem: &SurveillanceProblem) -> PriceBound {
     let targets = prepared(problem);
     let value = |price: f64| PriceBound { expected_cost: of_targets(problem, &targets, price), price_per_s: price };
-    // The bound is concave in the price: golden sections over its logarithm between nothing and what any second is worth.
+    // The bound is concave in the price: golden-section search over the logarithm of the price, up to the greatest value of any second.
     let highest = targets.iter().map(|target| target.cost_at(target.span_s)).fold(0.0, f64::max);
     let mut best = value(0.0);
     if highest <= 0.0 || !highest.is_finite() {
@@ -63,14 +63,14 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> PriceBound {
     best
 }
 
-/// Returns the bound that one price proves: the certificate's own evaluation.
+/// Returns the bound that one price proves; verification of a certificate calls this too.
 pub fn at_price(problem: &SurveillanceProblem, price_per_s: f64) -> f64 {
     of_targets(problem, &prepared(problem), price_per_s.max(0.0))
 }
 
 fn of_targets(problem: &SurveillanceProblem, targets: &[PricedTarget<'_>], price: f64) -> f64 {
     let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
-    // The last visit has no way on, if the mission ends anywhere; each stay was charged half of one.
+    // If the mission may end anywhere, the last visit has no way onward; half of one was charged for each stay.
     let spared_s = if problem.return_to_base {
         0.0
     } else {
@@ -85,11 +85,11 @@ struct PricedTarget<'a> {
     target: &'a SurveillanceTarget,
     /// Least events per second at any time.
     events_per_s: f64,
-    /// The time over which it costs: the horizon and its age at the start.
+    /// The time that its cost covers: the horizon plus its age at the start.
     span_s: f64,
     /// Least duration of a stay: one observation and half of the shortest paths to the target and from it.
     stay_s: f64,
-    /// Half of the shortest way from it.
+    /// Half of the shortest way from the target.
     half_out_s: f64,
     /// Stays that fit.
     stays_max: u32,
@@ -134,7 +134,7 @@ impl PricedTarget<'_> {
         for stays in 0..=self.stays_max {
             let cost = self.with_stays(stays, price, worth_s);
             least = least.min(cost);
-            // The cost is convex in the number of stays: once it rises it keeps rising.
+            // The cost is convex in the number of stays: once it rises, it keeps rising.
             if cost > before {
                 break;
             }
@@ -146,15 +146,15 @@ impl PricedTarget<'_> {
     fn with_stays(&self, stays: u32, price: f64, worth_s: f64) -> f64 {
         let stays = f64::from(stays);
         let parts = stays + 1.0;
-        // Without a stay there is nothing to lengthen.
+        // Without a stay there is no stay to extend.
         let part_s = if stays == 0.0 { self.span_s } else { worth_s.min(self.span_s / parts) };
         let longer_s = (self.span_s - parts * part_s).max(0.0);
         let gathered = self.events_per_s * eci::cost_integral(&self.target.cost, part_s);
         parts * gathered + price * (longer_s + stays * self.stay_s)
     }
 
-    /// Returns the span at whose end a second costs as much as the price: longer ones are worth cutting short. Rounded down or up
-    /// by a last bit it is as good, for the cost is flat there.
+    /// Returns the length of interval at whose end a second costs as much as the price: longer intervals are worth shortening. Rounding
+    /// by a last bit does not matter, because the cost is flat there.
     fn span_worth(&self, price: f64) -> f64 {
         if self.cost_at(self.span_s) <= price {
             return self.span_s;

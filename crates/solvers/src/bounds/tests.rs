@@ -1,4 +1,4 @@
-//! Bounds hold against every plan of small problems, are tight where they must be, and their certificates say the same.
+//! Bounds hold for every plan of small problems, are tight where they must be, and equal the values of their certificates.
 
 use super::*;
 use crate::planners::tour_annealing::TourAnnealing;
@@ -25,8 +25,7 @@ proptest! {
         seed in 0..1000_u64, cost in families(), other in families(), home: bool, age in 0.0..300.0f64,
         later in 0.1..3.0f64, horizon in 200.0..900.0f64, turn in prop::option::of(0.2..0.9f64),
     ) {
-        // All words of up to seven visits over three targets, one of which has a rate that changes.
-        // The wind may turn on the way.
+        // All words of up to seven visits over three targets, one of which has a rate that changes. The wind may change on the way.
         let mut problem = match turn {
             Some(share) => examples::turning(3, seed, 3_000.0, share * horizon),
             None => examples::sized(3, seed, 3_000.0),
@@ -66,7 +65,7 @@ fn one_target_that_is_watched_all_the_time_costs_next_to_nothing() {
     problem.travel.from_start_s[0] = 0.0;
     problem.horizon_s = 1_000.0;
     let bound = expected_cost(&problem);
-    // 100 observations of 10 s each leave 100 spans of 10 s; the bound does not count spans within a stay.
+    // 100 observations of 10 s each leave 100 intervals of 10 s; the bound does not count intervals within a stay.
     assert!(bound.expected_cost >= 0.0 && bound.expected_cost <= 5_000.0, "{bound:?}");
 }
 
@@ -88,8 +87,8 @@ fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
     assert!(mean > 0.9, "{mean} {ratios:?}");
 }
 
-/// Returns what is proven without waiting within that many units, if it is true, with the work of it and whether it was
-/// everything.
+/// Returns the bound without waiting that `units` of work prove, checked to be valid, with the work used, and true if the proof is
+/// complete.
 fn within(problem: &SurveillanceProblem, units: u64) -> (f64, u64, bool) {
     let mut budget = WorkBudget::new(units);
     let mut meter = Meter::new(&mut budget);
@@ -113,7 +112,7 @@ fn a_small_budget_proves_less_says_so_and_is_kept() {
         let mut before = 0.0;
         for share in [1_000, 30, 4] {
             let (proven, used, complete) = within(&problem, needed / share);
-            // The fast bound and the smallest program are tried whatever the budget is.
+            // The fast bound and the smallest program are computed whatever the budget is.
             assert!(used <= needed / share * 5 / 4 + 3_000, "{count}: {used} of {needed} / {share}");
             assert!(!complete && proven <= all * (1.0 + 1e-9), "{count}: {proven} {all}");
             assert!(proven >= 0.9 * before, "{count}: {proven} after {before} with less");

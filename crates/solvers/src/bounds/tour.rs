@@ -1,10 +1,8 @@
-//! A bound on the length of a tour: trees with one circle, whose prices make every node have two neighbours (Held and Karp
-//! 1970).
+//! A bound on the length of a tour: 1-trees, with multipliers that drive every node towards two neighbours (Held and Karp 1970).
 //!
-//! A tour is a tree over all nodes but the depot, and two edges at the depot. Multipliers on nodes, paid at each of a
-//! tree's edges and given back twice, do not change a tour's length but raise that of trees that pass nodes by;
-//! whatever they are, the shortest tree bounds every tour (Held and Karp 1970). Of two directions the faster counts, so
-//! the bound is weak where they differ much.
+//! A tour is a tree over all nodes but the depot, plus two edges at the depot. Multipliers on nodes, added at each edge of the tree and
+//! subtracted twice per node, do not change the length of a tour, but raise that of trees that avoid nodes. For any multipliers the
+//! shortest such tree bounds every tour. Of two directions the faster counts, so the bound is weak if they differ much.
 //! Bound: O(rounds x nodes squared).
 
 use apex_model::problem::{TravelTimes, UNREACHABLE_S};
@@ -17,7 +15,7 @@ const ROUNDS: (usize, usize) = (20, 1_000);
 const LOOK_NS: f64 = 5.0;
 /// Rounds without a better bound after which steps are halved.
 const PATIENCE: u32 = 8;
-/// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
+/// Relative amount by which the bound is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 1e-9;
 
 /// Returns a lower bound on the time of a tour from the start through all targets and back to the base, as far as the budget suffices;
@@ -69,7 +67,8 @@ pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f6
     if whole { libm::ceil(proven - 1e-6) } else { proven }
 }
 
-/// Returns the shortest tree with one circle through the depot under prices, less the prices given back, and each node's degree.
+/// Returns the length of the shortest tree with two edges at the depot under the multipliers, less twice their sum, and each node's
+/// degree.
 fn tree(legs: &[Vec<f64>], prices: &[f64]) -> (f64, Vec<f64>) {
     let count = legs.len();
     let price = |node: usize| prices.get(node).copied().unwrap_or(0.0);

@@ -1,8 +1,8 @@
-//! The table of legs of a problem whose vehicle flies: ways around zones and through wind.
+//! The table of legs of a problem with flown paths: around zones and through wind.
 //!
-//! If nothing changes in time a leg takes what it takes now. Otherwise the least time over all departures is enclosed
-//! from below: a vehicle that leaves later does not arrive earlier, so between two departures no vehicle is faster than
-//! one that arrives with the first and has left with the second.
+//! If nothing changes with time, a leg takes its present time. Otherwise the least time over all departures is bounded from below: a
+//! later departure never arrives earlier, so between two departures no vehicle is faster than one that arrives with the first and has
+//! left with the second.
 //! Bound: O(nodes^2) paths, times the examined departures, [`DEPARTURES_MAX`] for each path.
 
 use super::network::{END, FIRST, NO_WAY, Node, START, ceil_ticks, floor_ticks};
@@ -24,8 +24,8 @@ const DEPARTURES_MAX: usize = 48;
 /// The least time is known to this share.
 const EXACT: f64 = 0.01;
 
-/// Ticks from the beginning of each node's visit to the arrival at each other one. None where the budget is used up by the search for
-/// the least.
+/// Returns the ticks from the beginning of each node's visit to the arrival at each other one; `None` if the search for the least times
+/// uses up the budget.
 pub(crate) fn legs(
     schedule: &mut Schedule<'_>,
     nodes: &[Node],
@@ -101,13 +101,13 @@ fn least_s(schedule: &mut Schedule<'_>, (from, to): (PointKey, PointKey), change
     let mut quickest_s = least_s;
     let mut open: Vec<((f64, f64), f64)> = Vec::new();
     for ((depart_s, taken_s), (next_s, _)) in known.iter().zip(known.iter().skip(1)) {
-        // Who is there before anything changes takes as long as who leaves first.
+        // A vehicle that arrives before anything changes takes as long as one that leaves first.
         let quiet_s = if taken_s.is_finite() { next_s - taken_s } else { *depart_s };
         open.push(((depart_s.max(quiet_s), *taken_s), *next_s));
     }
     let mut looked = 0;
     while let Some(((depart_s, taken_s), until_s)) = open.pop() {
-        // Where holding is not allowed, a later departure may be the first that is possible at all.
+        // If holding is not permitted, a later departure may be the first possible one.
         let no_less_s = if taken_s.is_finite() { nobody_s.max(depart_s + taken_s - until_s) } else { nobody_s };
         if no_less_s >= quickest_s * (1.0 - EXACT) || looked >= DEPARTURES_MAX {
             least_s = least_s.min(no_less_s);
@@ -133,7 +133,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(12))]
         #[test]
         fn no_departure_is_quicker_than_the_least(seed in 0..10_000u64, shares in prop::collection::vec(0.0..1.0f64, 24)) {
-            // Zones with times, landing places and a wind that turns.
+            // Zones with active times, landing places and a wind that changes.
             let problem = examples::random(4, seed);
             let mut schedule = Schedule::new(&problem).unwrap();
             let changes_s = schedule.travel.changes_s();

@@ -1,4 +1,4 @@
-//! Single-visit problems as planners and bounds see them: paths with travel times, schedules of orders, networks in ticks.
+//! Single-visit problems in the form that planners and bounds use: paths with travel times, schedules of orders, networks in ticks.
 //!
 //! Planners and bounds both import this folder; it imports neither.
 

@@ -1,7 +1,7 @@
-//! A problem whose ways take the same time at every departure, in whole ticks: nodes, legs, windows, neighbours.
+//! A problem whose travel times are equal for every departure, in whole ticks: nodes, legs, windows, neighbours.
 //!
-//! A node is a target with one of its manoeuvres in one of its windows. Ticks are whole numbers, so that times found by
-//! different ways of summing are equal, and they are rounded so that what fits in ticks fits in seconds.
+//! A node is a target with one of its manoeuvres in one of its windows. Ticks are integers, so that times summed in different orders are
+//! equal, and they are rounded such that a route feasible in ticks is feasible in seconds.
 
 use super::flown_legs;
 use super::schedule::Schedule;
@@ -15,24 +15,24 @@ pub(crate) const START: u32 = 0;
 pub(crate) const END: u32 = 1;
 /// The first node that is a visit.
 pub(crate) const FIRST: u32 = 2;
-/// A leg that cannot be flown: three of them still fit into 32 bits.
+/// Ticks of a leg that cannot be flown: the sum of three of them still fits into 32 bits.
 pub(crate) const NO_WAY: i32 = 1 << 29;
 /// Ticks of the longest flight: a leg in addition fits.
 const TICKS_MAX: f64 = (1_u32 << 27) as f64;
 /// More nodes than this are left to the general search: the table of legs would not fit.
 const NODES_MAX: usize = 6_000;
-/// Flights that may take longer are computed more exactly, so that ticks need not be coarser than a millisecond.
+/// Longest flight whose ticks are at most a millisecond; longer flights use a more precise computation.
 const FINE_SPAN_S: f64 = 1e-3 * TICKS_MAX;
-/// Two times nearer than this share of a tick are the same.
+/// Two times that differ by less than this share of a tick are equal.
 const SAME_TICKS: f64 = 1e-6;
 /// Greatest number of nodes in missions that are flown around zones: every pair of nodes has a separate path.
 const FLOWN_NODES_MAX: usize = 400;
-/// Work units of finding one of them, about.
+/// Approximate work units of finding one path.
 const UNITS_PER_WAY: u64 = 10;
 /// Nodes that a node has for neighbours, each way.
 const NEIGHBOURS: usize = 24;
 
-/// One way to visit one target.
+/// One way to visit one target: a manoeuvre in a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
     pub(crate) target: u32,
@@ -48,9 +48,9 @@ pub(crate) struct Network {
     pub(crate) nodes: Vec<Node>,
     pub(crate) targets: usize,
     legs: Vec<i32>,
-    /// The nodes as they were before windows were closed to what can be reached.
+    /// The nodes before their windows were narrowed to the times that can be reached.
     wide: Vec<Node>,
-    /// For each node those that it reaches soonest or that reach it soonest, nearest first; empty until they are found.
+    /// For each node those nearest in travel time, in either direction, nearest first; empty until they are computed.
     pub(crate) near: Vec<Vec<u32>>,
     /// Length of a tick.
     pub(crate) tick_s: f64,
@@ -59,8 +59,8 @@ pub(crate) struct Network {
 }
 
 impl Network {
-    /// Returns the network of a problem; `None` if ways, order, timing or costs need the general search, or the ways of a flight
-    /// would take more than half of the budget to find.
+    /// Returns the network of a problem; `None` if paths, order, timing or costs need the general search, or finding the paths would take
+    /// more than half of the budget.
     pub(crate) fn new(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
         let problem = schedule.problem;
         if !serves(schedule) {
@@ -104,9 +104,9 @@ impl Network {
         Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, cost_per_tick)))
     }
 
-    /// Returns a network in which no vehicle is slower than in the problem: each path at its best departure, each value
-    /// at its best time, and no order, for a bound on the worth of any plan. `None` with too many nodes, or if the
-    /// budget is too small to find the paths.
+    /// Returns a network in which every vehicle is at least as fast as in the problem: each path at its best departure, each value at its
+    /// best time, and no order, for a bound on the value of any plan. `None` if there are too many nodes, or the budget is too small to
+    /// find the paths.
     pub(crate) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], meter: &mut Meter<'_>) -> Option<Network> {
         let problem = schedule.problem;
         let span_s = span_s(schedule);
@@ -144,8 +144,8 @@ impl Network {
         network
     }
 
-    /// Returns a network with the same nodes in which every route of the problem fits, for bounds: where times are not whole ticks, those
-    /// here are rounded against the vehicle, and a route may be missed by a part of a tick. `None` if all times are whole.
+    /// Returns a network with the same nodes that admits every route of the problem, for bounds: if times are not whole ticks, those of
+    /// this network are rounded against the vehicle, and a route may be missed by a part of a tick. `None` if all times are whole.
     pub(crate) fn lowered(&self, problem: &SingleVisitProblem, limit_s: f64) -> Option<Network> {
         if is_whole(problem, limit_s, self.tick_s) {
             return None;
@@ -153,7 +153,7 @@ impl Network {
         let lower = |ticks: &i32| if *ticks >= NO_WAY { *ticks } else { (ticks - 1).max(0) };
         let wider = |node: &Node| Node { open: lower(&node.open), close: node.close.saturating_add(1), ..*node };
         let mut nodes: Vec<Node> = self.wide.iter().map(wider).collect();
-        // The flight begins when it begins.
+        // The beginning of the flight is fixed.
         if let Some(start) = nodes.get_mut(START as usize) {
             start.close = 0;
         }
@@ -189,8 +189,8 @@ impl Network {
         FIRST..self.nodes.len() as u32
     }
 
-    /// Opens windows at the earliest arrival and closes them at the last departure that reaches the end: over other
-    /// nodes where that is faster, as rounded or given times may have it.
+    /// Opens windows at the earliest arrival and closes them at the last departure that reaches the end, over other nodes if that is
+    /// faster, as with rounded or given times.
     fn tighten(&mut self) {
         let (first, rest) = self.quickest();
         let limit = self.limit();
@@ -200,8 +200,8 @@ impl Network {
         }
     }
 
-    /// Returns for each node the least ticks from the start and to the end. All legs are examined once; after that only
-    /// those of nodes that are reached, or from which the end is reached, sooner than was known.
+    /// Returns for each node the least ticks from the start and to the end. All legs are examined once; afterwards only those of nodes
+    /// for which a shorter time was found.
     fn quickest(&self) -> (Vec<i32>, Vec<i32>) {
         let count = self.nodes.len();
         let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
@@ -229,8 +229,8 @@ impl Network {
         (first, rest)
     }
 
-    /// Returns the same network with its ends exchanged: routes are flown backwards, times count from the end. A visit
-    /// begins as long before the end as it begins, at the latest, in the network.
+    /// Returns the same network with its ends exchanged: routes are flown backwards, and times count from the end. The window of a visit
+    /// is mirrored accordingly.
     pub(crate) fn turned(&self) -> Network {
         let count = self.nodes.len();
         let other = |node: usize| match node as u32 {
@@ -247,7 +247,7 @@ impl Network {
         Network { wide: Vec::new(), nodes, targets: self.targets, legs, near: Vec::new(), ..*self }
     }
 
-    /// Finds every node's neighbours: what is improved needs them, what is only repaired does not.
+    /// Computes every node's neighbours: the search that improves plans needs them, the repair of plans does not.
     pub(crate) fn find_neighbours(&mut self) {
         let of = |node: u32| {
             let mut all: Vec<(i32, u32)> = self
@@ -266,8 +266,8 @@ impl Network {
     }
 }
 
-/// Takes the legs of a node that is reached after `own` ticks into `first`; the least way over them to the end, whose rests are
-/// `rest`, as far as these go.
+/// Lowers the least times in `first` by the legs of a node that is reached after `own` ticks. Returns the least time over these legs to
+/// the end, with `rest` as remaining times.
 fn quicker_over(row: &[i32], own: i32, first: &mut [i32], rest: &[i32]) -> i32 {
     for (first, leg) in first.iter_mut().zip(row) {
         *first = (own + leg).min(*first);
@@ -275,20 +275,20 @@ fn quicker_over(row: &[i32], own: i32, first: &mut [i32], rest: &[i32]) -> i32 {
     row.iter().zip(rest).skip(FIRST as usize).map(|(leg, rest)| leg + rest).fold(NO_WAY, i32::min)
 }
 
-/// Visits of which something is less than it was.
+/// Returns the nodes whose time has decreased.
 fn changed(before: &[i32], now: &[i32]) -> Vec<usize> {
     let both = before.iter().zip(now).enumerate().skip(FIRST as usize);
     both.filter(|(_, (before, now))| now < before).map(|(node, _)| node).collect()
 }
 
-/// Returns true if the manoeuvre's lines may be flown. The constraints are the same at all times.
+/// Returns true if the manoeuvre's lines may be flown at all times; the constraints do not change with time.
 fn lines_are_free(schedule: &mut Schedule<'_>, target: usize, manoeuvre: usize) -> bool {
     let problem = schedule.problem;
     let flown = problem.travel.is_none() && !(problem.zones.is_empty() && problem.landing_distance_m_max.is_none());
     !flown || schedule.travel.lines_trouble(target, manoeuvre, problem.start_s, schedule.limit_s).is_none()
 }
 
-/// Returns true if order, timing, costs and paths allow it.
+/// Returns true if order, timing, costs and paths permit this network.
 pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     let problem = schedule.problem;
     let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
@@ -296,8 +296,8 @@ pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
 }
 
-/// Returns the greatest duration of a flight. If ticks would become coarse by that, and times are given, it is the
-/// duration of a flight that waits only for windows to open.
+/// Returns the greatest duration of a flight. If that would make the ticks coarse, and times are given, returns the duration of a flight
+/// that waits only for windows to open.
 fn span_s(schedule: &Schedule<'_>) -> f64 {
     let problem = schedule.problem;
     let span_s = schedule.limit_s - problem.start_s;
@@ -363,8 +363,8 @@ pub(crate) fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
     ceil(time_s / tick_s)
 }
 
-/// Rounds up by sums and comparisons only, so that the compiler rounds several at once: adding and subtracting a large number rounds to the
-/// nearest integer, which the last bits of such a sum hold.
+/// Rounds up by additions and comparisons only, so that the compiler can vectorise it: adding and subtracting a large number rounds to
+/// the nearest integer, which is in the last bits of the sum.
 #[inline(always)]
 fn ceil(ticks: f64) -> i32 {
     const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -378,19 +378,19 @@ pub(crate) fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
     libm::floor((time_s / tick_s).min(f64::from(NO_WAY))) as i32
 }
 
-/// Returns the table of legs, each with the visit that it begins with.
+/// Returns the table of legs; each includes the visit at its beginning.
 fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick_s: f64) -> Vec<i32> {
     let duration_s = |node: &Node| {
         let target = problem.targets.get(node.target as usize);
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(node.manoeuvre as usize));
         manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s)
     };
-    // Ticks are powers of ten: most of them have a whole number in a second, and multiplying is faster than dividing.
+    // Ticks are powers of ten: most divide a second, and multiplying is faster than dividing.
     let ticks_per_s = if tick_s < 1.0 { libm::round(1.0 / tick_s) } else { 1.0 / tick_s };
     let mut legs = vec![NO_WAY; nodes.len() * nodes.len()];
     let count = nodes.len();
     let targets: Vec<usize> = nodes.iter().skip(FIRST as usize).map(|node| node.target as usize).collect();
-    // Where every target is one node, in order, its ticks are copied as they are.
+    // If every target is one node, in order, its ticks are copied unchanged.
     let in_order = targets.iter().enumerate().all(|(index, target)| index == *target);
     let mut ticks: Vec<i32> = Vec::new();
     for (from, data) in nodes.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Targets that no flight visits, however it goes: by least times over any other targets.
+//! Targets that no flight can visit: by least times over any other targets.
 //!
-//! A vehicle that cannot fly to a target at once may come there by way of another one, if given times or heights have it so. So
-//! times are least ones over all departures and over any targets, which count with their shortest observation, whatever order
-//! and worth say. What is out of reach in these times is out of reach in every plan.
+//! A vehicle that cannot fly to a target directly may reach it through another one, if given times or heights permit it. So times are
+//! minima over all departures and over any detours; each target on a detour counts with its shortest observation, and order and value are
+//! ignored. A target that is out of reach in these times is out of reach in every plan.
 //! Bound: O(nodes^2); with more than [`NODES_MAX`] nodes nothing is said to be out of reach.
 
 use super::schedule::Schedule;
@@ -10,7 +10,7 @@ use super::travel::PointKey;
 
 /// Ways to observe targets, of all targets together: some milliseconds for a thousand.
 const NODES_MAX: usize = 2_000;
-/// Times may be missed by this much: they are summed in another order than those of a plan.
+/// Tolerance of times, in seconds: they are summed in another order than those of a plan.
 const SLACK_S: f64 = 1e-6;
 
 /// One way to observe one target.
@@ -90,8 +90,8 @@ fn quickest_home_s(schedule: &Schedule<'_>, nodes: &[ReachNode]) -> Vec<f64> {
     home_s
 }
 
-/// Makes the least number final, lets it lower the others, and so on. `over` is the number of the third by way of the first,
-/// which has the second.
+/// Computes least values in the manner of Dijkstra: makes the least one final, lets it lower the others, and repeats. `over(a, value, b)`
+/// is the value of `b` through `a`, which has `value`.
 fn settle(least: &mut [f64], over: impl Fn(usize, f64, usize) -> f64) {
     let mut open: Vec<usize> = (0..least.len()).collect();
     let at = |least: &[f64], node: usize| least.get(node).copied().unwrap_or(f64::INFINITY);

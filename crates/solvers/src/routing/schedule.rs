@@ -1,4 +1,4 @@
-//! Judging an order of visits: times, feasibility and score.
+//! Evaluates an order of visits: times, feasibility and score.
 
 use super::travel::{PointKey, Times, Travel};
 use apex_geo::{geodesy, sun};
@@ -6,12 +6,12 @@ use apex_metrics::mission_score;
 use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_planning::solver::Budget;
 
-/// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged in addition.
+/// Work units charged for one leg: a unit is about a tenth of a microsecond. The preparation of a path is charged separately.
 pub(crate) const UNITS_PER_LEG: u64 = 2;
-/// Times that differ by no more are equal, so that sums of decimals decide nothing.
+/// Times that differ by at most this are equal, so that sums of decimals do not decide.
 const SAME_S: f64 = 1e-9;
 
-/// One visit of a plan in the making.
+/// One visit of a plan under construction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     /// Index of the target.
@@ -49,7 +49,7 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    /// Returns true if this is better than `other`: a higher score, or the same in less time.
+    /// Returns true if this evaluation is better than `other`: a higher score, or the same score in less time.
     pub(crate) fn beats(&self, other: &Judged) -> bool {
         let close = 1e-9 * (1.0 + self.score.abs());
         self.score > other.score + close || (self.score > other.score - close && self.end_s < other.end_s - 1e-6)
@@ -59,7 +59,7 @@ impl Judged {
 /// Reason for which an order cannot be flown.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Infeasibility {
-    /// No way, or no time window: the phrase says which.
+    /// No path or no time window; the phrase states which.
     Impossible(String),
     /// The flight would end this much too late.
     TooLate {
@@ -76,10 +76,10 @@ pub(crate) struct Schedule<'a> {
     pub(crate) travel: Travel<'a>,
     /// For each target and manoeuvre the spans in which the observation may begin.
     windows: Vec<Vec<Vec<TimeWindow>>>,
-    /// For each target those that must come earlier.
+    /// For each target the targets that must precede it.
     earlier: Vec<Vec<usize>>,
     costs: Costs,
-    /// Latest end of the flight, with what sets it.
+    /// Latest end of the flight, and the limit that causes it.
     pub(crate) limit_s: f64,
     pub(crate) limit_name: &'static str,
 }
@@ -123,7 +123,7 @@ impl<'a> Schedule<'a> {
         self.judge_after(&[], order, budget)
     }
 
-    /// Like [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
+    /// Like [`Schedule::judge`], if the first visits of `order` are known to happen as in `known`.
     ///
     /// # Errors
     /// Why it cannot be flown.
@@ -136,8 +136,8 @@ impl<'a> Schedule<'a> {
         self.judge_visits((known, order), false, budget)
     }
 
-    /// Like [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
-    /// one, the flight ends there, since later visits may have a way.
+    /// Like [`Schedule::judge_after`], for the first visits of a plan: if a zone closes the way to the base at the end of the last one,
+    /// the flight ends there, because later visits may have a way.
     ///
     /// # Errors
     /// Why it cannot be flown.
@@ -184,7 +184,7 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits, end_s, score })
     }
 
-    /// Returns a flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
+    /// Returns a flight without visits: home, if the vehicle is elsewhere. With given times, and from the base, there is no flight.
     ///
     /// # Errors
     /// No way leads home, or the flight would end too late.
@@ -252,8 +252,7 @@ impl<'a> Schedule<'a> {
         trouble.map_or(Ok(()), |trouble| Err(Infeasibility::Impossible(trouble)))
     }
 
-    /// Returns the arrival at the base of the vehicle that is ready to leave `node` at `ready_s`; `ready_s` if there is
-    /// no base.
+    /// Returns the arrival at the base of a vehicle that can leave `node` at `ready_s`; `ready_s` if there is no base.
     pub(crate) fn home_at_s(&mut self, node: PointKey, ready_s: f64) -> Result<f64, Infeasibility> {
         if self.problem.base.is_none() {
             return Ok(ready_s);
@@ -290,7 +289,7 @@ impl<'a> Schedule<'a> {
         windows.map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the targets that must come before `target`.
+    /// Returns the targets that must precede `target`.
     pub(crate) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
     }
@@ -321,7 +320,7 @@ impl Costs {
     }
 }
 
-/// Returns the latest end of the flight and what sets it.
+/// Returns the latest end of the flight, and the limit that causes it.
 fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     let vehicle = &problem.vehicle;
     let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, "endurance")];
@@ -333,8 +332,8 @@ fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
 }
 
-/// Returns the spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
-/// to its end.
+/// Returns the intervals in which each observation may begin, both ends included: the target's windows, restricted to the light that must
+/// last to its end.
 fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
     let of_target = |target: &apex_model::problem::SingleVisitTarget| {
         let light =

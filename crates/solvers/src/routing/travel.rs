@@ -1,9 +1,9 @@
-//! Ways and times between the places of a single-visit problem: legs through wind and around airspace, or given as numbers.
+//! Paths and travel times between the places of a single-visit problem: computed through wind and around airspace, or given as numbers.
 //!
-//! A vehicle changes its altitude as soon as it leaves a place: near it all altitudes between those of both ends count,
-//! farther on that of the other end alone. So pairs of places differ in the zones that count for them; for each set of
-//! zones there is one network (`apex_geo::travel`), made when it is first needed. Times are exact for every departure
-//! and first in, first out. The examined parts of a network are charged as work.
+//! A vehicle changes its altitude as soon as it leaves a place: near the place all altitudes between both ends count, farther away only
+//! that of the other end. So pairs of places differ in the zones that apply to them; each set of zones has one network
+//! (`apex_geo::travel`), made when it is first needed. Times are exact for every departure, and a later departure never arrives earlier.
+//! The examined parts of a network are charged as work.
 
 use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
@@ -14,9 +14,9 @@ use apex_model::problem::{
 };
 use std::collections::BTreeMap;
 
-/// Work units of looking at one leg, or at one way on from a bend.
+/// Work units of examining one leg, or one continuation from a bend.
 const UNITS_PER_LOOK: u64 = 5;
-/// Networks of one problem; further sets of zones share one in which every zone counts at every altitude.
+/// Networks of one problem; further sets of zones share one in which every zone applies at every altitude.
 const NETWORKS_MAX: usize = 16;
 
 /// A place by name, for remembering.
@@ -54,13 +54,13 @@ pub(crate) struct Times {
     pub(crate) arrive_s: f64,
 }
 
-/// Zones that are distinguished; further ones count on every leg.
+/// Number of zones that are distinguished by altitude; further ones apply to every leg.
 const ZONES_TOLD_APART: usize = 128;
 
 /// A set of zones, by their numbers.
 type ZoneSet = u128;
 
-/// A network with the numbers that nodes have in it.
+/// A network, with the numbers of the nodes in it.
 struct Layer {
     zones: ZoneSet,
     network: Network,
@@ -73,7 +73,7 @@ struct Spot {
     position: Position,
     altitude_m: f64,
     direction: Direction,
-    /// In which direction it is left and reached, clockwise from north; none is any.
+    /// Direction in which the place is left and reached, clockwise from north; `None` for any direction.
     track_rad: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ pub(crate) struct Travel<'a> {
     /// The first manoeuvre of each target among all manoeuvres.
     offsets: Vec<usize>,
     spots: Vec<Spot>,
-    /// Positions in whose middle the projection is centred.
+    /// Positions around whose centre the projection is placed.
     around: Vec<Position>,
     air: Air,
     /// For each spot its distance from each zone that is distinguished, m.
@@ -175,7 +175,7 @@ impl<'a> Travel<'a> {
         self.find(from, to, ready_s).map(|(_, times, _)| times)
     }
 
-    /// Returns the time from being ready to leave `from` at `ready_s` to being at `to`, holding included; `None` if there is no way.
+    /// Returns the time from being ready to leave `from` at `ready_s` to the arrival at `to`, including holds; `None` if no path exists.
     pub(crate) fn time_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<f64> {
         self.times(from, to, ready_s).ok().map(|times| times.arrive_s - ready_s)
     }
@@ -197,7 +197,7 @@ impl<'a> Travel<'a> {
         start.direction.distance_m_min(end.direction) / self.air.ground_speed_mps_max()
     }
 
-    /// Returns the way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
+    /// Returns the path from `from` to `to` of a vehicle that can leave at `ready_s`.
     ///
     /// # Errors
     /// A phrase that names the obstacle, for example "inside restricted area R-2515".
@@ -239,7 +239,8 @@ impl<'a> Travel<'a> {
         self.zones_where(|zone, _| holds(zone, altitude_m))
     }
 
-    /// Zones of a path from `from` to an altitude: those at it, and near `from` those at altitudes passed in `climb_s`.
+    /// Returns the zones of a path from `from` to an altitude: those at that altitude, and near `from` those at altitudes passed in
+    /// `climb_s`.
     fn zones_between(&self, from: usize, from_m: f64, to_m: f64, climb_s: f64) -> ZoneSet {
         let reach_m = climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m;
         let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
@@ -258,7 +259,7 @@ impl<'a> Travel<'a> {
         told_apart.fold(0, |set, (number, zone)| if counts(zone, number) { set | 1 << number } else { set })
     }
 
-    /// Returns the number of the layer for legs on which these zones count.
+    /// Returns the number of the network for legs to which these zones apply.
     fn layer(&mut self, zones: ZoneSet) -> Result<usize, String> {
         if let Some(known) = self.layers.iter().position(|layer| layer.zones == zones) {
             return Ok(known);
@@ -275,7 +276,7 @@ impl<'a> Travel<'a> {
     fn made(&mut self, set: ZoneSet) -> Result<usize, String> {
         let problem = self.problem;
         let counts = |number: usize| number >= ZONES_TOLD_APART || set & (1 << number) != 0;
-        // The set says which zones count: those reach to every altitude, the others to none.
+        // The set determines the zones: those in it reach to every altitude, the others to none.
         let zone = |(number, zone): (usize, &AirspaceZone)| {
             let altitude_m_min = if counts(number) { f64::NEG_INFINITY } else { f64::INFINITY };
             AirspaceZone { altitude_m_min, altitude_m_max: f64::INFINITY, ..zone.clone() }
@@ -349,7 +350,7 @@ impl<'a> Travel<'a> {
         trouble
     }
 
-    /// Returns the time to climb or descend from one altitude to the other: a leg takes no less.
+    /// Returns the time to climb or descend between two altitudes, which is the least time of a leg.
     fn climb_s(&self, from_m: f64, to_m: f64) -> f64 {
         let vehicle = &self.problem.vehicle;
         let rate_mps = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
@@ -358,7 +359,7 @@ impl<'a> Travel<'a> {
 }
 
 impl Layer {
-    /// Returns the place of a node, added when it is first needed.
+    /// Returns the number of a node in the network; adds the node when it is first needed.
     fn place(&mut self, node: usize, position: Position, track_rad: Option<f64>) -> Result<EndpointId, TravelError> {
         if let Some(Some(known)) = self.places.get(node) {
             return known.clone();
@@ -379,7 +380,7 @@ fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
     (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
 }
 
-/// Returns a travel time given as a number; `None` if there is no way.
+/// Returns a given travel time; `None` if no path exists.
 fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) -> Option<f64> {
     let time_s = match (from, to) {
         (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_at(to, depart_s),
@@ -390,7 +391,7 @@ fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) ->
     (time_s < UNREACHABLE_S).then_some(time_s)
 }
 
-/// Returns the least of them over all departures; infinite where there is no way.
+/// Returns the least given travel time over all departures; infinite if no path exists.
 fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
     let time_s = match (from, to) {
         (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_s_min(to),
@@ -401,9 +402,8 @@ fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
     if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
 }
 
-/// Returns the direction of the line that a manoeuvre begins or ends with. A place without one is flown over in the
-/// direction from the start, so that a vehicle that turns back over it pays for the turn; start and base are left and
-/// met in any direction (`None`).
+/// Returns the direction of the line with which a manoeuvre begins or ends. A place without a line is passed in the direction from the
+/// start, so that a vehicle that turns back over it pays for the turn; start and base have no direction (`None`).
 fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     let target = match node {
         PointKey::Start | PointKey::Base => return None,
@@ -415,7 +415,7 @@ fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     })
 }
 
-/// Returns the direction of the line that a manoeuvre begins or ends with; `None` if it has none.
+/// Returns the direction of the line with which a manoeuvre begins or ends; `None` if it has no line.
 fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     let lines = |target: usize, manoeuvre: usize| {
         problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)

@@ -1,4 +1,4 @@
-//! Random numbers of this test alone: SplitMix64 (Steele, Lea and Flood 2014).
+//! Random numbers for this test alone: SplitMix64 (Steele, Lea and Flood 2014).
 
 /// A generator; equal seeds give equal numbers.
 pub(crate) struct Chance(u64);
@@ -25,7 +25,7 @@ impl Chance {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// True in so many of a hundred cases.
+    /// Returns true with a probability of `percent` in a hundred.
     pub(crate) fn percent(&mut self, percent: usize) -> bool {
         self.below(100) < percent
     }
@@ -35,7 +35,7 @@ impl Chance {
         all[self.below(all.len())]
     }
 
-    /// Returns a time up to `most_s` in whole eighths of a second: sums of them are exact.
+    /// Returns a time up to `most_s` in eighths of a second, whose sums are exact.
     pub(crate) fn eighths(&mut self, most_s: f64) -> f64 {
         (self.unit() * most_s * 8.0).round() / 8.0
     }

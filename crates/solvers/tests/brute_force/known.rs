@@ -1,4 +1,4 @@
-//! Problems of which something false was once proven.
+//! Problems for which a false bound or plan was once computed.
 
 use crate::chance::Chance;
 use crate::{visits, watches};
@@ -7,7 +7,7 @@ use apex_model::problem::{
     SurveillanceProblem, SurveillanceTarget, TimeWindow, TravelTimes, UNREACHABLE_S,
 };
 
-/// Of these the bound by ages on a grid was above the cost of doing nothing, or of the only flight.
+/// For these, the bound by ages on a grid once exceeded the cost of staying, or that of the only flight.
 #[test]
 fn grids_of_ages_bound_problems_in_which_little_can_be_flown() {
     for seed in [1_000_035, 1_000_366, 1_001_288, 1_001_950, 1_002_282, 1_002_799] {
@@ -15,7 +15,7 @@ fn grids_of_ages_bound_problems_in_which_little_can_be_flown() {
     }
 }
 
-/// Targets by name and value, each of one manoeuvre without duration, 10 s from everything, an hour of endurance.
+/// Returns a problem of targets by name and value, each with one manoeuvre without duration, 10 s apart, with an hour of endurance.
 fn visits_of(targets: &[(&str, f64)]) -> SingleVisitProblem {
     let count = targets.len();
     let target = |(name, value): &(&str, f64)| SingleVisitTarget {

@@ -1,8 +1,8 @@
-//! Plans and proofs against brute force that shares nothing with them but the problem's data types.
+//! Plans and proofs against brute force that shares only the problem's data types with them.
 //!
-//! A bound beyond what some plan reaches is a false proof; a plan that claims more than the best order gives is a false plan.
-//! `APEX_BRUTE_FORCE_PROBLEMS` says how many problems are tried (`make nightly`: 100,000), `APEX_BRUTE_FORCE_SEED` which is
-//! the first. A failure prints its seed and the problem as JSON.
+//! A bound that some plan exceeds is a false proof; a plan that claims more than the best order gives is a false plan.
+//! `APEX_BRUTE_FORCE_PROBLEMS` sets the number of problems (`make nightly`: 100,000), `APEX_BRUTE_FORCE_SEED` the first one. A failure
+//! prints its seed and the problem as JSON.
 #![allow(clippy::expect_used, clippy::panic, clippy::indexing_slicing, reason = "a test")]
 #![allow(clippy::disallowed_methods, reason = "separate mathematics, and the environment")]
 
@@ -15,7 +15,7 @@ mod watch_problems;
 mod watch_words;
 mod watches;
 
-/// Problems of a run, seven in ten of them single visits.
+/// Number of problems of a run; seven in ten are single-visit problems.
 fn problems() -> u64 {
     number("APEX_BRUTE_FORCE_PROBLEMS").unwrap_or(2_000)
 }

@@ -1,12 +1,11 @@
 //! Every order of visits of a single-visit problem with given travel times, by plain enumeration.
 //!
-//! Nothing is shared with planners or checkers but the problem's data types: legs, windows, order, limits and worth are
-//! computed here, as `docs/reference/planning-problems.md` defines them.
+//! It shares only the problem's data types with planners and checkers: legs, windows, order, limits and values are computed here, as
+//! `docs/reference/planning-problems.md` defines them.
 
 use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
-/// Returns the greatest sum of worths of any plan. Times have to be kept with `margin_s` to spare; a negative margin allows
-/// them to be missed by its size.
+/// Returns the greatest sum of values of any plan. Times must be kept with a reserve of `margin_s`; a negative margin is a tolerance.
 pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> f64 {
     let worth_max = problem
         .targets
@@ -23,7 +22,7 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
     orders.best
 }
 
-/// Returns the sum of worths of the visits that a plan names, at the times when it begins them.
+/// Returns the sum of values of the visits in a plan, at their stated beginnings.
 pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f64)]) -> f64 {
     let worth = |(name, manoeuvre, begin_s): &(String, usize, f64)| {
         let target = problem.targets.iter().find(|target| target.name == *name).expect("a target of the problem");
@@ -32,7 +31,7 @@ pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f
     visits.iter().map(worth).sum()
 }
 
-/// Returns the time from one target (none: the start) to another one (none: the base) for a departure at `depart_s`.
+/// Returns the time from one target (`None`: the start) to another (`None`: the base) for a departure at `depart_s`.
 pub(crate) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>, depart_s: f64) -> f64 {
     let of = |start: &[f64], between: &[Vec<f64>], base: &[f64]| match (from, to) {
         (Some(from), Some(to)) => between[from][to],
@@ -132,9 +131,8 @@ impl Orders<'_> {
         }
     }
 
-    /// Returns the instants at which an observation may begin after an arrival: as early as possible, because a later
-    /// departure never arrives earlier; for worths that change with time also at the corners of the timing and the ends
-    /// of windows.
+    /// Returns the instants at which an observation may begin after an arrival: as early as possible, because a later departure never
+    /// arrives earlier; for values that change with time also the corners of the timing and the ends of windows.
     fn begins_s(&self, target: usize, arrive_s: f64) -> Vec<f64> {
         let data = &self.problem.targets[target];
         let always = [(f64::NEG_INFINITY, f64::INFINITY)];

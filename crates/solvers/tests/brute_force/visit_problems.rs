@@ -1,4 +1,4 @@
-//! Random single-visit problems with given travel times: metric and not, with windows, order, timing, and degenerate.
+//! Random single-visit problems with given travel times: metric and non-metric, with windows, order and timing, and degenerate ones.
 
 use crate::chance::Chance;
 use apex_model::problem::{
@@ -6,7 +6,7 @@ use apex_model::problem::{
     SingleVisitVehicle, TimeWindow, TravelTimes, UNREACHABLE_S,
 };
 
-/// Returns a problem whose times are whole eighths of a second, and up to 8 targets.
+/// Returns a problem of up to 8 targets whose times are multiples of an eighth of a second.
 pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
     let count = 1 + chance.below(8);
     let travel = travel(chance, count);

@@ -23,7 +23,7 @@ pub(crate) fn differences(seed: u64) -> Vec<String> {
     found
 }
 
-/// Returns the same for a given problem, by the planner and by poor plans that operators bring.
+/// Returns the claims about a given problem, by the planner and by poor plans of operators.
 pub(crate) fn of_problem(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
     let reached = visit_orders::greatest_benefits(problem, 0.0);
     let most = visit_orders::greatest_benefits(problem, LENIENT_S);

@@ -11,7 +11,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SurveillanceProblem {
     let count = 1 + chance.below(4);
     let travel = visit_problems::travel(chance, count);
     let mut targets: Vec<SurveillanceTarget> = (0..count).map(|index| target(chance, index)).collect();
-    // A visit that takes no time at all is refused.
+    // A visit without duration is invalid.
     for (index, target) in targets.iter_mut().enumerate() {
         let quickest_s = quickest_s(&travel, index);
         if target.dwell_s + quickest_s < 1.0 {

@@ -6,7 +6,7 @@ use crate::visit_orders::leg_s;
 use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 
 /// Returns the least expected cost of a flight that never waits, and of one that may also wait before a visit for each of `waits_s`.
-/// Times have to be kept with `margin_s` to spare. `None` if there are too many words to try.
+/// Times must be kept with a reserve of `margin_s`. `None` if there are too many words to enumerate.
 pub(crate) fn least_costs(problem: &SurveillanceProblem, waits_s: &[f64], margin_s: f64) -> Option<(f64, f64)> {
     let limit_s = problem.endurance_s.unwrap_or(f64::INFINITY).min(problem.horizon_s) - margin_s;
     let mut words = Words { problem, limit_s, waits_s: &[0.0], best: f64::INFINITY, left: 60_000 };
@@ -14,7 +14,7 @@ pub(crate) fn least_costs(problem: &SurveillanceProblem, waits_s: &[f64], margin
     words.extend(None, 0.0, &last_s, 0.0)?;
     let without = words.best;
     (words.waits_s, words.left) = (waits_s, 60_000);
-    // What was tried before there were too many counts all the same.
+    // The words enumerated before the limit was reached still count.
     words.extend(None, 0.0, &last_s, 0.0);
     Some((without, words.best))
 }
@@ -43,7 +43,7 @@ struct Words<'a> {
 }
 
 impl Words<'_> {
-    /// None where too many words have been tried.
+    /// Returns `None` if too many words have been enumerated.
     fn extend(&mut self, here: Option<usize>, ready_s: f64, last_s: &[f64], spent: f64) -> Option<()> {
         self.left = self.left.checked_sub(1)?;
         let targets = &self.problem.targets;

@@ -21,7 +21,7 @@ pub(crate) fn differences(seed: u64) -> Vec<String> {
     found
 }
 
-/// Returns the same for a given problem.
+/// Returns the claims about a given problem.
 pub(crate) fn of_problem(chance: &mut Chance, problem: &SurveillanceProblem) -> Vec<String> {
     let changes = problem.targets.iter().flat_map(|target| target.rate.steps.iter().map(|(at_s, _)| *at_s));
     let change_s = changes.filter(|at_s| *at_s > 0.0).fold(0.3 * problem.horizon_s, f64::min);

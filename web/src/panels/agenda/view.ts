@@ -9,7 +9,7 @@ export interface Row {
   open: boolean;
 }
 
-/** What the user opened and closed by hand, against what is open by default. */
+/** Tasks that the user opened (true) or closed (false), in place of the default. */
 export type Toggled = ReadonlyMap<number, boolean>;
 
 export const STATES: readonly TaskState[] = ['pending', 'enabled', 'ongoing', 'interrupted', 'terminated'];
@@ -38,12 +38,12 @@ export function rowsOf(tasks: readonly Task[], toggled: Toggled, filtering: bool
   return rows;
 }
 
-/** The root is always open, and ongoing work is; what has ended is folded away. */
+/** By default the root and ongoing tasks are open, and ended tasks are closed. */
 function opensByItself(task: Task, depth: number): boolean {
   return depth === 0 || task.state !== 'terminated';
 }
 
-/** The word for a task's state: how it ended, when it has. */
+/** The word for a task's state, or for its outcome once it has ended. */
 export function stateLabel(task: Task): string {
   if (task.state !== 'terminated') return task.state;
   const outcome = (task.outcome ?? '').toLowerCase();
@@ -53,7 +53,7 @@ export function stateLabel(task: Task): string {
   return 'ended';
 }
 
-/** The colour's name for a task: failures stand out among what has ended. */
+/** The colour's name for a task: failures are emphasised among ended tasks. */
 export function tone(task: Task): string {
   const word = stateLabel(task);
   if (word === 'failed') return 'skipped';
@@ -80,14 +80,14 @@ export function slice(
   return { from, to: Math.min(count, Math.ceil((scrollTop + height) / rowHeight) + margin) };
 }
 
-/** The task `by` rows after the selected one. */
+/** The task at the distance of `by` rows from the selected one. */
 export function neighbour(rows: readonly Row[], selected: number | null, by: 1 | -1): number | null {
   const at = rows.findIndex(row => row.task.id === selected);
   if (at < 0) return rows[0]?.task.id ?? null;
   return rows[Math.min(Math.max(at + by, 0), rows.length - 1)]?.task.id ?? null;
 }
 
-/** The tasks as a table, in reading order with their depth; closed branches are in it, too. */
+/** The tasks as a table, in reading order with their depth, including those in closed branches. */
 export function taskTable(tasks: readonly Task[]): (string | number | null)[][] {
   const rows = rowsOf(tasks, new Map(), true);
   const head = ['task', 'parent', 'depth', 'state', 'outcome', 'tag', 'goal'];

@@ -1,4 +1,4 @@
-/** The words about authority; pure. */
+/** Texts about authority; pure. */
 
 import type { AuthorityState } from '../../record/types';
 
@@ -15,7 +15,7 @@ export function holderText(authority: AuthorityState): string {
   return `${authority.holder.name} (${roleText(authority.holder.role)})${silent}`;
 }
 
-/** The open offer: `offered to you for 42 s`; null without one. */
+/** The open offer, as `offered to you for 42 s`; null if there is none. */
 export function offerText(authority: AuthorityState): string | null {
   if (authority.offer === null) return null;
   const to = isOfferedToYou(authority) ? 'you' : authority.offer.to;

@@ -20,10 +20,10 @@ export interface CompareRow {
   words: string;
 }
 
-/** Begins of visits that differ by less are the same. */
+/** Visits whose begins differ by less count as the same. */
 const SAME_NS = 1e9;
 
-/** One row for each target that either flight knows, those that differ first. */
+/** One row for each target known to either flight; targets that differ come first. */
 export function compareRows(first: readonly Target[], second: readonly Target[], atNs: number): CompareRow[] {
   const ids = [...new Set([...first, ...second].map(target => target.id))];
   const visits = [visitsOf(first, atNs), visitsOf(second, atNs)] as const;

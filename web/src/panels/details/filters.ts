@@ -1,4 +1,4 @@
-/** Filters of the trace: those of `apex trace`, and their names in this browser; pure except for the storage. */
+/** Filters of the trace: those of `apex trace`, and the names under which this browser saves them; pure except for the storage. */
 
 export interface TraceFilter {
   /** Kinds by comma; empty takes all. */
@@ -23,7 +23,7 @@ export function taskOf(text: string): number | null {
   return number === undefined ? null : Number(number);
 }
 
-/** The same as a command, so that it can be repeated in a terminal. */
+/** The filter as an equivalent command, for use in a terminal. */
 export function commandOf(record: string, filter: TraceFilter, fromS: number, toS: number): string {
   const words = ['apex trace', /\s/.test(record) ? `'${record}'` : record];
   if (filter.kinds) words.push('--type', filter.kinds);
@@ -34,7 +34,7 @@ export function commandOf(record: string, filter: TraceFilter, fromS: number, to
   return words.join(' ');
 }
 
-/** The filters of a stored text; what is not one is left out. */
+/** The filters in a stored text; entries that are not filters are left out. */
 export function parseFilters(text: string | null): SavedFilter[] {
   try {
     const list: unknown = JSON.parse(text ?? '[]');
@@ -57,6 +57,6 @@ export function writeFilters(filters: readonly SavedFilter[]): void {
   try {
     window.localStorage.setItem(KEY, JSON.stringify(filters));
   } catch {
-    // A browser without storage keeps them until the page is left.
+    // Without browser storage the filters are kept until the page is left.
   }
 }

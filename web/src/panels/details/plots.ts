@@ -1,4 +1,4 @@
-/** The plots of signals as one SVG text: what the panel draws, for documents; pure. */
+/** The plots of signals as one SVG text, as drawn in the panel, for documents; pure. */
 
 import type { Range } from '../../player/clock';
 import type { SignalWindow } from '../../record/types';
@@ -9,7 +9,7 @@ import { columnsOf, signalWords, unitOf, valueRange } from './signals';
 
 const [WIDTH_PX, PLOT_PX, TITLE_PX, NAMES_PX, AXIS_PX, EDGE_PX] = [800, 110, 20, 64, 22, 8];
 
-/** Plots below each other over one time axis, known until `atNs`. */
+/** Plots above each other over one time axis, as known at `atNs`. */
 export function plotsSvg(windows: readonly SignalWindow[], visible: Range, atNs: number): string {
   const height = windows.length * (PLOT_PX + TITLE_PX) + AXIS_PX;
   const x = (ns: number) =>
@@ -82,7 +82,7 @@ function plot(
     parts.push(
       `<polygon points="${band.map(([at, value]) => `${px(at)},${px(value)}`).join(' ')}" fill="${COLOURS.strip}" fill-opacity="0.4"/>`,
     );
-  // A word holds until the next one.
+  // A word applies until the next one.
   const line = shown.map(
     (at, index) =>
       `${index === 0 ? 'M' : isWords ? 'H' : 'L'}${px(at)}${

@@ -1,16 +1,16 @@
-/** What the signals panel shows: which signals, their columns for drawing, limits and excursions as text; pure. */
+/** Contents of the signals panel: the shown signals, their columns for drawing, limits and excursions as text; pure. */
 
 import type { Range } from '../../player/clock';
 import type { Excursion, Signal, SignalLimit, SignalWindow } from '../../record/types';
 import { missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 import { type ShownUnit, shownUnit, withUnit } from '../../units/aviation';
 
-/** Signals without a limit that are shown at first, where the record has them. */
+/** Signals without a limit that are shown at first, if the record has them. */
 const FIRST = ['altitude', 'ground-speed', 'fuel', 'battery-charge'];
 /** Signals shown at first. */
 const FIRST_COUNT = 4;
 
-/** `roll angle`, and with the object where another one has the same attribute. */
+/** Words such as `roll angle`, with the object if another signal has the same attribute. */
 export function signalWords(signal: Signal, all: readonly Signal[]): string {
   const attribute = signal.attribute.replaceAll('-', ' ');
   const alone = all.filter(other => other.attribute === signal.attribute).length < 2;
@@ -22,7 +22,7 @@ export function addressName(signal: Signal): string {
   return signal.name.replace(/^\(|\)$/g, '');
 }
 
-/** The signals of the address; without one those that the mission guards, then some that every flight has. */
+/** The signals in the address; without any, first those that the mission guards, then some that every flight has. */
 export function chosenSignals(all: readonly Signal[], asked: readonly string[] | null): Signal[] {
   if (asked) {
     return asked.flatMap(
@@ -51,7 +51,7 @@ export function columnsOf(window: SignalWindow, atNs: number): Columns {
     scaled(window.mean),
   ];
   const last = window.t_ns.at(-1);
-  // A word holds until the next one.
+  // A word applies until the next one.
   if (window.kind === 'words' && last !== undefined && last < atNs) {
     const word = window.mean.at(-1) ?? 0;
     columns[0].push(atNs / NANOSECONDS_PER_SECOND);
@@ -60,7 +60,7 @@ export function columnsOf(window: SignalWindow, atNs: number): Columns {
   return columns;
 }
 
-/** The range of the value axis: all values, the limits within reach of them, and a margin. */
+/** The range of the value axis: all values, limits that are near enough to them, and a margin. */
 export function valueRange(window: SignalWindow): [number, number] {
   if (window.kind === 'words') return [-0.5, Math.max(window.words.length - 0.5, 0.5)];
   const { factor } = unitOf(window);
@@ -100,7 +100,7 @@ export interface ExcursionView {
   raised: boolean;
 }
 
-/** Excursions of guarded limits as text, those that the mission answered; and how many it did not answer. */
+/** Excursions of guarded limits as text: those to which the mission responded, and the number of others. */
 export function excursionsOf(window: SignalWindow): { answered: ExcursionView[]; others: number } {
   const { unit, factor } = unitOf(window);
   const guarded = window.excursions.filter(one => window.limits[one.limit]?.guarded);
@@ -156,7 +156,7 @@ export function rangeWords(range: Range): string {
   return `${missionTime(range.fromNs).slice(2)} to ${missionTime(range.toNs).slice(2)}`;
 }
 
-/** The samples of windows as columns, in the record's own unit: one row for each sample, or for each pixel with more. */
+/** The samples of windows as columns, in the record's unit: one row for each sample, or for each pixel if there are more samples. */
 export function samplesTable(windows: readonly SignalWindow[]) {
   const table = {
     signal: [] as string[],

@@ -1,10 +1,10 @@
-/** Why as a tree: the explainer's typed answer as rows of conditions, values and causes; pure. */
+/** The explanation as a tree: the server's typed answer as rows of conditions, values and causes; pure. */
 
 import type { Link, Observation, Unmet, Why } from '../../record/types';
 import { missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 import { brief, type Names, phrase } from '../../words/phrase';
 
-/** Samples behind a leaf: what the signals panel can show. */
+/** Samples behind a leaf, which the signals panel can show. */
 export interface Behind {
   variable: string;
   fromNs: number;
@@ -13,10 +13,10 @@ export interface Behind {
 
 export interface Node {
   id: string;
-  /** ● holds, ○ does not hold, ◌ not known, ▸ a cause. */
+  /** ● holds, ○ does not hold, ◌ unknown, ▸ a cause. */
   glyph: '●' | '○' | '◌' | '▸';
   text: string;
-  /** What the text leaves out; empty if nothing. */
+  /** The part that the text leaves out; empty if there is none. */
   full: string;
   atNs: number | null;
   task: number | null;
@@ -44,7 +44,7 @@ function node(id: string, glyph: Node['glyph'], text: string, rest: Partial<Node
   };
 }
 
-/** The branches of the tree: why it came to its state, what it waits for, what could pursue its goal. */
+/** The branches of the tree: the cause of the task's state, the conditions that it waits for, and the methods for its goal. */
 export function whyTree(why: Why, names: Names): Node[] {
   const branches: Node[] = [];
   if (why.because) branches.push(linkNode(why.because, 'because', names));
@@ -92,7 +92,7 @@ function linkNode(link: Link, id: string, names: Names): Node {
   });
 }
 
-/** A condition that does not hold yet: what is known, how far off, since when. */
+/** A condition that does not hold yet: the known value, the distance to its limit, and the time since the last change. */
 function unmetNode(part: Unmet, id: string, names: Names): Node {
   const words = [brief(part.what, names), brief(part.now, names)].filter(Boolean).join(': ');
   const distance = part.distance && !part.now.includes(part.distance) ? `, ${part.distance} off` : '';
@@ -106,7 +106,7 @@ function unmetNode(part: Unmet, id: string, names: Names): Node {
   });
 }
 
-/** What was observed, with its value: the leaf that a cause rests on. */
+/** An observation with its value: the leaf that is the evidence for a cause. */
 function evidenceNode(one: Observation, id: string, names: Names): Node {
   const variable = (name: string) => phrase(name, names);
   switch (one.type) {

@@ -16,7 +16,7 @@ export interface CauseView {
 
 export interface WhyView {
   sentences: string[];
-  /** The newest first: why it is as it is now is at the top. */
+  /** The newest first, so that the cause of the present state is at the top. */
   causes: CauseView[];
   facts: { name: string; value: string }[];
 }
@@ -63,7 +63,7 @@ function headingOf({ kind, from, to, outcome }: Moment): string {
   }
 }
 
-/** What a moment is about, unless the panel's title says it. */
+/** The subject of a moment, unless the panel's title names it. */
 function subjectOf(moment: Moment, goal: string): string {
   const { method, subject } = moment;
   if (method) return method.name ? `${method.kind} ${method.name}` : method.kind;
@@ -136,19 +136,19 @@ export function logLines(events: readonly EventRow[]): LogLine[] {
     .reverse();
 }
 
-/** A section of the report as something to draw, whatever its JSON is. */
+/** A section of the report in a form that can be drawn, for any JSON. */
 export type SectionView =
   | { title: string; kind: 'text'; text: string }
   | { title: string; kind: 'pairs'; pairs: { name: string; value: string }[] }
   | { title: string; kind: 'table'; columns: string[]; rows: string[][] };
 
-/** A target as flown, with what its last plan predicted below it. */
+/** A target as flown, and the prediction of its last plan. */
 export interface FlownTarget {
   name: string;
   value: string;
   /** The factors and the worth: as flown. */
   flown: string[];
-  /** The same as predicted; none if no plan predicted it. */
+  /** The predicted values; null if no plan predicted them. */
   predicted: string[] | null;
   /** Points lost, by cause. */
   lost: string;
@@ -157,7 +157,7 @@ export interface FlownTarget {
 /** The columns of factors, in the order in which they are multiplied. */
 export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
 
-/** The targets of the report's score: predicted next to flown. None if the report has no such score. */
+/** The targets of the report's score, predicted and flown; null if the report has no such score. */
 export function flownTargets(report: Report | null): FlownTarget[] {
   const score = report?.sections.find(({ section }) => section === 'score')?.body;
   const targets = isObject(score) && Array.isArray(score.targets) ? score.targets.filter(isObject) : [];
@@ -194,7 +194,7 @@ export function reportView(report: Report | null): SectionView[] {
       return { title, kind: 'table', columns: columns.map(words), rows };
     }
     if (isObject(body)) {
-      // Lists of objects have separate tables, or the totals count them.
+      // Lists of objects have separate tables, or are counted in the totals.
       const single = Object.entries(body).filter(
         ([, value]) => !Array.isArray(value) || !value.every(isObject),
       );

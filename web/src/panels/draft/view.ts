@@ -3,7 +3,7 @@
 import type { PlanInForce, Target } from '../../record/types';
 import { NANOSECONDS_PER_SECOND } from '../../time/format';
 
-/** `visits` with the one at `from` at another place. */
+/** `visits` with the visit at `from` moved to another position. */
 export function movedVisit(visits: readonly string[], from: number, by: 1 | -1): string[] {
   const list = [...visits];
   const [visit] = list.splice(from, 1);
@@ -11,7 +11,7 @@ export function movedVisit(visits: readonly string[], from: number, by: 1 | -1):
   return list;
 }
 
-/** The messages that make the flight plan these visits, in this order. */
+/** The messages that make the flight plan exactly these visits, in this order. */
 export function commitForms(visits: readonly string[]): string[] {
   return [`(plan-imposed (${visits.join(' ')}))`, '(off-schedule imposed-plan)'];
 }
@@ -21,7 +21,7 @@ export function addable(targets: readonly Target[], visits: readonly string[]): 
   return targets.filter(target => target.state !== 'observed' && !visits.includes(target.id));
 }
 
-/** The draft as a table: visits with the times of the validated plan, where there is one. */
+/** The draft as a table: visits, with the times of the validated plan if there is one. */
 export function draftTable(
   visits: readonly string[],
   plan: PlanInForce | null,

@@ -62,7 +62,7 @@ it('shows the score of an instant at that instant alone', () => {
   expect(scoreSoFar(known, 3_660e9, 0)?.help).toContain(
     '250 points of observations until T+1:00:00, less costs of 50.3',
   );
-  // Not before: it was not known then. Not much later: it is not the score of that instant.
+  // Not earlier, because the score was not known then, and not much later, because it is not the score of that instant.
   expect(scoreSoFar(known, 3_659e9, 0)).toBeNull();
   expect(scoreSoFar(known, 3_800e9, 0)).toBeNull();
   expect(scoreSoFar(known, 3_800e9, 600)).not.toBeNull();

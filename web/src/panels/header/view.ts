@@ -1,15 +1,15 @@
-/** What the header says. */
+/** Contents of the header. */
 
 import type { Mission, ScoreSoFar } from '../../record/types';
 import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 export interface HeaderView {
   title: string;
-  /** Who flew what. */
+  /** The agent and its mission. */
   subtitle: string;
   /** One tag: live, recorded, ended, failed or incomplete. */
   status: 'live' | 'recorded' | 'ended' | 'failed' | 'incomplete';
-  /** Text of the tag; a failure says its reason. */
+  /** Text of the tag; for a failure it includes the reason. */
   statusText: string;
   statusHelp: string;
   /** The mission score, at the end only. */
@@ -29,7 +29,7 @@ export interface ShownScore {
   help: string;
 }
 
-/** The score if the flight ended now; null where the newest one known belongs to another instant. `speed` is that of the cursor. */
+/** The score if the flight ended now; null if the newest known score belongs to another instant. `speed` is that of the cursor. */
 export function scoreSoFar(
   known: { atNs: number; score: ScoreSoFar } | null,
   atNs: number,

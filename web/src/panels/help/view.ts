@@ -1,8 +1,8 @@
-/** Keys, and what they do. */
+/** Keys and their actions. */
 
 import type { Player } from '../../player/player.svelte';
 
-/** What a key asks of the page; functions are for the Player. */
+/** The action of a key; functions are called with the Player. */
 export type Action = 'help' | 'close' | 'fit' | 'find' | 'link' | 'theme' | ((player: Player) => void);
 
 interface Press {

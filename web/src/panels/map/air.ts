@@ -1,4 +1,4 @@
-/** Wind, link and the ground seen, as the map shows them; pure. */
+/** Wind, link and the seen ground as shown on the map; pure. */
 
 import type { Footprints, SignalWindow } from '../../record/types';
 import { aircraftAt, type Path, type Position } from './view';
@@ -17,7 +17,7 @@ export function windArrows(windows: readonly SignalWindow[], path: Path): WindAr
   const [speed, direction] = [of('wind-speed'), of('wind-direction')];
   if (!speed || !direction) return [];
   return speed.t_ns.flatMap((atNs, index) => {
-    // Of a direction the last sample up to then counts: a mean of 359° and 1° would be 180°.
+    // For a direction the last sample up to that time applies, because the mean of 359° and 1° would be 180°.
     const at = direction.t_ns.findLastIndex(time => time <= atNs);
     const [fromDeg, speedMps] = [direction.low[at], speed.mean[index]];
     const aircraft = aircraftAt(path, atNs);
@@ -56,7 +56,7 @@ export function pathBetween(path: Path, fromNs: number, toNs: number): Position[
   });
 }
 
-/** A patch of ground that was seen: a band of scan lines of one validity, or a picture. */
+/** A patch of seen ground: a band of scan lines that are all valid or all invalid, or a picture. */
 export interface SeenPatch {
   outline: Position[];
   valid: boolean;
@@ -113,7 +113,7 @@ export function windText(wind: WindArrow): string {
   return `wind from ${String(Math.round(wind.fromDeg + 360) % 360).padStart(3, '0')}° at ${knots} kt`;
 }
 
-/** A layer of the user's own: it never leaves the browser. */
+/** A layer added by the user; it never leaves the browser. */
 export interface UserLayer {
   name: string;
   lines: Position[][];
@@ -123,7 +123,7 @@ export interface UserLayer {
 /** Most positions of a user's layer that are drawn. */
 const LAYER_POSITIONS_MAX = 200_000;
 
-/** A GeoJSON file as a layer, or what is wrong with it in one sentence. */
+/** A GeoJSON file as a layer, or its problem in one sentence. */
 export function readLayer(name: string, text: string): UserLayer | string {
   let data: unknown;
   try {

@@ -1,4 +1,4 @@
-/** Draws what moves, and all words, on a canvas above the map. */
+/** Draws the moving parts and all words on a canvas above the map. */
 
 import type { Pen } from '../../files/vector';
 import type { LandingPlace } from '../../record/types';
@@ -26,7 +26,7 @@ export interface Scene {
   aircraft: Aircraft | null;
   targets: TargetView[];
   outlines: Map<string, Position[][]>;
-  /** What the plan in force flies from here on. */
+  /** The way still to be flown by the plan in force. */
   ahead: Position[];
   zones: ZoneView[];
   landingPlaces: LandingPlace[];
@@ -34,7 +34,7 @@ export interface Scene {
   onLost: (labels: number) => void;
   selected: string | null;
   layers: Layers;
-  /** Rotorcraft are drawn as such. */
+  /** True for rotorcraft, which have a separate symbol. */
   rotorcraft: boolean;
 }
 
@@ -91,7 +91,7 @@ function drawGraticule(context: Pen, frame: Frame, project: Project): void {
   context.stroke();
 }
 
-/** Zones that hold now and here are hatched, others outlined; the permitted area is a dashed line. */
+/** Zones active now at the aircraft's altitude are hatched, others outlined; the permitted area is a dashed line. */
 function drawZones(context: Pen, zones: readonly ZoneView[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1;
@@ -118,7 +118,7 @@ function hatch(context: Pen, line: readonly Position[], project: Project): void 
   const [left, right] = [Math.min(...points.map(at => at.x)), Math.max(...points.map(at => at.x))];
   const [top, bottom] = [Math.min(...points.map(at => at.y)), Math.max(...points.map(at => at.y))];
   const height = bottom - top;
-  // Far beyond the canvas there is nothing to see: a zone that fills the picture needs no more lines than it has pixels.
+  // A zone that extends far beyond the canvas needs no more hatch lines than the picture has pixels.
   if (right - left + height > 20_000) return;
   context.beginPath();
   for (let x = left - height; x < right; x += 6) {
@@ -197,13 +197,13 @@ function drawTargets(context: Pen, scene: Scene, frame: Frame, project: Project)
     taken.push({ x: x - 13, y: y - 13, width: 26, height: 26 });
   }
   for (const { target, x, y } of points) drawSymbol(context, target, x, y, target.id === scene.selected);
-  // The chosen one and what is worked on have the first right to a label, then the valuable ones.
+  // The selected target and targets in progress get labels first, then targets by value.
   const rank = (target: TargetView) =>
     (target.id === scene.selected ? 1e9 : 0) + (target.state === 'observing' ? 1e6 : 0) + (target.value ?? 0);
   context.textBaseline = 'middle';
   let lost = 0;
   const write = (text: string, x: number, y: number, colour: string): void => {
-    // What lies outside of the picture has no label there, and needs none.
+    // A symbol outside the picture gets no label.
     if (x < 0 || y < 0 || x > frame.width || y > frame.height) return;
     const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken, frame);
     if (!box) {

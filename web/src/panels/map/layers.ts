@@ -1,4 +1,4 @@
-/** Draws what lies below the flown track: ground seen, reach, the replaced plan, weak links, winds, the user's layers. */
+/** Draws the layers below the flown track: seen ground, reach, the replaced plan, weak links, winds, the user's layers. */
 
 import type { Pen } from '../../files/vector';
 import { COLOURS, MONO } from '../../theme/colours';
@@ -16,9 +16,9 @@ export interface Layers {
   weak: Position[][];
   winds: WindArrow[];
   user: UserLayer[];
-  /** The flown track of the record that this one is compared with. */
+  /** The flown track of the record in the comparison. */
   other: Position[];
-  /** Places of the visits of a drawn plan, and the one that cannot be made. */
+  /** Places of the visits of a drawn plan, and the place of the visit that is impossible. */
   draft: Position[];
   draftFault: number | null;
 }
@@ -34,13 +34,13 @@ export function drawBelow(context: Pen, layers: Layers, project: Project): void 
   drawOther(context, layers.other, project);
 }
 
-/** What lies above the flown track. */
+/** Draws the layers above the flown track. */
 export function drawAbove(context: Pen, layers: Layers, project: Project): void {
   drawWeak(context, layers.weak, project);
   drawWinds(context, layers.winds, project);
 }
 
-/** The drawn plan lies above everything: the order of visits, numbered, with a triangle at one that cannot be made. */
+/** The drawn plan is above everything: its visits are numbered in order, with a triangle at a visit that is impossible. */
 export function drawDraft(context: Pen, layers: Layers, project: Project): void {
   if (layers.draft.length === 0) return;
   context.strokeStyle = COLOURS.text;
@@ -71,7 +71,7 @@ export function drawDraft(context: Pen, layers: Layers, project: Project): void 
   context.textBaseline = 'alphabetic';
 }
 
-/** The track of the other record: thin, below the own one. */
+/** The track of the other record: thin, below the track of the shown one. */
 function drawOther(context: Pen, way: readonly Position[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1.4;
@@ -88,7 +88,7 @@ function trace(context: Pen, line: readonly Position[], project: Project): void 
   });
 }
 
-/** The outline of all circles together: within it a landing place is near enough. */
+/** The outline of all circles together: inside it a landing place is near enough. */
 function drawReach(context: Pen, circles: readonly Position[][], project: Project): void {
   context.strokeStyle = COLOURS.rule;
   context.lineWidth = 1;
@@ -148,7 +148,7 @@ function drawWeak(context: Pen, ways: readonly Position[][], project: Project): 
   context.setLineDash([]);
 }
 
-/** Arrows with the wind: they point to where it blows, with a feather for each 10 kt. */
+/** Arrows that point in the direction to which the wind blows, with a feather for each 10 kt. */
 function drawWinds(context: Pen, winds: readonly WindArrow[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1.1;

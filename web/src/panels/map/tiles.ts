@@ -1,4 +1,4 @@
-/** Tiles of the user: a PMTiles file that stays in the browser, drawn by the base map below everything of the flight. */
+/** Tiles added by the user: a PMTiles file that stays in the browser, drawn by the base map below all layers of the flight. */
 
 import * as maplibre from 'maplibre-gl';
 import type { Header, PMTiles, Source } from 'pmtiles';
@@ -18,7 +18,7 @@ const SCHEME = 'user-tiles';
 const archives = new Map<string, PMTiles>();
 let made = 0;
 
-/** Draws the file on the map, or says in one sentence what is wrong with it. */
+/** Draws the file on the map, or returns its problem in one sentence. */
 export async function addTiles(map: maplibre.Map, file: File): Promise<TileLayer | string> {
   const { PMTiles } = await import('pmtiles');
   const key = `user-${++made}`;
@@ -83,7 +83,7 @@ function rasterLayer(key: string): maplibre.LayerSpecification {
   return { id: key, type: 'raster', source: key, paint: { 'raster-opacity': 0.7 } };
 }
 
-/** Areas, lines and points of one layer, each in the colour of the user's layers. */
+/** Areas, lines and points of one layer, all in the colour of the user's layers. */
 function vectorLayers(key: string, name: string): maplibre.LayerSpecification[] {
   const of = { source: key, 'source-layer': name };
   const only = (...kinds: string[]) => ['in', ['geometry-type'], ['literal', kinds]];

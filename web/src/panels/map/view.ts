@@ -1,4 +1,4 @@
-/** What the map shows at an instant; pure. */
+/** Contents of the map at an instant; pure. */
 
 import type { PlanInForce, Surroundings, Target, Track } from '../../record/types';
 import { NANOSECONDS_PER_SECOND } from '../../time/format';
@@ -21,7 +21,7 @@ export interface TargetView {
   id: string;
   name: string;
   position: Position;
-  /** `known` until a plan has it or leaves it out. */
+  /** `known` until a plan includes it or leaves it out. */
   state: string;
   sinceNs: number | null;
   detail: string | null;
@@ -56,7 +56,7 @@ export function countUntil(times: readonly number[], at: number): number {
   return low;
 }
 
-/** Where the aircraft was, between samples on the straight line; before the first sample it is there. */
+/** The aircraft's place, interpolated on a straight line between samples; before the first sample, the place of that sample. */
 export function aircraftAt(path: Path, atNs: number): Aircraft | null {
   const count = countUntil(path.times, atNs);
   const index = Math.max(count - 1, 0);
@@ -98,11 +98,11 @@ export interface ZoneView {
   centre: Position;
   label: string;
   permitted: boolean;
-  /** It holds now and reaches the aircraft's altitude. */
+  /** True if the zone is active now and includes the aircraft's altitude. */
   active: boolean;
 }
 
-/** The zones, with the times and heights at which they hold where they do not hold now. */
+/** The zones; those not active now have their times and heights. */
 export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: number | null): ZoneView[] {
   const hour = atNs / NANOSECONDS_PER_SECOND / 3600;
   return surroundings.zones.map(zone => {
@@ -128,7 +128,7 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
   });
 }
 
-/** What the zones at a place say: name, band of altitude, times, and whether they hold; null where there are none. */
+/** Text about the zones at a place: name, altitude band, times, and whether they are active; null if there are none. */
 export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
   if (here.length === 0) return null;
@@ -151,8 +151,8 @@ function hours(value: number): string {
 }
 
 /**
- * The rest of the plan's way: from the aircraft on to the last place. The way behind is that of the flown track, so
- * it is cut at the point nearest to the aircraft.
+ * The rest of the plan's way, from the aircraft to the last place. It is cut at the point nearest to the aircraft, because the flown
+ * track shows the way behind.
  */
 export function wayAhead(plan: PlanInForce | null, aircraft: Aircraft | null): Position[] {
   const route = (plan?.route ?? []) as Position[];
@@ -167,7 +167,7 @@ export function wayAhead(plan: PlanInForce | null, aircraft: Aircraft | null): P
   return [aircraft.position, ...route.slice(nearest + 1)];
 }
 
-/** The legend: each state with how many targets are in it. */
+/** The legend: each state with its number of targets. */
 export function legend(targets: readonly TargetView[]): { state: string; count: number }[] {
   return TARGET_STATES.map(state => ({
     state,
@@ -175,7 +175,7 @@ export function legend(targets: readonly TargetView[]): { state: string; count: 
   })).filter(({ state, count }) => state !== 'known' || count > 0);
 }
 
-/** South-west and north-east corners around everything; none when there is nothing. */
+/** South-west and north-east corners around all positions; null if there are none. */
 export function bounds(positions: readonly Position[]): [Position, Position] | null {
   if (positions.length === 0) return null;
   const low: Position = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
@@ -230,7 +230,7 @@ export interface Box {
   height: number;
 }
 
-/** Where to write a label next to a symbol, inside the picture, without covering what is written already; null when there is no space. */
+/** The place of a label next to a symbol, inside the picture and without overlapping other labels; null if there is no space. */
 export function placeLabel(
   x: number,
   y: number,

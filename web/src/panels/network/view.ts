@@ -9,14 +9,14 @@ export interface Activity {
   words: string;
   /** ○ waits, ◇ ready, ● at work, ▨ interrupted, ✓ done, – cut, ▲ failed, · not begun. */
   glyph: string;
-  /** Times or what it waits for, in one line. */
+  /** The times, or the awaited conditions, in one line. */
   note: string;
   title: string;
   task: number | null;
   target: string | null;
   place: string | null;
   after: string[];
-  /** Duration in seconds: as executed so far, else as planned; 0 if not known. */
+  /** Duration in seconds: as executed so far, or otherwise as planned; 0 if unknown. */
   seconds: number;
 }
 
@@ -51,7 +51,7 @@ function glyphOf(task: Task | undefined): string {
   return task.outcome === 'failure' ? '▲' : task.outcome === 'cut' ? '–' : '✓';
 }
 
-/** The steps of a procedure as activities, with the tasks that carry them out for `parent`. */
+/** The steps of a procedure as activities, with the tasks that execute them for `parent`. */
 export function procedureActivities(
   row: ProcedureRow,
   tasks: readonly Task[],
@@ -113,7 +113,8 @@ export function planActivities(plan: PlanInForce, targets: readonly Target[], at
   });
 }
 
-/** Places the activities: each in the layer after the last one that it waits for. Circles are cut where they close. */
+/** Arranges the activities: each one is in the layer after the last activity for which it waits. A circle is cut at the edge that closes
+ * it. */
 export function layOut(activities: readonly Activity[], columns: number): Network {
   const byId = new Map(activities.map(one => [one.id, one]));
   const layers = new Map<string, number>();
@@ -154,7 +155,7 @@ export function layOut(activities: readonly Activity[], columns: number): Networ
     node.after.flatMap(id => {
       const from = at.get(id);
       if (!from) return [];
-      // To the right from side to side, else from below to the top.
+      // Edges to the right connect the sides; other edges lead from the bottom to the top.
       const right = from.x < node.x;
       const [x0, y0] = right
         ? [from.x + NODE.width, from.y + NODE.height / 2]
@@ -174,7 +175,7 @@ function isChain(activities: readonly Activity[]): boolean {
   return activities.every((one, index) => index === 0 || one.after[0] === activities[index - 1]?.id);
 }
 
-/** The activities of the path that takes longest; none if no duration is known. */
+/** The activities on the longest path; none if no duration is known. */
 function longestPath(activities: readonly Activity[], lengths: ReadonlyMap<string, number>): Set<string> {
   const path = new Set<string>();
   const longest = (ids: readonly string[]) =>

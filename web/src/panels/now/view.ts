@@ -1,4 +1,4 @@
-/** The now line: what the agent does, because of what, and what comes next; pure. */
+/** The now line: the agent's present task, its cause, and the next task; pure. */
 
 import type { Holdings, Mission, PlanInForce, Target, Task } from '../../record/types';
 import { clock } from '../../time/format';
@@ -8,7 +8,7 @@ import { brief, type Names, phrase } from '../../words/phrase';
 /** Longest cause that is shown. */
 const CAUSE_MAX = 110;
 
-/** The task that holds the flight path, else any resource, else the deepest one at work. */
+/** The ongoing task that holds the flight path, or otherwise any resource, or otherwise the deepest ongoing one. */
 export function taskAtWork(holdings: Holdings | null, tasks: readonly Task[], atNs: number): number | null {
   const rows = holdings?.resources ?? [];
   const open = (row: (typeof rows)[number]) =>

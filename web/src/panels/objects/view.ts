@@ -110,7 +110,7 @@ function resources({ program, holdings, tasks, names, atNs }: Things): Node[] {
   const all = new Set([...rows.map(row => row.resource), ...declared.keys()]);
   return [...all].map(name => {
     const held = rows.find(row => row.resource === name)?.holdings ?? [];
-    // A child holds the share of its parent: the last one is at work.
+    // A child task shares its parent's resource, so the last holder is the one that uses it.
     const holder = held.findLast(one => one.from_ns <= atNs && (one.open || one.to_ns > atNs));
     const note = holder ? `${goal(holder.task)} since ${missionTime(holder.from_ns).slice(2)}` : 'free';
     return {

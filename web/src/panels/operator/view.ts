@@ -1,4 +1,4 @@
-/** The words of the operator bar; pure. */
+/** Texts of the operator bar; pure. */
 
 import type { CommandState, OpenQuestion, Operation } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
@@ -12,7 +12,7 @@ export function paceText(pace: number | null): string {
   return pace === 1 ? 'real time' : `${pace}× real time`;
 }
 
-/** `running at 60× real time`, `paused`, `planning (visit ..) for 2.1 s; time stands still`. */
+/** Texts such as `running at 60× real time`, `paused`, `planning (visit ..) for 2.1 s; time stands still`. */
 export function runText(operation: Operation): string {
   const { planning, paused, pace } = operation;
   if (planning)

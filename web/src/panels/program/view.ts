@@ -1,4 +1,4 @@
-/** The program with what is executed at an instant; pure. */
+/** The program and its executed lines at an instant; pure. */
 
 import type { ProgramContents, Task } from '../../record/types';
 import { type Names, phrase } from '../../words/phrase';
@@ -17,9 +17,9 @@ export function placeOf(text: string | null): Place | null {
 export interface LineView {
   number: number;
   text: string;
-  /** Tasks whose step is in this line and that have not ended, those at work first. */
+  /** Tasks whose step is in this line and that have not ended; ongoing tasks come first. */
   tasks: Task[];
-  /** True if one of them is ongoing. */
+  /** True if one of these tasks is ongoing. */
   executing: boolean;
   /** The line that the selection is about. */
   here: boolean;
@@ -56,7 +56,7 @@ export interface ProcedureChoice {
   kind: string;
 }
 
-/** Procedures, primitives and solvers whose goal or file has this text, in any case. */
+/** Procedures, primitives and solvers with this text in their goal or file, regardless of case. */
 export function proceduresWith(
   program: ProgramContents | null,
   find: string,

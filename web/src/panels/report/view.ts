@@ -1,4 +1,4 @@
-/** The figures of the printable report; pure. */
+/** The drawings of the printable report; pure. */
 
 import type { Footprints, SignalWindow, Target, Track } from '../../record/types';
 
@@ -60,7 +60,7 @@ export function seenBetween(
 ): { outline: [number, number][]; valid: boolean }[] {
   const swaths = footprints.swaths.flatMap(({ lines }) => {
     const inside = lines.filter(line => line.t_ns >= fromNs && line.t_ns <= toNs);
-    // Neighbours are separate patches, so that invalid lines stay visible between valid ones.
+    // Each pair of neighbouring lines is a separate patch, so that invalid lines stay visible between valid ones.
     return inside.slice(1).map((line, index) => {
       const before = inside[index] ?? line;
       return {

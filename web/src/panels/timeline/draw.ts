@@ -1,4 +1,4 @@
-/** Draws the timeline on a canvas; the cursor lies above it as a separate element, so that it moves for nothing. */
+/** Draws the timeline on a canvas. The cursor is a separate element above it, so that moving the cursor needs no drawing. */
 
 import type { Pen } from '../../files/vector';
 import type { Range } from '../../player/clock';
@@ -112,7 +112,7 @@ function drawAxis(context: Pen, picture: Picture): void {
   line(context, 0, RAIL_PX + AXIS_PX - 0.5, width, RAIL_PX + AXIS_PX - 0.5);
 }
 
-/** Triangles at the times of failures and faults, with a count where they touch, and words next to the last ones. */
+/** Triangles at the times of failures and faults, with a count where several merge, and words next to the last ones. */
 function drawTroubles(context: Pen, picture: Picture): void {
   const total = picture.troubles.reduce((sum, mark) => sum + mark.troubles.length, 0);
   name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim); // english: allow
@@ -157,7 +157,7 @@ function drawVisits(context: Pen, picture: Picture, y: number): void {
     const text = context.measureText(visit.name).width;
     const inside = width >= text + 6;
     const at = inside ? x + 3 : Math.max(x + width + 3, free);
-    // A name next to its bar must not run into the next one.
+    // A name next to its bar must not overlap the next bar.
     const next = picture.visits.find(other => scale.x(other.fromNs) > x + width);
     if (!inside && (at > x + width + 12 || (next && at + text > scale.x(next.fromNs)))) continue;
     context.fillStyle = inside ? COLOURS.ground : stateColour(visit.state);

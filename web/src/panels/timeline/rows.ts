@@ -9,7 +9,7 @@ export interface HoldingBar {
   x: number;
   width: number;
   task: number;
-  /** Holdings in the bar: more than one where they are narrower than a pixel. */
+  /** Holdings in the bar: more than one if they are narrower than a pixel. */
   count: number;
   words: string;
 }
@@ -21,7 +21,7 @@ export interface ResourceRowView {
   leftOut: number;
 }
 
-/** Who holds each resource, as bars of the window; holdings narrower than a pixel are one bar with a count. */
+/** The holders of each resource, as bars of the window; adjacent holdings narrower than a pixel are one bar with a count. */
 export function resourceRows(
   holdings: Holdings | null,
   visible: Range,

@@ -21,7 +21,7 @@ export const VISITS_PX = 18;
 export const STRIP_PX = 27;
 /** Height of a row of a target. */
 export const TARGET_PX = 14;
-/** Rows of targets take no more than this share of the timeline while other rows are shown, too. */
+/** Greatest share of the timeline's height for rows of targets, while other rows are shown, too. */
 const TARGETS_SHARE = 0.52;
 
 /** The height of the rows of targets above strips and lanes. */
@@ -49,14 +49,14 @@ export interface LaneRow {
   height: number;
   name: string;
   depth: number;
-  /** How many tasks the lane holds; shown when more than one. */
+  /** Number of tasks in the lane; shown if more than one. */
   tasks: number;
   rows: Bar[][];
-  /** Intervals too dense for bars; in the row below the bars if there are such. */
+  /** Intervals too dense for bars. If the lane also has bars, they are in the row below them. */
   bands: DenseBand[];
 }
 
-/** The lanes below each other; a lane is as high as it has rows. The lanes beyond the limit are the last one. */
+/** Lanes below each other; the height of a lane follows from its rows. Lanes beyond the limit are merged into the last one. */
 export function layLanes(
   timeline: Timeline | null,
   names: Names = new Map(),
@@ -81,7 +81,7 @@ export function layLanes(
   return { lanes, height: y };
 }
 
-/** True if a lane's bands need a row below its bars: they would cover them. */
+/** True if a lane's bands need a row below its bars, because they would cover the bars. */
 export function bandsApart(lane: { rows: Bar[][]; bands: DenseBand[] }): boolean {
   return lane.rows.length > 0 && lane.bands.length > 0;
 }
@@ -93,7 +93,7 @@ export interface DenseBlock {
   share: number;
 }
 
-/** A stretch of neighbouring bands: its blocks and how many intervals it holds. */
+/** A stretch of neighbouring bands: its blocks and its number of intervals. */
 export interface DenseRun {
   x: number;
   width: number;
@@ -101,7 +101,7 @@ export interface DenseRun {
   blocks: DenseBlock[];
 }
 
-/** Bands as blocks of at least a pixel, up to `atNs`; neighbours within three pixels are one run. */
+/** Bands as blocks of at least a pixel, up to `atNs`; neighbours less than three pixels apart form one run. */
 export function densityOf(
   bands: readonly DenseBand[],
   visible: Range,
@@ -129,7 +129,7 @@ export interface TroubleMark {
   troubles: Trouble[];
 }
 
-/** Failures and faults of the window as marks; those closer than six pixels are one mark with a count. */
+/** Failures and faults of the window as marks; those less than six pixels apart are one mark with a count. */
 export function troubleMarks(troubles: readonly Trouble[], visible: Range, scale: Scale): TroubleMark[] {
   const marks: TroubleMark[] = [];
   for (const trouble of troubles) {
@@ -162,14 +162,14 @@ function headOf(goal: string): string {
   return (inner.split(' (')[0] ?? inner).replace(/ (from|along|once along)$/, '').replaceAll('-', ' ');
 }
 
-/** A single task is named by its goal; many of one step by the goal's head, which they share. */
+/** A lane with a single task is named by the task's goal; a lane with many tasks of one step by their common goal head. */
 function laneName(lane: { tag: string; goal: string; tasks: number }, names: Names): string {
   const goal = lane.goal.replace(/^\((.*)\)$/s, '$1');
   if (lane.tasks === 1) return phrase(lane.goal, names);
   return (goal.split(/\s/)[0] ?? lane.tag).replaceAll('-', ' ');
 }
 
-/** What lies at a point of the lanes (`y` from the top of the first lane). */
+/** The bar or band at a point of the lanes (`y` from the top of the first lane). */
 export function barAt(lanes: readonly LaneRow[], x: number, y: number, scale: Scale): Bar | null {
   const lane = lanes.find(candidate => y >= candidate.y && y < candidate.y + candidate.height);
   const row = lane?.rows[Math.floor((y - lane.y) / ROW_PX)];
@@ -184,7 +184,7 @@ export function laneOf(lanes: readonly LaneRow[], task: number): LaneRow | undef
   return lanes.find(lane => lane.rows.some(row => row.some(bar => bar.task === task)));
 }
 
-/** The deepest lane at work at an instant; of several, the one that began last: what a watcher wants to see. */
+/** The deepest lane with an ongoing task at an instant; among several, the one whose task began last. */
 export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | undefined {
   let best: { lane: LaneRow; since: number } | undefined;
   for (const lane of lanes) {
@@ -198,7 +198,7 @@ export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | u
   return best?.lane;
 }
 
-/** Where to scroll so that a lane, and where there is space the lane above it, is in sight. */
+/** The scroll position at which a lane and, if there is space, the lane above it are visible. */
 export function scrollTo(lane: LaneRow, scrollPx: number, room: number): number {
   if (lane.y >= scrollPx && lane.y + lane.height <= scrollPx + room) return scrollPx;
   return Math.max(0, lane.y < scrollPx ? lane.y - ROW_PX : lane.y + lane.height + ROW_PX - room);
@@ -211,7 +211,8 @@ export interface Block {
   task: number;
 }
 
-/** A row's bars up to `atNs` as blocks to fill: bars under a pixel that touch are one block, so that a million draw like a thousand. */
+/** A row's bars up to `atNs` as blocks to fill. Adjacent bars narrower than a pixel are one block, so that a million bars take little
+ * more time to draw than a thousand. */
 export function blocksOf(row: readonly Bar[], visible: Range, atNs: number, scale: Scale): Block[] {
   const blocks: Block[] = [];
   const endNs = Math.min(visible.toNs, atNs);
@@ -240,7 +241,7 @@ export interface Strip {
   values: number[];
 }
 
-/** The quantities that are drawn as strips, in this order, where the record has them; with their samples up to `atNs`. */
+/** The quantities drawn as strips, in this order, if the record has them, with their samples up to `atNs`. */
 export function stripsOf(track: Track | null, atNs: number): Strip[] {
   if (!track) return [];
   return [
@@ -258,7 +259,7 @@ function strip(
   atNs: number,
   decimals: number,
 ): Strip | null {
-  // The row has its place from the start; only its samples come with time.
+  // The row is present from the start, and only its samples depend on the time.
   if (column.every(value => value === null)) return null;
   const times: number[] = [];
   const values: number[] = [];
@@ -285,7 +286,7 @@ export function valueAt(strip: Strip, atNs: number): number | null {
   return strip.values[low - 1] ?? null;
 }
 
-/** Points of a strip's line: at most one lowest and one highest for a pixel. */
+/** Points of a strip's line: at most one lowest and one highest value for each pixel. */
 export function lineOf(
   strip: Strip,
   visible: Range,

@@ -1,4 +1,4 @@
-/** What a fork is asked for, and how far it is; pure. */
+/** The request for a fork, and its progress; pure. */
 
 import type { ForkState } from '../../record/types';
 import { missionTime, NANOSECONDS_PER_SECOND } from '../../time/format';

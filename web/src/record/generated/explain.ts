@@ -3,7 +3,7 @@
 import type { Task } from './view';
 
 /**
- * A task at an instant, the tasks around it, and why it is in its state.
+ * A task at an instant, its neighbours in the tree, and the reasons for its state.
  */
 export type TaskExplanation = { 
 /**
@@ -19,7 +19,7 @@ task: Task,
  */
 children: Array<Task>, 
 /**
- * Its state and the cause of it in one sentence.
+ * Its state and the cause of that state in one sentence.
  */
 now: string, 
 /**
@@ -31,7 +31,7 @@ explanation: Why,
  */
 left_out: boolean, 
 /**
- * Reason if the instant could not be restored; the explanation is then made from the record's decisions alone.
+ * Reason for which the instant could not be restored; the explanation is then made from the record's decisions alone.
  */
 explanation_error: string | null, };
 
@@ -64,7 +64,7 @@ since: number,
  */
 outcome: string | null, 
 /**
- * Its priority then, without interrupt cost; none when it has ended.
+ * Its priority at the instant, without interrupt cost; `None` if it has ended.
  */
 priority: number | null, 
 /**
@@ -72,7 +72,7 @@ priority: number | null,
  */
 holds: Array<string>, 
 /**
- * Method, `procedure file.pdl:3:1`, if it was decided.
+ * Method, `procedure file.pdl:3:1`, if it was selected.
  */
 method: string | null, 
 /**
@@ -92,11 +92,11 @@ choices: Array<Choice>,
  */
 history: Array<Moment>, 
 /**
- * Requirements at that instant; empty if it does not wait.
+ * Open requirements at the instant; empty if the task does not wait.
  */
 waiting: Array<Unmet>, 
 /**
- * Holder of its resource, if it lost a conflict and has not won since.
+ * Holder of the resource over which the task lost its last conflict; `None` if it has won since.
  */
 blocked: Blocked | null, 
 /**
@@ -158,7 +158,7 @@ agent: string,
 t: number, };
 
 /**
- * Something that happened, with what stands behind it.
+ * An event or decision, with the links on which it rests.
  */
 export type Link = { 
 /**
@@ -166,7 +166,7 @@ export type Link = {
  */
 t: number, 
 /**
- * The task, `T3`, if it is about one.
+ * The task, `T3`, if the link concerns one.
  */
 task: string | null, 
 /**
@@ -174,7 +174,7 @@ task: string | null,
  */
 what: string, 
 /**
- * The kind of cause; none for what came from outside.
+ * The kind of cause; `None` for an input from outside.
  */
 kind: string | null, 
 /**
@@ -182,7 +182,7 @@ kind: string | null,
  */
 because: string, 
 /**
- * The cause with its parts; none for what came from outside.
+ * The cause with its parts; `None` for an input from outside.
  */
 cause: CauseDetail | null, 
 /**
@@ -198,12 +198,12 @@ source: string | null,
  */
 causes: Array<Link>, 
 /**
- * There is more below, which the asked depth leaves out.
+ * True if further links exist beyond the requested depth.
  */
 more: boolean, };
 
 /**
- * Something that happened to a task.
+ * An event or decision about a task.
  */
 export type Moment = { 
 /**
@@ -243,7 +243,7 @@ to: string | null,
  */
 outcome: string | null, 
 /**
- * The goal, form, clause, resource or variable that it is about.
+ * The goal, form, clause, resource or variable concerned.
  */
 subject: string, 
 /**
@@ -273,7 +273,7 @@ place: string | null,
 name: string | null, };
 
 /**
- * A cause, taken from the decision itself. Its text stands next to it, in the member `because`.
+ * A cause, taken from the decision itself. Its text is in the member `because` of the same object.
  */
 export type CauseDetail = { 
 /**
@@ -330,7 +330,7 @@ interrupt_cost: number, } | { "type": "share",
  */
 resource: string, 
 /**
- * The amount with its unit; null means all of it.
+ * The amount with its unit; null means the whole amount.
  */
 amount: string | null, } | { "type": "message", 
 /**
@@ -375,7 +375,7 @@ interrupt_cost: number, } | { "type": "share",
  */
 resource: string, 
 /**
- * The amount with its unit; null means all of it.
+ * The amount with its unit; null means the whole amount.
  */
 amount: string | null, } | { "type": "message", 
 /**
@@ -384,7 +384,7 @@ amount: string | null, } | { "type": "message",
 message: string, };
 
 /**
- * Something observed. Instants are seconds of mission time.
+ * An observation. Instants are seconds of mission time.
  */
 export type Observation = { "type": "sample", 
 /**
@@ -444,7 +444,7 @@ to: number,
  */
 samples: number, } | { "type": "instant", 
 /**
- * Start of the delay, if there was one.
+ * Start of the delay, if there is one.
  */
 from: number | null, 
 /**
@@ -468,7 +468,7 @@ at: number, } | { "type": "absence",
  */
 condition: string, 
 /**
- * Up to when it did not.
+ * Instant up to which it was not true.
  */
 at: number, } | { "type": "estimate", 
 /**
@@ -480,7 +480,7 @@ variable: string,
  */
 value: string, 
 /**
- * The estimator, as PDL names it.
+ * The estimator, by its PDL name.
  */
 estimator: string, 
 /**
@@ -492,7 +492,7 @@ at: number, } | { "type": "aggregate",
  */
 variable: string, 
 /**
- * The statistic, as PDL names it without the colon.
+ * The statistic, by its PDL name without the colon.
  */
 name: string, 
 /**
@@ -534,7 +534,7 @@ matches: boolean,
 because: string, };
 
 /**
- * One thing that must still come true.
+ * One open requirement.
  */
 export type Unmet = { 
 /**
@@ -546,7 +546,7 @@ kind: string,
  */
 what: string, 
 /**
- * Present knowledge; empty if `what` is complete.
+ * Present state; empty if `what` is complete.
  */
 now: string, 
 /**
@@ -554,7 +554,7 @@ now: string,
  */
 since: number | null, 
 /**
- * Instant at which it comes true by time alone, in seconds of mission time, if nothing changes before.
+ * Instant at which it is met by time alone, if nothing changes before, in seconds of mission time.
  */
 until: number | null, 
 /**
@@ -562,7 +562,7 @@ until: number | null,
  */
 distance: string | null, 
 /**
- * The task concerned, `T4`, if another one is.
+ * The other task concerned, `T4`; `None` if it concerns no other task.
  */
 task: string | null, 
 /**
@@ -642,7 +642,7 @@ name: string,
 value: string, };
 
 /**
- * A part of a condition with what is known about it.
+ * A part of a condition with its present state.
  */
 export type MonitoredCondition = { 
 /**
@@ -654,11 +654,11 @@ kind: string,
  */
 text: string, 
 /**
- * Whether it holds; null if the data do not say.
+ * True if the part holds; null if the data do not decide.
  */
 holds: boolean | null, 
 /**
- * The state variable that it watches.
+ * The state variable that the part watches.
  */
 variable: string | null, 
 /**
@@ -674,11 +674,11 @@ limits: Array<string>,
  */
 now: string, 
 /**
- * Since when it holds, or since when what is known is so; nanoseconds of mission time.
+ * Instant since which the part holds, or since which its present state has been known; nanoseconds of mission time.
  */
 since_ns: number | null, 
 /**
- * Instant at which it comes true by time alone; nanoseconds of mission time.
+ * Instant at which the part becomes true by time alone; nanoseconds of mission time.
  */
 until_ns: number | null, 
 /**
@@ -724,6 +724,6 @@ at_ns: number,
  */
 monitors: Array<TaskMonitor>, 
 /**
- * The variables of the task that was asked about, and their values; empty without one.
+ * The variables of the requested task with their values; empty without a task.
  */
 bindings: Array<Binding>, };

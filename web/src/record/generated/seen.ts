@@ -17,12 +17,12 @@ left: [number, number],
  */
 right: [number, number], 
 /**
- * True if the line counts: the roll is within its limits and the attitude is known.
+ * True if the line counts: the roll is within its limits, and the attitude is known.
  */
 valid: boolean, };
 
 /**
- * The ground seen from one switching on of the scanner to the next gap.
+ * The ground seen from the moment at which the scanner was switched on to the next gap.
  */
 export type Swath = { 
 /**
@@ -61,8 +61,7 @@ pictures: Array<SeenPicture>, };
  */
 export type ScoreSoFar = { 
 /**
- * Observations count that were made until this instant, nanoseconds of mission time: while the scanner is on, the last minute
- * may be missing.
+ * Observations up to this instant count, nanoseconds of mission time: while the scanner is on, the last minute may be missing.
  */
 counted_ns: number, 
 /**
@@ -70,7 +69,7 @@ counted_ns: number,
  */
 benefits: number, 
 /**
- * Crew, risk of failure, and looks that must not be missed and are not there yet.
+ * Crew, risk of failure, and required looks that are still missing.
  */
 costs: number, 
 /**

@@ -3,7 +3,7 @@
 import type { PlanInForce } from './view';
 
 /**
- * Facts of the mission that the page needs next to its record: all of them are in the mission's files.
+ * Facts of the mission that the page needs in addition to its record, all from the mission's files.
  */
 export type MissionFacts = { 
 /**
@@ -11,11 +11,11 @@ export type MissionFacts = {
  */
 kind: 'fixed-wing' | 'rotorcraft', 
 /**
- * Greatest distance from a landing place that the mission allows, metres; none if it states none.
+ * Greatest permitted distance from a landing place, metres; `None` if the mission states none.
  */
 landing_distance_m_max: number | null, 
 /**
- * Windows of the wanted looks of targets. The page shows those of targets that are known.
+ * Windows of the wanted looks of targets. The page shows those of known targets.
  */
 windows: Array<WantedWindow>, };
 
@@ -25,7 +25,7 @@ windows: Array<WantedWindow>, };
 export type WantedWindow = { target: string, look: string, from_ns: number, to_ns: number, };
 
 /**
- * The run as the API describes it.
+ * The run in the form of the API.
  */
 export type Operation = { now_ns: number, 
 /**
@@ -37,7 +37,7 @@ pace: number | null, paused: boolean, targets: Array<TargetNews>, commands: Arra
  */
 questions: Array<OpenQuestion>, 
 /**
- * The request that planners work on; mission time stands still meanwhile.
+ * The request on which planners work; mission time stops meanwhile.
  */
 planning: Planning | null, };
 
@@ -63,7 +63,7 @@ by_ns: number | null, };
  */
 export type Planning = { 
 /**
- * The goal that it plans for.
+ * The goal of the requested plan.
  */
 goal: string, 
 /**
@@ -76,12 +76,12 @@ since_s: number, };
  */
 export type TargetNews = { id: string, 
 /**
- * True while the mission counts it as to be observed.
+ * True while the mission treats it as a target to observe.
  */
 known: boolean, };
 
 /**
- * A command as the API describes it.
+ * A command in the form of the API.
  */
 export type CommandState = { number: number, words: string, 
 /**
@@ -90,11 +90,11 @@ export type CommandState = { number: number, words: string,
 by: string, state: 'sent' | 'accepted' | 'rejected' | 'expired', at_ns: number | null, reason: string | null, age_s: number, };
 
 /**
- * Authority as the API describes it.
+ * Authority in the form of the API.
  */
 export type AuthorityState = { 
 /**
- * The number of the epoch; commands may state it.
+ * The number of the epoch, which commands may state.
  */
 epoch: number, 
 /**
@@ -114,7 +114,7 @@ you: ActorState,
  */
 yours: boolean, 
 /**
- * The caller may take it now.
+ * True if the caller may take it now.
  */
 may_take: boolean, 
 /**
@@ -123,7 +123,7 @@ may_take: boolean,
 stations: Array<ActorState>, };
 
 /**
- * An operator or program, as the API describes it.
+ * An operator or program, in the form of the API.
  */
 export type ActorState = { name: string, 
 /**
@@ -136,11 +136,11 @@ role: string, };
  */
 export type OfferState = { 
 /**
- * The name of the actor that it is offered to.
+ * The name of the actor to which it is offered.
  */
 to: string, 
 /**
- * Wall time until it is over, in seconds.
+ * Remaining wall time of the offer, in seconds.
  */
 left_s: number, };
 
@@ -161,11 +161,11 @@ agent: string,
  */
 question: number, 
 /**
- * One of its options as printed, or any answer if it has none.
+ * One of its options as printed, or any answer if it has no options.
  */
 answer: string, } | { "do": "message", 
 /**
- * The agent that hears it; none is all.
+ * The agent that receives it; `None` for all.
  */
 agent?: string, 
 /**
@@ -198,7 +198,7 @@ alarm: string, } | { "do": "take-authority" } | { "do": "offer-authority",
 to: string, } | { "do": "refuse-authority" } | { "do": "release-authority" };
 
 /**
- * The caller, as the API describes it.
+ * The caller in the form of the API.
  */
 export type SessionState = { name: string, role: 'observer' | 'operator' | 'pilot-in-command', 
 /**
@@ -207,7 +207,7 @@ export type SessionState = { name: string, role: 'observer' | 'operator' | 'pilo
 tokens: boolean, };
 
 /**
- * An entry as the API describes it.
+ * An entry in the form of the API.
  */
 export type ShelfRow = { 
 /**
@@ -234,7 +234,7 @@ fork: ForkRow | null, };
 export type ForkRow = { at_ns: number, with: string, };
 
 /**
- * A fork as the API describes it.
+ * A fork in the form of the API.
  */
 export type ForkState = { id: number, at_ns: number, with: string, file: string, 
 /**
@@ -246,7 +246,7 @@ state: 'flying' | 'ended' | 'failed', now_ns: number,
  */
 record: number | null, 
 /**
- * Both reports side by side, as `apex fork` prints them.
+ * Comparison of both reports, in the form of `apex fork`.
  */
 comparison: string | null, failure: Failure | null, };
 
@@ -305,7 +305,7 @@ reason: string | null,
  */
 help: string | null, 
 /**
- * File, line or option at fault, if there is one.
+ * File, line or option with the error, if there is one.
  */
 place: string | null, };
 

@@ -13,7 +13,7 @@ export type RecordStatus = "complete" | "live" | "incomplete";
  */
 export type Growth = { 
 /**
- * Mission time in nanoseconds of the last thing recorded.
+ * Mission time in nanoseconds of the last recorded step.
  */
 end_ns: number, 
 /**
@@ -67,7 +67,7 @@ record: string,
  */
 epoch_utc: string | null, 
 /**
- * Mission time in nanoseconds of the first thing recorded.
+ * Mission time in nanoseconds of the first recorded step.
  */
 from_ns: number, 
 /**
@@ -75,23 +75,23 @@ from_ns: number,
  */
 ending: Ending | null, 
 /**
- * Number of tasks created so far.
+ * Number of tasks created by the instant.
  */
 tasks: number, 
 /**
- * Number of observation targets known so far.
+ * Number of observation targets known by the instant.
  */
 targets: number, 
 /**
- * Number of them that were observed so far.
+ * Number of these targets that were observed by the instant.
  */
 observed: number, 
 /**
- * The mission's score, if the report has one; none before the flight's end.
+ * The mission's score, if the report contains one; `None` before the flight's end.
  */
 score: number | null, 
 /**
- * Mission time in nanoseconds of the last thing recorded.
+ * Mission time in nanoseconds of the last recorded step.
  */
 end_ns: number, 
 /**
@@ -104,7 +104,7 @@ batches: number,
 status: RecordStatus, };
 
 /**
- * One list per quantity, all of the same length, by time.
+ * One list per quantity, all of the same length, in order of time.
  */
 export type Track = { 
 /**
@@ -181,7 +181,7 @@ since_ns: number,
  */
 created_ns: number, 
 /**
- * `procedure file.pdl:3:1`, if one was selected by then.
+ * `procedure file.pdl:3:1`, if a method was selected by the instant.
  */
 method: string | null, 
 /**
@@ -211,7 +211,7 @@ counts: { [key in TaskState]?: number },
 left_out: number, };
 
 /**
- * A stretch of time that a task spent in one state.
+ * A span of time that a task spent in one state.
  */
 export type Bar = { 
 /**
@@ -232,7 +232,7 @@ from_ns: number,
 to_ns: number, };
 
 /**
- * A stretch of time, about a pixel wide, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
+ * A span of time, about a pixel wide, with more intervals than can be drawn. Its JSON is the list of its first pixel, its number of
  * pixels, its count, and its ongoing share in thousandths.
  */
 export type Band = [number, number, number, number];
@@ -246,7 +246,7 @@ export type Lane = {
  */
 tag: string, 
 /**
- * The goal of the first task in the window, as known at the instant asked for.
+ * The goal of the first task in the window, as known at the requested instant.
  */
 goal: string, 
 /**
@@ -271,7 +271,7 @@ rows: Array<Array<Bar>>,
 bands: Array<Band>, };
 
 /**
- * The lanes beyond the limit, drawn as one.
+ * The lanes beyond the limit, combined.
  */
 export type More = { 
 /**
@@ -333,7 +333,7 @@ t_ns: number,
  */
 kind: string, 
 /**
- * The task's number, if it is about one.
+ * The number of the task concerned, if there is one.
  */
 task: number | null, 
 /**
@@ -353,7 +353,7 @@ outcome: string | null,
  */
 subject: string | null, 
 /**
- * The cause, or what was said, without the place.
+ * The cause or the message, without the place.
  */
 text: string | null, 
 /**
@@ -362,7 +362,7 @@ text: string | null,
 place: string | null, };
 
 /**
- * The last effects of the time asked for, oldest first.
+ * The last effects of the requested time, oldest first.
  */
 export type Events = { 
 /**
@@ -420,7 +420,7 @@ value: number | null,
  */
 geometry: GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null, 
 /**
- * `planned`, `observing`, `observed` or `skipped` at the instant asked for; none before the first.
+ * `planned`, `observing`, `observed` or `skipped` at the requested instant; `None` before the first state.
  */
 state: string | null, 
 /**
@@ -432,7 +432,7 @@ detail: string | null,
  */
 since_ns: number | null, 
 /**
- * Mission time in nanoseconds at which it was announced; none if it was known from the start.
+ * Mission time in nanoseconds of its announcement; `None` if it was known from the start.
  */
 announced_ns: number | null, 
 /**
@@ -484,7 +484,7 @@ reason: string, };
  */
 export type PlanInForce = { 
 /**
- * Number of plans adopted so far: 1 for the first.
+ * Number of plans adopted so far: 1 for the first plan.
  */
 number: number, 
 /**
@@ -496,15 +496,15 @@ adopted_ns: number,
  */
 summary: string, 
 /**
- * Its visits in order, with the times that it predicts.
+ * Its visits in order, with the predicted times.
  */
 visits: Array<PlannedVisit>, 
 /**
- * Positions along its way, `[longitude, latitude]` in degrees; empty if it states none.
+ * Positions along its route, `[longitude, latitude]` in degrees; empty if the plan states none.
  */
 route: Array<[number, number]>, 
 /**
- * The targets that it leaves out.
+ * The targets that the plan leaves out.
  */
 left_out: Array<LeftOutTarget>, };
 
@@ -517,12 +517,12 @@ export type Plans = {
  */
 plans: Array<PlanInForce>, 
 /**
- * Earlier plans that are left out, because there are more than [`PLANS_MAX`].
+ * Number of earlier plans that are not listed, because there are more than [`PLANS_MAX`].
  */
 left_out: number, };
 
 /**
- * A stretch of time in which a task held a resource, or a share of it.
+ * A span of time in which a task held a resource, or a share of it.
  */
 export type Holding = { 
 /**
@@ -530,7 +530,7 @@ export type Holding = {
  */
 task: number, 
 /**
- * The share that it held; none is all of it.
+ * The share that it held; `None` for the whole resource.
  */
 amount: string | null, 
 /**
@@ -538,7 +538,7 @@ amount: string | null,
  */
 from_ns: number, 
 /**
- * End, nanoseconds of mission time; that of the answer while it is held.
+ * End in nanoseconds of mission time; that of the answer if it is still held.
  */
 to_ns: number, 
 /**
@@ -555,7 +555,7 @@ export type ResourceRow = {
  */
 resource: string, 
 /**
- * Stretches of time in which a task held it, by begin.
+ * Spans of time in which a task held the resource, by beginning.
  */
 holdings: Array<Holding>, 
 /**
@@ -564,11 +564,11 @@ holdings: Array<Holding>,
 left_out: number, };
 
 /**
- * The resources of an agent, and who held them.
+ * The resources of an agent with their holders.
  */
 export type Holdings = { 
 /**
- * One row for each resource that any task has held by then, in the order of the first holding.
+ * One row for each resource that any task has held by the instant, in the order of the first holding.
  */
 resources: Array<ResourceRow>, };
 
@@ -590,7 +590,7 @@ t_ns: number,
  */
 kind: TroubleKind, 
 /**
- * The goal, target or message that it is about.
+ * The goal, target or message concerned.
  */
 subject: string, 
 /**
@@ -598,11 +598,11 @@ subject: string,
  */
 cause: string, 
 /**
- * The task's number, if it is about one.
+ * The number of the task concerned, if there is one.
  */
 task: number | null, 
 /**
- * The target's identifier, if it is about one.
+ * The target's identifier, if the entry concerns a target.
  */
 target: string | null, };
 
@@ -640,7 +640,7 @@ altitude_m_min: number,
  */
 altitude_m_max: number | null, 
 /**
- * Active intervals, hours of mission time from and until; empty if it is always active.
+ * Active intervals as start and end in hours of mission time; empty if it is always active.
  */
 active_h: Array<[number, number]>, 
 /**
@@ -691,7 +691,7 @@ export type Section = {
  */
 section: string, 
 /**
- * JSON if the record has JSON, else a text.
+ * JSON if the record contains JSON, otherwise text.
  */
 body: unknown, };
 
@@ -731,19 +731,19 @@ lines: Array<string>, };
 export type SignalKind = "number" | "words" | "other";
 
 /**
- * A limit, or a threshold, of a signal. Values beyond it satisfy the condition.
+ * A limit or threshold of a signal. Values beyond it satisfy the condition.
  */
 export type SignalLimit = { 
 /**
- * Values below it are beyond, in the signal's unit; none if low values are not.
+ * Values below this one are beyond the limit, in the signal's unit; `None` if low values are within.
  */
 low: number | null, 
 /**
- * Values above it are beyond, in the signal's unit; none if high values are not.
+ * Values above this one are beyond the limit, in the signal's unit; `None` if high values are within.
  */
 high: number | null, 
 /**
- * For how many seconds values must be beyond it; none if one sample is enough.
+ * Seconds for which values must be beyond it; `None` if one sample suffices.
  */
 duration_s: number | null, 
 /**
@@ -751,11 +751,11 @@ duration_s: number | null,
  */
 also: string, 
 /**
- * True if a step that repeats or responds watches it; false for a threshold that is waited for once.
+ * True if a step that repeats or responds watches it; false for a threshold that a step awaits once.
  */
 guarded: boolean, 
 /**
- * The step that it starts, by its tag.
+ * The step that its condition starts, by its tag.
  */
 step: string, 
 /**
@@ -780,7 +780,7 @@ attribute: string,
  */
 object: string, 
 /**
- * The unit of its numbers as PDL writes it; empty for numbers without a unit and for words.
+ * The unit of its numbers in PDL; empty for numbers without a unit and for words.
  */
 unit: string, 
 /**
@@ -830,8 +830,8 @@ peak: number,
  */
 samples: number, 
 /**
- * Instant at which the executive found the condition satisfied in it, nanoseconds of mission time; `None` if it did not: too short,
- * not watched then, or what else must hold did not.
+ * Instant at which the executive found the condition satisfied by the excursion, nanoseconds of mission time. `None` if it did not:
+ * the excursion was too short, the condition was not watched, or another part did not hold.
  */
 raised_ns: number | null, };
 
@@ -869,8 +869,8 @@ first: number,
 last: number, };
 
 /**
- * A signal in a window of time. The lists have one length: one entry for each sample, or for each pixel with samples if
- * there are more. The last sample before the window comes first, so that a line enters it.
+ * A signal in a window of time. All lists have the same length: one entry for each sample, or, if there are more samples, for each pixel
+ * that has samples. The last sample before the window comes first, so that a line enters the window.
  */
 export type SignalWindow = { 
 /**
@@ -886,7 +886,7 @@ low: Array<number>,
  */
 high: Array<number>, 
 /**
- * The mean of the values; for words the place in `words` of the last one.
+ * The mean of the values; for words the index in `words` of the last one.
  */
 mean: Array<number>, 
 /**
@@ -926,7 +926,7 @@ attribute: string,
  */
 object: string, 
 /**
- * The unit of its numbers as PDL writes it; empty for numbers without a unit and for words.
+ * The unit of its numbers in PDL; empty for numbers without a unit and for words.
  */
 unit: string, 
 /**
@@ -959,7 +959,7 @@ to_ns: number,
  */
 at_ns: number, 
 /**
- * One for each name, in the order asked for; names without samples by the instant have none.
+ * One window for each requested name, in that order; names without samples by the instant have none.
  */
 windows: Array<SignalWindow>, };
 
@@ -968,7 +968,7 @@ windows: Array<SignalWindow>, };
  */
 export type RecordedCommand = { 
 /**
- * Mission time in nanoseconds at which the run settled it.
+ * Mission time in nanoseconds at which the run decided about it.
  */
 t_ns: number, 
 /**
@@ -1014,11 +1014,11 @@ activity: string,
  */
 place: string, 
 /**
- * The tags of the steps whose end it waits for.
+ * The tags of the steps for whose end it waits.
  */
 after: Array<string>, 
 /**
- * Other conditions that it waits for, as PDL text.
+ * Other conditions for which it waits, as PDL text.
  */
 waits: Array<string>, 
 /**
@@ -1039,7 +1039,7 @@ export type ProcedureRow = {
  */
 kind: string, 
 /**
- * The class of goals that it serves.
+ * The class of goals that the definition serves.
  */
 index: string, 
 /**

@@ -1,4 +1,4 @@
-//! `apex profile build` and `update`: measuring, and writing files as a whole or not at all.
+//! `apex profile build` and `update`: measure profiles, and write each file completely or not at all.
 
 use super::measuring::{self, cpu_s};
 use super::{read, units};
@@ -48,7 +48,7 @@ pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Cli
     write_table(options.table.as_deref(), &profile)
 }
 
-/// Measures one planner on every mission and says what its work took.
+/// Measures one planner on every mission and prints its work.
 fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOptions) -> CliResult {
     let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
     let before_s = cpu_s();
@@ -70,7 +70,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     Ok(())
 }
 
-/// Returns the text of an older profile that may be written over; anything else is left alone, before anything is measured.
+/// Returns the text of an older profile that may be replaced; any other file is an error, before anything is measured.
 pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if !path.exists() {
         return Ok(None);
@@ -83,7 +83,7 @@ pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
         .help("name another file, or remove this one"))
 }
 
-/// Writes a file as a whole; `before` is what an older one held.
+/// Writes a file completely; `before` is the content of the older one.
 pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> CliResult {
     if let Some(before) = before {
         return Ok(apex_mission::replacing::replace(path, before, text)?);
@@ -93,7 +93,7 @@ pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> CliResult 
     })
 }
 
-/// Writes what selection needs of a profile, where a place for it is named.
+/// Writes the extract of a profile for selection, if a path for it is given.
 pub(super) fn write_table(path: Option<&Path>, profile: &Profile) -> CliResult {
     let Some(path) = path else { return Ok(()) };
     let before = if path.exists() { Some(crate::error::read_text(path)?) } else { None };

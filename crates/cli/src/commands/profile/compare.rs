@@ -1,4 +1,4 @@
-//! `apex profile compare`: two profiles, or one and the paper's Figure 4.
+//! `apex profile compare`: compares two profiles, or one and the paper's Figure 4.
 
 use super::{budgets, read};
 use crate::error::CliResult;

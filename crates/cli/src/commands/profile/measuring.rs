@@ -1,4 +1,4 @@
-//! Tasks of a measurement on several threads, with a progress bar.
+//! Runs the tasks of a measurement on several threads, with a progress bar.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ProfileWorkOptions;
@@ -7,10 +7,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// Threads at most.
 const THREADS_MAX: usize = 1024;
 
-/// Does `task` for each number below `count`. A bar titled `title` goes along on standard error.
+/// Runs `task` for each number below `count`. A progress bar with title `title` is shown on standard error.
 ///
 /// # Errors
-/// That of the first task (by number) that failed; no further ones are begun then.
+/// The error of the first task (by number) that failed; no further task is started afterwards.
 pub(super) fn each<T: Send>(
     options: &ProfileWorkOptions,
     title: &str,
@@ -44,7 +44,7 @@ fn bar(options: &ProfileWorkOptions, title: &str, count: usize) -> ProgressBar {
     bar
 }
 
-/// CPU time of this process; none where the system does not tell.
+/// Returns the CPU time of this process; `None` if the system does not report it.
 pub(super) fn cpu_s() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // After the name in brackets: state is the third field, user and system time are the 14th and 15th, in hundredths.

@@ -1,4 +1,4 @@
-//! `apex profile merge`: parts that were measured apart become one profile.
+//! `apex profile merge`: merges separately measured parts into one profile.
 
 use super::build::{refuse_other, write, write_table};
 use super::read;

@@ -1,4 +1,4 @@
-//! `apex profile`: which planner is best where, measured on test missions.
+//! `apex profile`: determines the best planner for each kind of mission, measured on test missions.
 
 mod build;
 mod compare;
@@ -35,7 +35,7 @@ pub fn run(command: &ProfileCommand, registry: &Registry) -> CliResult {
     }
 }
 
-/// Returns the profile in `path`, or the one that ships.
+/// Returns the profile in `path`, or the shipped one.
 fn read(path: Option<&Path>) -> CliResult<Profile> {
     let (name, text) = match path {
         Some(path) => (path.display().to_string(), read_text(path)?),
@@ -54,7 +54,7 @@ fn not_understood(name: &str, error: FormatError) -> CliError {
 /// Returns the table of solver selection in a file.
 ///
 /// # Errors
-/// It cannot be read, or a place in it is not understood.
+/// If it cannot be read, or a place in it is not understood.
 pub fn table(path: &Path) -> CliResult<Arc<ProfileTable>> {
     let text = read_text(path)?;
     let table = ProfileTable::read(&text).map_err(|error| not_understood(&path.display().to_string(), error))?;
@@ -73,7 +73,7 @@ fn units(text: &str, option: &str) -> CliResult<u64> {
     Ok(units_in(time))
 }
 
-/// Returns the indices of the wanted budgets in a profile; all where none is wanted.
+/// Returns the indices of the requested budgets in a profile; all if none is requested.
 fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> CliResult<Vec<usize>> {
     if wanted.is_empty() {
         return Ok((0..profile.budgets.len()).collect());

@@ -1,5 +1,4 @@
-//! `apex profile compare --regret`: what the choices of selection cost more than the best planner, on missions that no
-//! profile has seen.
+//! `apex profile compare --regret`: the additional cost of selected planners over the best planner, on missions that are in no profile.
 
 use super::{measuring, read, units};
 use crate::error::CliResult;

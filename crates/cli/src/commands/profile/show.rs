@@ -1,4 +1,4 @@
-//! `apex profile show`: text, JSON lines, or a heat map.
+//! `apex profile show`: prints a profile as text, JSON lines, or a heat map.
 
 use super::{budgets, read};
 use crate::error::{CliError, CliResult};

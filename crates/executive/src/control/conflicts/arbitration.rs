@@ -15,20 +15,20 @@ use std::rc::Rc;
 pub(crate) struct Arbitration {
     /// Claimants that get all they need.
     pub(crate) granted: Vec<TaskId>,
-    /// Holders that lose what they hold.
+    /// Holders that lose their resources.
     pub(crate) displaced: Vec<Defeat>,
-    /// Claimants that get nothing, holders that were displaced among them.
+    /// Claimants that get nothing, displaced holders included.
     pub(crate) refused: Vec<Refusal>,
-    /// Claimants whose needs can never be met: resource, need, what there is.
+    /// Claimants whose needs exceed the whole resource: claimant, resource, needed amount, total of the resource.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
-    /// Claimants that did not compete, as their parents would have stopped, and whose parents continue after all.
+    /// Claimants that were excluded because their parents seemed to stop, although their parents continue in the final result.
     pub(crate) barred: Vec<TaskId>,
-    /// Claimants that may win by the passing of time.
+    /// Claimants that may win later because priorities change with time.
     pub(crate) watched: Vec<PriorityWatch>,
 }
 
 impl Arbitration {
-    /// Adds what was decided about other resources.
+    /// Adds the decisions about other resources.
     pub(crate) fn absorb(&mut self, part: Arbitration) {
         let Arbitration { granted, displaced, refused, impossible, barred, watched } = part;
         self.granted.extend(granted);
@@ -51,11 +51,11 @@ pub(crate) struct Defeat {
     pub(crate) winner: TaskId,
     /// The rule that decided.
     pub(crate) rule: ConflictRule,
-    /// The winner's priority or rank, with interrupt cost where it defends.
+    /// The winner's priority or rank; includes its interrupt cost if the winner is the holder.
     pub(crate) winner_strength: Strength,
-    /// The loser's.
+    /// The loser's priority or rank, by the same rule.
     pub(crate) loser_strength: Strength,
-    /// The winner has the resource, or gets it now; else it claims it too.
+    /// True if the winner has the resource or gets it in this arbitration; false if it is only an earlier claimant.
     pub(crate) winner_holds: bool,
 }
 
@@ -64,11 +64,11 @@ pub(crate) struct Defeat {
 pub(crate) struct Refusal {
     /// The conflict that is reported.
     pub(crate) loss: Defeat,
-    /// By what right it counts against those behind it.
+    /// Kind of use with which this claim counts against later claimants.
     pub(crate) claim: UseKind,
     /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
-    /// All tasks that block it: at least one of them would have to yield.
+    /// All tasks that block the claimant: at least one of them would have to yield.
     pub(crate) rivals: Vec<Rival>,
 }
 
@@ -77,19 +77,19 @@ pub(crate) struct Refusal {
 pub(crate) struct Rival {
     /// Its number.
     pub(crate) task: TaskId,
-    /// It has the resource, and does not only claim it.
+    /// True if the rival has the resource, false if it only claims it.
     pub(crate) holds: bool,
-    /// Tasks whose priorities count for it.
+    /// Tasks whose priorities count for the rival.
     pub(crate) stands_for: Rc<[TaskId]>,
 }
 
-/// A claimant whose priority is compared again when time may have changed who is the stronger.
+/// A claimant whose priority is compared again when the passing of time may have reversed the order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PriorityWatch {
     /// The claimant.
     pub(crate) task: TaskId,
-    /// Tasks whose priorities count for it.
+    /// Tasks whose priorities count for the claimant.
     pub(crate) stands_for: Rc<[TaskId]>,
-    /// All tasks that block it.
+    /// All tasks that block the claimant.
     pub(crate) rivals: Vec<Rival>,
 }

@@ -1,5 +1,5 @@
 //! Claims (TC)
-//! What: finds the place of a claimant in the queue of what it needs, if its place follows from itself alone.
+//! What: computes a claimant's place in the queues of the resources that it needs, if that place depends on the claimant alone.
 //! Runs: contend phase, when a task claims and when an input of its priority changed.
 //! Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
 //! Bound: O(depth * needs).
@@ -36,7 +36,7 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
         return Claim::Apart;
     }
     let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
-    // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
+    // A claimant of several resources is listed in the queue of each, with all its needs; with one need the list stays empty.
     let several = needs.len() > 1;
     let others = needs.iter().filter(|_| several).map(|need| (need.resource, need.amount.to_bits())).collect();
     let amount = needs.first().map_or(0.0, |need| need.amount);
@@ -44,7 +44,7 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     Claim::Queued(Box::new(QueuedClaim { place, level, varies, expected, amount, others, by_rank }))
 }
 
-/// The places of the task among those below each ranked task above it, where ranks count before priorities.
+/// Returns the task's place among the tasks below each of its ranked ancestors, for orders in which ranks count before priorities.
 fn places_by_rank(agent: &Agent, id: TaskId, level: Option<&QueuePlace>) -> Vec<QueueKey> {
     let (begun, order) = (has_begun(agent, id), order_of(agent, id));
     let within = level.and_then(|level| level.steady).map_or(0.0, |key| key.priority);
@@ -68,13 +68,13 @@ pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = Ran
     })
 }
 
-/// ClaimPlaces of a claimant that follow from itself alone.
+/// Queue places of a claimant that depend on the claimant alone.
 struct ClaimPlaces {
-    /// In the queue of all.
+    /// Its place in the queue of all claimants.
     place: Option<QueuePlace>,
-    /// Among claimants of the same rank.
+    /// Its place among claimants of the same rank.
     level: Option<QueuePlace>,
-    /// Variables may change them.
+    /// True if variables may change these places.
     varies: bool,
 }
 
@@ -87,8 +87,8 @@ impl ClaimPlaces {
         let Some(rank) = brings.rank else {
             return ClaimPlaces { place: Some(worth), level: None, varies };
         };
-        // A rank can contradict the priorities below it, and two ranks can contradict one another. The order of a claimant with
-        // a rank and several needs can depend on claimants of other resources.
+        // A rank can contradict the priorities below it, and two ranks can contradict each other. With a rank and several needs, the
+        // order can depend on claimants of other resources.
         let is_alone = !brings.contradicts && worth.rising.is_empty() && needs.len() == 1;
         let ranked = |key: QueueKey| QueueKey { rank: Some(rank), ..key };
         let place = is_alone.then(|| QueuePlace { steady: worth.steady.map(ranked), rising: Vec::new() });
@@ -96,8 +96,8 @@ impl ClaimPlaces {
     }
 }
 
-/// Watches of claimants and their rivals, by task, with true for a rival that has what both want. A rival that time alone never
-/// brings behind the claimant is left out.
+/// Returns the priority watches of the claimants in `contests`, by task. The flag of a rival is true if it holds the contested resource.
+/// A rival that the passing of time can never bring behind the claimant is left out.
 pub(crate) fn watches(cycle: &Cycle<'_>, contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>>) -> Vec<PriorityWatch> {
     let concerned = contests.iter().flat_map(|(task, rivals)| rivals.keys().chain([task]));
     let concerned: BTreeSet<TaskId> = concerned.copied().collect();
@@ -115,15 +115,15 @@ pub(crate) fn watches(cycle: &Cycle<'_>, contests: BTreeMap<TaskId, BTreeMap<Tas
     contests.into_iter().map(watch).collect()
 }
 
-/// The place of a task by its priorities alone; none where one of them, or the cost to interrupt it, moves in another way than by
-/// its urgency.
+/// Returns the place of a task by its priorities alone; `None` if one of them, or its interrupt cost, changes in another way than by its
+/// urgency.
 pub(crate) fn worth_of(cycle: &Cycle<'_>, id: TaskId) -> Option<QueuePlace> {
     let cost = priority::cost_clause(cycle.agent, id);
     let costs_the_same = cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)));
     Brings::of(cycle.agent, id).filter(|_| costs_the_same)?.place(cycle, id)
 }
 
-/// Does an ancestor need one of the same resources? Families share, which is not a matter of turns.
+/// Returns true if an ancestor needs one of the same resources. A task shares what its ancestors hold, so no queue applies.
 fn shares_with_ancestors(agent: &Agent, id: TaskId, needs: &[Need]) -> bool {
     let wants = |id: ResourceId| needs.iter().any(|need| need.resource == id);
     successors(agent.task(id), |task| agent.task(task.parent?)).skip(1).any(|above| {
@@ -133,18 +133,18 @@ fn shares_with_ancestors(agent: &Agent, id: TaskId, needs: &[Need]) -> bool {
     })
 }
 
-/// Properties of a task and its ancestors in a conflict.
+/// Ranks and priorities that a task and its ancestors bring into a conflict.
 #[derive(Default)]
 struct Brings<'a> {
     /// Clauses whose priority rises by urgency.
     rising: Vec<(&'a Task, &'a PriorityClause)>,
-    /// The number of other clauses.
+    /// Number of the other priority clauses.
     steady: usize,
-    /// Variables may change a priority.
+    /// True if variables may change a priority.
     varies: bool,
     /// The lowest rank.
     rank: Option<RankAmong>,
-    /// There are other ranks above it, or priorities below it.
+    /// True if there is another rank above `rank`, or a priority below it.
     contradicts: bool,
 }
 
@@ -204,7 +204,7 @@ impl<'a> Brings<'a> {
         Some(())
     }
 
-    /// The place by priorities alone; none where one of them moves in another way.
+    /// Returns the place by priorities alone; `None` if one of them changes in another way than by its urgency.
     fn place(&self, cycle: &Cycle<'_>, id: TaskId) -> Option<QueuePlace> {
         let agent = &*cycle.agent;
         let (begun, order) = (has_begun(agent, id), order_of(agent, id));

@@ -25,12 +25,12 @@ pub(crate) struct Claimant {
     pub(crate) id: TaskId,
     /// Required resources.
     pub(crate) needs: Vec<Need>,
-    /// Its priority now; where ranks count, not less than that of any task that it precedes.
+    /// Its priority now. Where ranks count, at least that of every task that it precedes by rank.
     pub(crate) priority: f64,
-    /// It has begun, and goes before its equals that have not.
+    /// True if it has begun; it then precedes equal claimants that have not.
     pub(crate) begun: bool,
     order: FamilyOrder,
-    /// Its place among all competitors where ranks count too; the same for all where no task has one.
+    /// Its place among all competitors where ranks count; equal for all if no task has a rank.
     pub(crate) turn: usize,
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     !family.any(|task| task.suspended)
 }
 
-/// Returns all claimants, best first, and what makes their order where ranks are stated.
+/// Returns all claimants, best first, and the precedence that ordered them if ranks are stated.
 pub(crate) fn in_order(
     agent: &Agent,
     now: Time,
@@ -94,7 +94,7 @@ pub(crate) fn in_order(
     let mut precedence = None;
     let mut everybody = found.claimants.iter().map(|each| each.id).chain(found.holders.iter().copied());
     if everybody.any(|id| priority::is_ranked(agent, id)) {
-        // A task that a holder precedes, or preceded until now, may not claim what others wait for that the holder has.
+        // A task that precedes a holder by rank, now or until now, may not claim what that holder has while others wait for it.
         found = competitors(agent, now, dirty, orphans, true);
         let holders = found.holders.iter().map(|id| claimant_in(agent, *id, now));
         precedence = Some(Precedence::of(agent, now, found.claimants.iter().cloned().chain(holders).collect()));
@@ -107,7 +107,7 @@ pub(crate) fn in_order(
     (claimants.into(), precedence)
 }
 
-/// Competitors for some resources and for all that these competitors need.
+/// Competitors for a set of resources and for all other resources that these competitors need.
 #[derive(Default)]
 struct Competitors {
     /// Eligible claimants, best first.
@@ -116,8 +116,8 @@ struct Competitors {
     holders: BTreeSet<TaskId>,
 }
 
-/// Returns all tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
-/// `through_holders`; without `orphans`.
+/// Returns all tasks that compete for the resources in `dirty` and for the other resources of those claimants, without `orphans`. With
+/// `through_holders` it also follows the needs of holders.
 fn competitors(
     agent: &Agent,
     now: Time,
@@ -154,7 +154,7 @@ pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     claimant_in(cycle.agent, id, cycle.now)
 }
 
-/// Returns the same outside of a cycle.
+/// Returns the claim of the task with its priority, outside of a cycle.
 fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
     let priority = priority::priority(agent, id, now);
     let begun = has_begun(agent, id);
@@ -167,14 +167,14 @@ pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
     agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
 }
 
-/// Returns the instant from which the task has been ongoing without a break, with its number: of tasks of one instant, the one created last
-/// counts as the latest.
+/// Returns the instant from which the task has been ongoing without a break, with its number: of tasks that began at one instant the one
+/// created last counts as the latest.
 pub(crate) fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
     (agent.task(id).map(|task| task.since), id)
 }
 
-/// Returns the order of equals: written order among siblings, creation order among others; tasks that have had a turn and are repeated come
-/// last.
+/// Returns the order of equal claimants: written order among siblings, creation order among others. Repeated tasks that have been ongoing
+/// before come last.
 pub(crate) fn order_of(agent: &Agent, id: TaskId) -> FamilyOrder {
     let Some(task) = agent.task(id) else { return (Time::BEGINNING, id, 0, id) };
     let step = match task.origin {
@@ -184,14 +184,14 @@ pub(crate) fn order_of(agent: &Agent, id: TaskId) -> FamilyOrder {
     (repeated_at(agent, task), task.parent.unwrap_or(id), step, id)
 }
 
-/// Returns the last repetition of the task, or of the newest of its ancestors; the beginning of time if there was none.
+/// Returns the last repetition of the task or of its nearest repeated ancestor; the beginning of time if none was repeated.
 fn repeated_at(agent: &Agent, task: &Task) -> Time {
     let family = std::iter::successors(Some(task), |task| agent.task(task.parent?));
     let repeated = |task: &Task| task.extras.as_ref().and_then(|extras| extras.ended_before);
     family.filter_map(repeated).max().unwrap_or(Time::BEGINNING)
 }
 
-/// Compares claimants: the first in the order precedes.
+/// Compares claimants: the lesser one precedes.
 pub(crate) fn compare(a: &Claimant, b: &Claimant) -> Ordering {
     a.turn.cmp(&b.turn).then_with(|| by_priority(a, b))
 }
@@ -201,7 +201,7 @@ pub(crate) fn by_priority(a: &Claimant, b: &Claimant) -> Ordering {
     b.priority.total_cmp(&a.priority).then(b.begun.cmp(&a.begun)).then(a.order.cmp(&b.order))
 }
 
-/// Puts a claimant in its place.
+/// Inserts a claimant at its place in the ordered list.
 pub(crate) fn insert_in_order(list: &mut VecDeque<Claimant>, claimant: Claimant) {
     let index = list.partition_point(|each| compare(each, &claimant) == Ordering::Less);
     list.insert(index, claimant);

@@ -26,7 +26,7 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Returns the tasks that would begin although their parents stop working, in the order of arbitration.
+/// Returns the tasks that would begin although their parents stop, in the order of arbitration.
 pub(crate) fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
     let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
@@ -39,8 +39,8 @@ fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
     cycle.task(id).and_then(|task| task.parent).is_some_and(stops)
 }
 
-/// Arbitrates all resources in `dirty`, with everything their claimants need in addition, and everything that those leave who
-/// are displaced. No step of a task that stops working begins, so such steps do not compete.
+/// Arbitrates all resources in `dirty`, the other resources that their claimants need, and those that displaced tasks leave. A step whose
+/// parent stops does not compete.
 pub(crate) fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut orphaned = BTreeSet::new();
     let mut dirty = dirty.clone();
@@ -56,20 +56,20 @@ pub(crate) fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> 
             result.barred = orphaned.into_iter().filter(|id| !parent_stops(cycle, &result, *id)).collect();
             return result;
         };
-        // Whose parent stops only for another orphan will see whether it still does without that one.
+        // If the parent stops only because of another orphan, the next pass decides whether it still stops without that orphan.
         let only_for_orphan = |id: &TaskId| {
             let parent = cycle.task(*id).and_then(|task| task.parent);
             let loss = result.displaced.iter().find(|loss| Some(loss.loser) == parent);
             loss.is_some_and(|loss| found.contains(&loss.winner))
         };
         let certain: Vec<TaskId> = found.iter().filter(|id| !only_for_orphan(id)).copied().collect();
-        // Where each stops only for another, the weakest gives way: were all to, all would wait forever.
+        // If each parent stops only because of another orphan, only the weakest is excluded: excluding all would let all wait forever.
         orphaned.extend(if certain.is_empty() { vec![last] } else { certain });
     }
 }
 
-/// Returns the resources that displaced tasks hold in addition to those that they lost, and those held above their winners by tasks
-/// that have not begun: a task that waits for them may stop the winners in turn. Only if a task waits.
+/// Returns contested resources to arbitrate in addition: all that displaced tasks hold, and all that ancestors of winners that have not
+/// begun hold. A task that waits for one of these may stop the winner in turn.
 pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
     let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
     let needs = |id: TaskId| needs_of(cycle, id).into_iter().map(|need| need.resource);
@@ -102,32 +102,32 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
     result
 }
 
-/// Result for one claimant.
+/// Result of placing one claimant.
 pub(crate) enum Placement {
     Granted(Vec<Defeat>),
     Refused(Refusal),
     Impossible(Need, f64),
 }
 
-/// Uses of resources during an arbitration.
+/// Uses of resources while an arbitration is computed.
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
-    /// Tasks that have lost everything they held, also resources that are not arbitrated yet.
+    /// Tasks that have lost all their resources, including resources that are not arbitrated yet.
     displaced: BTreeSet<TaskId>,
-    /// `None` if no task has a rank.
+    /// Order by rank; `None` if no task has a rank.
     precedence: Option<Precedence>,
     notes: Notes,
 }
 
-/// Kind of notes about refused claims.
+/// Kinds of notes about refused claims.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Notes {
-    /// Each one.
+    /// Each refused claim is noted.
     Each,
-    /// Those that cannot begin before one instant as one claim; only for claimants without relatives among them.
+    /// Refused claims that cannot begin before one instant are noted as one; only for claimants that are not related to each other.
     ByInstant,
-    /// No more than it takes to refuse all others.
+    /// Claims are noted only until they suffice to refuse all further claimants.
     Enough,
 }
 
@@ -138,17 +138,18 @@ impl<'a, 'c> Field<'a, 'c> {
         Field { cycle, uses, displaced, precedence: None, notes: Notes::Each }
     }
 
-    /// Returns the same, for the first claimants in queues.
+    /// Returns an empty field that notes only enough claims to refuse all others ([`Notes::Enough`]).
     pub(crate) fn brief(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { notes: Notes::Enough, ..Field::empty(cycle) }
     }
 
-    /// Returns the same, for claimants in queues, who have no relatives among them.
+    /// Returns an empty field that notes claims by instant ([`Notes::ByInstant`]), for claimants in queues, which are not related to each
+    /// other.
     pub(crate) fn grouped(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { notes: Notes::ByInstant, ..Field::empty(cycle) }
     }
 
-    /// Returns a task that claims, in its turn and with the priority that counts for it.
+    /// Returns the claim of the task with its turn and the priority that counts for it.
     fn as_claimant(&self, id: TaskId) -> Claimant {
         let mut claimant = as_claimant(self.cycle, id);
         if let Some(precedence) = &self.precedence {
@@ -177,7 +178,7 @@ impl<'a, 'c> Field<'a, 'c> {
         whom.map_or(ConflictRule::Priority, |whom| ConflictRule::GoesBefore { whom })
     }
 
-    /// Notes who holds the resource, unless it was inspected before.
+    /// Notes the holders of the resource, unless they are noted already.
     pub(crate) fn load(&mut self, id: ResourceId) {
         let Some(resource) = self.cycle.agent.resources.get(id) else { return };
         let displaced = &self.displaced;
@@ -188,8 +189,8 @@ impl<'a, 'c> Field<'a, 'c> {
         });
     }
 
-    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: no task
-    /// that beats it, and no task where weaker ones suffice.
+    /// Grants the claimant all its needs, or notes what it waits for. Displaces as few tasks as possible: no task that beats the
+    /// claimant, and no task if displacing weaker ones suffices.
     pub(crate) fn place(&mut self, claimant: &Claimant) -> Placement {
         for need in &claimant.needs {
             self.load(need.resource);
@@ -210,7 +211,7 @@ impl<'a, 'c> Field<'a, 'c> {
         for index in (0..losses.len()).rev() {
             let spared = losses.remove(index);
             if let Some(need) = self.lacking(claimant, &losses) {
-                // What is missing without this loss is what it is about.
+                // The reported resource is the one that would be missing without this loss.
                 losses.insert(index, Defeat { resource: need.resource, ..spared });
             }
         }
@@ -255,7 +256,7 @@ impl<'a, 'c> Field<'a, 'c> {
         self.uses.get(&id).map(Vec::as_slice).unwrap_or_default()
     }
 
-    /// Returns all who have the resource, or get it.
+    /// Returns all uses of the resource by tasks that hold it or get it in this arbitration.
     pub(crate) fn users(&self, id: ResourceId, resource: &Resource) -> Vec<Use> {
         match self.uses.get(&id) {
             Some(uses) => uses.iter().filter(|each| !matches!(each.kind, UseKind::Awaited(_))).cloned().collect(),
@@ -267,19 +268,19 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// Returns the total of a resource.
+    /// Returns the capacity of a resource.
     pub(crate) fn total(&self, id: ResourceId) -> f64 {
         self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
     }
 
-    /// Returns the uses that count against the claimant when those in `losses` are gone.
+    /// Returns the uses that count against the claimant after the losses in `losses`.
     fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Defeat]) -> Vec<&Use> {
         let agent = &*self.cycle.agent;
         let uses = self.uses.get(&id).map(Vec::as_slice).unwrap_or_default();
         let counts = |each: &&Use| match each.kind {
             UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
             UseKind::Granted => true,
-            // No task is displaced for the sake of a gap.
+            // A gap is only filled with free capacity: no task is displaced for it.
             UseKind::Awaited(_) => {
                 !(related(agent, each.task, claimant.id) || losses.is_empty() && self.leaves_a_gap(claimant, each))
             }
@@ -287,7 +288,7 @@ impl<'a, 'c> Field<'a, 'c> {
         uses.iter().filter(counts).collect()
     }
 
-    /// Returns the first need of the claimant for which there is no space.
+    /// Returns the first need of the claimant for which the capacity does not suffice.
     fn lacking(&self, claimant: &Claimant, losses: &[Defeat]) -> Option<Need> {
         let room = |need: &Need| {
             let present = self.present(claimant, need.resource, losses);
@@ -296,8 +297,8 @@ impl<'a, 'c> Field<'a, 'c> {
         claimant.needs.iter().find(|need| !room(need)).copied()
     }
 
-    /// Returns all holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
-    /// what it defends with, then who has been at work for the shortest time.
+    /// Returns all holders that the claimant beats, the weakest first: ordered by rank, then by the strength of their defence, then by
+    /// the time for which they have been ongoing, the shortest first.
     fn beaten(&self, claimant: &Claimant) -> Vec<Defeat> {
         let agent = &*self.cycle.agent;
         let mut found: Vec<Defeat> = Vec::new();
@@ -332,7 +333,7 @@ impl<'a, 'c> Field<'a, 'c> {
         ordered
     }
 
-    /// Returns the conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
+    /// Returns the conflict that the claimant loses over `need`, and all tasks that block it. The claim continues.
     fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Defeat]) -> Refusal {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
@@ -348,7 +349,7 @@ impl<'a, 'c> Field<'a, 'c> {
         };
         let all = rivals.iter().map(rival).collect();
         let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
-        // The cause names the task that would have to yield first: the weakest who has it, or else the best who claims it.
+        // The cause names the task that would have to yield first: the weakest holder, or the best claimant if no holder blocks.
         let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
             (true, true) if b.winner_strength.total() < a.winner_strength.total() => b,
             (false, true) => b,
@@ -363,7 +364,7 @@ impl<'a, 'c> Field<'a, 'c> {
             loser_strength: Strength::claiming(claimant.priority),
             winner_holds: false,
         };
-        // It begins when one of those in its way is done, if all of them said when that is.
+        // The claimant begins when one of its rivals ends, if the ends of all of them are known.
         let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
         let earliest = ends.and_then(|ends| ends.into_iter().min());
         let claim = UseKind::Awaited(earliest.filter(|_| self.notes != Notes::Enough));
@@ -371,15 +372,15 @@ impl<'a, 'c> Field<'a, 'c> {
         Refusal { loss: told.unwrap_or_else(nobody), claim, stands_for: self.stands_for(claimant.id), rivals: all }
     }
 
-    /// Returns the expected end of a rival's use of the resource, if stated; a rival that only claims it cannot end
-    /// before it begins.
+    /// Returns the expected end of a rival's use of the resource, if stated. `None` for a rival that only claims it: it cannot end before
+    /// it begins.
     pub(crate) fn expected_end(&self, rival: &Use) -> Option<Time> {
         if let UseKind::Awaited(earliest) = rival.kind {
             return earliest;
         }
         let task = self.cycle.task(rival.task)?;
         let expected = task.selection.as_ref()?.expected?;
-        // What it has worked counts, not how long ago it began: it may have been interrupted.
+        // The time worked counts, not the time since the beginning: the rival may have been interrupted.
         let view = self.cycle.view(rival.task, Level::Step);
         let worked = view.task_time_ongoing(rival.task).unwrap_or_default();
         Some(self.cycle.now + (expected - worked))
@@ -394,7 +395,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// Returns the outcome between the claimant and one use: the user's loss, or the claimant's.
+    /// Returns the outcome between the claimant and one use: the loss of the user, or that of the claimant.
     pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Defeat, Defeat> {
         let (agent, now) = (&*self.cycle.agent, self.cycle.now);
         let holds = rival.kind == UseKind::Held;

@@ -1,13 +1,13 @@
 //! Crossings of priorities (TC)
-//! What: finds the instant at which a waiting task would beat one in its way by nothing but the passing of time.
+//! What: finds the instant at which a waiting task beats a task in its way through the passing of time alone.
 //! Runs: contend phase, for claimants that were refused.  Reads: priorities, interrupt costs.  Writes: nothing.
 //! Bound: at most `PRIORITY_SEARCH_MAX` evaluations of all contests of one refusal together.
 //! PDL: `priority`, `interrupt-cost`, section 9.  Paper: section III, priority of competitors.
 //!
-//! Priorities are enclosed between bounds over spans of time. A contest in which the challenger's greatest is not above the
-//! defender's least is left out of that span; a span that keeps a contest is halved, the earlier half first, down to a
-//! microsecond. So the first crossing of all contests is found, however often the priorities cross. If nothing is known
-//! of an expression, or the looks are used up, the next look is taken when they were last known apart.
+//! Priorities are enclosed between bounds over spans of time. A contest is excluded from a span if the challenger's upper bound is not
+//! above the defender's lower bound. Spans with remaining contests are halved, the earlier half first, down to a microsecond. This finds
+//! the first crossing of all contests, however often the priorities cross. If an expression has no bounds, or the evaluations are used
+//! up, priorities are compared again at the end of the span in which they were last known not to cross.
 
 use crate::control::conflicts::curve::Curve;
 use crate::control::conflicts::priority::{self, priority};
@@ -18,7 +18,7 @@ use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use std::cell::Cell;
 
-/// Spans are not divided further than this: a shorter advantage may be missed.
+/// Shortest span that is halved: a shorter advantage of the challenger may be missed.
 const FINEST: Duration = Duration(1_000);
 /// Horizon of the search: some 34 years.
 const FARTHEST: Duration = Duration(1 << 60);
@@ -26,17 +26,17 @@ const FARTHEST: Duration = Duration(1 << 60);
 const COARSEST_UNKNOWN: Duration = Duration(100_000_000);
 const FIRST_LOOK: Duration = Duration(1_000_000_000);
 
-/// A task in the way.
+/// A task that blocks the waiting task.
 pub(crate) struct Defender<'a> {
     curve: Curve<'a>,
-    /// The task that has what both want: its interrupt cost counts too.
+    /// The blocking task if it holds the contested resource: its interrupt cost then counts too.
     holder: Option<TaskId>,
     cost_moves: bool,
     cost_now: f64,
 }
 
 impl<'a> Defender<'a> {
-    /// Creates the defender whose priority counts for the task in the way; `holder` is that task if it has the contested resource.
+    /// Creates the defender for `rival`. `holder` is the same task if it has the contested resource.
     pub(crate) fn new(agent: &'a Agent, rival: TaskId, holder: Option<TaskId>, now: Time) -> Defender<'a> {
         Defender {
             curve: Curve::new(agent, rival, now),
@@ -55,7 +55,7 @@ impl<'a> Defender<'a> {
     }
 }
 
-/// One whose priority counts for the task that waits, and one in its way.
+/// A task whose priority counts for the waiting task, and a task in its way.
 type Contest<'s, 'a> = (&'s Curve<'a>, &'s Defender<'a>);
 
 /// Returns the instant at which the passing of time requires a new comparison of priorities; `None` if it changes nothing.
@@ -82,10 +82,10 @@ pub(crate) fn next_look(
     [found, search.given_up.get()].into_iter().flatten().min()
 }
 
-/// Returns false when time alone brings no crossing.
+/// Returns false if the passing of time alone cannot bring a crossing.
 fn may_cross((own, other): &Contest<'_, '_>, now: Time) -> bool {
     let moving = own.moves() || other.curve.moves() || other.cost_moves;
-    // Who is ahead and lost, lost because of others: to look again at once, and again, would be to stand still.
+    // A challenger that is ahead already was refused because of other tasks: comparing again would repeat at once and forever.
     let is_ahead = own.value_now > other.curve.value_now + other.cost_now;
     moving && !is_ahead && !own.never_exceeds(&other.curve, now)
 }
@@ -94,18 +94,19 @@ struct CrossingSearch<'a> {
     agent: &'a Agent,
     now: Time,
     looks: Cell<u32>,
-    /// Instant of the new comparison if a span could not be searched.
+    /// Instant of the next comparison if a span could not be searched.
     given_up: Cell<Option<Time>>,
 }
 
 impl CrossingSearch<'_> {
-    /// Records that nothing is known after `at`: priorities are compared again then, at the earliest after [`PRIORITY_LOOK_AGAIN_MS`].
+    /// Records that nothing is known after `at`: priorities are then compared again, but not earlier than after
+    /// [`PRIORITY_LOOK_AGAIN_MS`].
     fn give_up(&self, at: Time) {
         let at = at.max(self.now + Duration(PRIORITY_LOOK_AGAIN_MS.saturating_mul(1_000_000)));
         self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
     }
 
-    /// Returns true if everything is compared again before `at` anyway.
+    /// Returns true if all priorities are compared again before `at` anyway.
     fn is_over(&self, at: Time) -> bool {
         self.given_up.get().is_some_and(|again| again <= at)
     }
@@ -158,7 +159,7 @@ impl CrossingSearch<'_> {
         self.first_in(from, middle, &open).or_else(|| self.first_in(middle, to, &open))
     }
 
-    /// Returns the least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
+    /// Returns the first instant in `(low, high]` at which the challenger is ahead; it is ahead at `high`.
     fn first(&self, contest: &Contest<'_, '_>, mut low: Time, mut high: Time) -> Time {
         while (high - low).0 > 1 {
             let middle = low + Duration((high - low).0 / 2);

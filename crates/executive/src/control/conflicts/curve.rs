@@ -1,7 +1,7 @@
 //! Priorities as functions of time (TC)
-//! What: what of a task's priority stays, what rises with its urgency, and what moves otherwise, read once for many looks.
+//! What: splits a task's priority into constant parts, parts that rise with urgency, and other parts, for many evaluations.
 //! Runs: contend phase, for claimants that were refused.  Reads: priority clauses, ancestors, workload.  Writes: nothing.
-//! Bound: O(clauses) a look; a clause that stays is evaluated once.  PDL: `priority`, section 9.
+//! Bound: O(clauses) an evaluation; a constant clause is evaluated once.  PDL: `priority`, section 9.
 //! Paper: section III, priority of competitors.
 
 use crate::control::conflicts::priority::{self, PriorityChange};
@@ -20,7 +20,7 @@ pub(crate) struct Curve<'a> {
     pub(crate) id: TaskId,
     /// Present value.
     pub(crate) value_now: f64,
-    /// The greatest of the parts that stay; 0 for a task without any clause, as in [`priority::priority`].
+    /// The greatest of the constant parts; 0 for a task without any clause, as in [`priority::priority`].
     steady: Option<f64>,
     rises: Vec<RisingTerm>,
     others: Vec<(&'a Task, &'a PriorityClause)>,
@@ -28,7 +28,7 @@ pub(crate) struct Curve<'a> {
     last: Cell<Option<(Time, Time, Bounds)>>,
 }
 
-/// A part that rises until it is due and stays then.
+/// A part that rises until `due` and is constant afterwards.
 #[derive(Clone, Copy)]
 pub(crate) struct RisingTerm {
     /// From 0 to 10.
@@ -59,12 +59,12 @@ impl<'a> Curve<'a> {
         curve
     }
 
-    /// Returns true if it changes with time.
+    /// Returns true if the priority changes with time.
     pub(crate) fn moves(&self) -> bool {
         !self.rises.is_empty() || !self.others.is_empty()
     }
 
-    /// Returns true if it stays constant from `at` on.
+    /// Returns true if the priority is constant from `at` on.
     pub(crate) fn is_settled(&self, at: Time) -> bool {
         self.others.is_empty() && self.rises.iter().all(|rise| rise.due <= at)
     }
@@ -85,8 +85,8 @@ impl<'a> Curve<'a> {
         bounds
     }
 
-    /// Returns true when this one can never be above `other` from `now` on: each of its parts stays below what of the other stays
-    /// or rises. Two steps of one kind, of which one came later, are never distinguished by bounds; so they are here.
+    /// Returns true if this curve can never be above `other` from `now` on: each of its parts stays below a constant or rising part of
+    /// `other`. Bounds alone cannot separate two steps of one kind with different creation times; this comparison can.
     pub(crate) fn never_exceeds(&self, other: &Curve<'_>, now: Time) -> bool {
         let kept = other.rises.iter().map(|rise| priority::risen(self.agent, *rise, now)).chain(other.steady);
         let Some(kept) = kept.reduce(f64::max) else { return false };

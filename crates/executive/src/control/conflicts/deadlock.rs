@@ -1,6 +1,6 @@
 //! Deadlocks (TC)
-//! What: finds tasks that wait for each other's resources in a circle, each held by the work of another one, and reports the circle.
-//! Runs: at the end of an instant at which a claim was refused whose ancestors hold something.
+//! What: finds circles of tasks that wait for each other's resources, each held by the work of the next one, and reports them.
+//! Runs: at the end of an instant, if a claim was refused whose ancestors hold a resource.
 //! Reads: ResourceTable, Task.  Writes: Decision.
 //! Bound: O(depth) for a refused claim; where its ancestors hold something, O(tasks below the holders) a round of the search.
 //! PDL: `profile`, `hold-resource`, section 9.  Paper: section III, detecting and resolving conflicts.
@@ -21,12 +21,12 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 /// A claim that was refused: each resource that it lacks, with its holders.
 type Lacks = Vec<(ResourceId, Vec<Holding>)>;
 
-/// Waits found from one claim on.
+/// The waits that one claim leads to.
 #[derive(Default)]
 struct Waits {
     /// Claims that wait for the work of others.
     claims: BTreeMap<TaskId, Lacks>,
-    /// The claims below each holder: it continues no sooner than they do.
+    /// The claims below each holder: the holder continues only after they do.
     below: BTreeMap<TaskId, Vec<TaskId>>,
 }
 
@@ -67,8 +67,8 @@ fn has_holding_ancestor(agent: &Agent, id: TaskId) -> bool {
     false
 }
 
-/// Returns all claims that `start` waits for, directly or by way of others, without those that can be freed: where what others
-/// hold leaves enough, or the holder has no such claim below it.
+/// Returns all claims that `start` waits for, directly or through others. Leaves out claims that can be granted: the other holders leave
+/// enough, or the holder has no such claim below it.
 fn waits_from(agent: &Agent, start: TaskId) -> Waits {
     let mut waits = Waits::default();
     let mut open = vec![start];
@@ -106,7 +106,7 @@ fn waits_from(agent: &Agent, start: TaskId) -> Waits {
     }
 }
 
-/// Returns the resources that a claim is refused, with those who hold them outside of its family.
+/// Returns the resources that the claim is refused, each with its holders outside of the claimant's family.
 fn lacks(agent: &Agent, id: TaskId) -> Lacks {
     let waiting = |need: &Need| {
         let resource = agent.resources.get(need.resource)?;
@@ -117,7 +117,7 @@ fn lacks(agent: &Agent, id: TaskId) -> Lacks {
     resources::needs_in(agent, id).iter().filter_map(waiting).collect()
 }
 
-/// Claims below a task that are refused something.
+/// Returns the claims below a task that are refused a resource.
 fn claims_below(agent: &Agent, top: TaskId) -> Vec<TaskId> {
     let (mut found, mut open) = (Vec::new(), vec![top]);
     while let Some(id) = open.pop() {
@@ -131,7 +131,7 @@ fn claims_below(agent: &Agent, top: TaskId) -> Vec<TaskId> {
     found
 }
 
-/// Returns true if these holders leave too little for `id`.
+/// Returns true if these holders leave less than `id` needs.
 fn is_short(agent: &Agent, id: TaskId, resource: ResourceId, holders: &[Holding]) -> bool {
     let total = agent.resources.get(resource).map_or(f64::INFINITY, |resource| resource.total);
     let kept: f64 = holders.iter().map(|holding| holding.amount).sum();
@@ -163,7 +163,7 @@ fn circle_through(waits: &Waits, agent: &Agent, start: TaskId) -> Option<Vec<Cir
     None
 }
 
-/// Returns the links from `start` on up to the last one.
+/// Returns the links of the search from `start` to `last`.
 fn links_back(came_from: &BTreeMap<TaskId, (TaskId, CircleLink)>, start: TaskId, last: CircleLink) -> Vec<CircleLink> {
     let mut at = last.task;
     let mut links = vec![last];
@@ -176,7 +176,7 @@ fn links_back(came_from: &BTreeMap<TaskId, (TaskId, CircleLink)>, start: TaskId,
     links
 }
 
-/// Returns the circle of waits that the task is in: by its own claim, or by one below it. `None` if it is in no circle.
+/// Returns the circle of waits that contains the task, through its own claim or one below it; `None` if there is none.
 pub(crate) fn circle_at(agent: &Agent, id: TaskId) -> Option<Vec<CircleLink>> {
     std::iter::once(id)
         .filter(|id| is_waiting(agent, *id))

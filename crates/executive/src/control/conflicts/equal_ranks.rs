@@ -1,5 +1,5 @@
 //! Equal ranks (TC)
-//! What: says whether queues by rank decide where several tasks have the same rank.
+//! What: decides whether queues by rank determine the result when several tasks have the same rank.
 //! Runs: contend phase, after `front` and `gaps`.  Reads: ResourceTable, ranks.  Writes: nothing.
 //! Bound: O(r * g + h) for g groups of claimants and h holders of r resources.
 //! PDL: `rank`, section 9, conflict; decision 0201.  Paper: section III, detecting and resolving conflicts.
@@ -14,8 +14,8 @@ use apex_model::because::ConflictRule;
 use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// True if all need one resource in common and holders lose by rank alone. Otherwise priorities of tasks behind them can count: where
-/// tasks of one rank share nothing, or where a task is displaced by its equal.
+/// Returns true if all tasks need one common resource and holders lose by rank alone. Otherwise priorities of tasks behind them can
+/// count: if tasks of one rank share no resource, or if a task is displaced by one of equal rank.
 pub(crate) fn are_decided(
     cycle: &Cycle<'_>,
     resources: &BTreeMap<ResourceId, &Resource>,
@@ -34,7 +34,7 @@ pub(crate) fn are_decided(
     steady && all_need_one(cycle, resources)
 }
 
-/// True if all claimants and holders need one and the same resource.
+/// Returns true if all claimants and holders need one common resource.
 fn all_need_one(cycle: &Cycle<'_>, resources: &BTreeMap<ResourceId, &Resource>) -> bool {
     let mut common: Option<BTreeSet<ResourceId>> = None;
     let mut meet = |needs: BTreeSet<ResourceId>| {

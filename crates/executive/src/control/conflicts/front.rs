@@ -1,15 +1,15 @@
 //! Arbitration at the front of queues (TC)
-//! What: arbitrates resources by looking only at those claimants in their queues that could get something.
-//! Runs: contend phase, before conflict resolution, which arbitrates what cannot be decided so.
+//! What: arbitrates resources by inspecting only those claimants in their queues that could get a resource.
+//! Runs: contend phase, before conflict resolution, which arbitrates the cases that queues cannot decide.
 //! Reads: ResourceTable, priorities, ancestors.  Writes: nothing.
 //! Bound: O((f + n) * r * log c) for c claimants, f of which fit at the front, n that claim since this round, and r
 //! resources of one claimant; plus O(q) for q resources that claimants need together, where tasks say how long they take.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 //!
-//! A claimant that is refused keeps its place, so whatever those in front of a claimant need is not free for it. Where the
-//! sum of that and of what stronger tasks hold exceeds a resource, all claimants from there on are refused. The others,
-//! and all that come before them in any of their queues, go through conflict resolution. Only a task that fills a gap
-//! can begin in spite of those in front of it: where one might, all are compared.
+//! A refused claimant keeps its place, so everything that the claimants in front need is not free for the next one. Once that sum, plus
+//! what stronger tasks hold, exceeds a resource, all further claimants are refused. The claimants before this point, and those before
+//! them in any of their queues, go through conflict resolution. Only a task that fills a gap can begin ahead of others: if one might, all
+//! claimants are compared.
 
 use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Refusal};
 use crate::control::conflicts::claim_queue::watches;
@@ -27,8 +27,8 @@ use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::Peekable;
 
-/// Arbitrates the resources in `dirty`, with all that tasks leave that are displaced; `fresh` claim since this round.
-/// None where the claimants must be compared with one another.
+/// Arbitrates the resources in `dirty` and those that displaced tasks leave; `fresh` are the claims of this round. `None` if the
+/// claimants must be compared with one another.
 pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
     let mut dirty = dirty.clone();
     let mut gone = BTreeSet::new();
@@ -50,23 +50,23 @@ pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BT
 struct Front<'a, 'c> {
     cycle: &'a Cycle<'c>,
     field: Field<'a, 'c>,
-    /// Those that will lose what they hold: their places may be free.
+    /// Tasks that lose their resources: what they hold counts as free.
     gone: BTreeSet<TaskId>,
     candidates: BTreeSet<QueueKey>,
     placed: BTreeSet<TaskId>,
     queues: BTreeMap<ResourceId, Queue<'a>>,
     /// The first claimant of each queue that does not fit, with the resource.
     outside: Vec<(TaskId, ResourceId)>,
-    /// The order of queues in which ranks come first, or do not count.
+    /// The order of the queues: by rank below one task, or without ranks.
     order: Option<TurnOrder>,
 }
 
-/// A queue, as far as it was gone through.
+/// A queue, with the state of the pass through it.
 struct Queue<'a> {
     rest: Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>,
-    /// Joint needs of the claimants that were passed.
+    /// Sum of the needs of the claimants passed so far.
     claimed: f64,
-    /// The last one that was passed.
+    /// The last claimant passed.
     last: Option<QueueKey>,
 }
 
@@ -115,8 +115,8 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// Checks that all queues in the order of ranks are below one task; `None` if they are below several, so that a claimant has a place in
-    /// each.
+    /// Checks that all queues in the order of ranks are below one task; `None` if they are below several, because a claimant then has a
+    /// place below each.
     fn meet_ranks(&mut self, resource: &Resource) -> Option<()> {
         match resource.waiting.order()? {
             TurnOrder::Plain => Some(()),
@@ -129,7 +129,7 @@ impl<'a, 'c> Front<'a, 'c> {
         beaten.map(|rival| rival.amount).sum()
     }
 
-    /// Lets the candidates and those that claim since this round compete in their turns.
+    /// Places the candidates and the claims of this round in the order of their turns.
     fn place_all(&mut self, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
         for task in fresh {
             self.candidates.extend(key_of(self.cycle, *task));
@@ -149,7 +149,7 @@ impl<'a, 'c> Front<'a, 'c> {
                     }
                     result.granted.push(claimant.id);
                 }
-                // Whether time alone changes that is asked of the first one outside only.
+                // Only the first claimant outside is watched for a change by time, so the others keep no rivals.
                 Placement::Refused(refusal) => result.refused.push(Refusal { rivals: Vec::new(), ..refusal }),
                 Placement::Impossible(need, total) => {
                     result.impossible.push((claimant.id, need.resource, need.amount, total));
@@ -164,7 +164,7 @@ impl<'a, 'c> Front<'a, 'c> {
         has_order.then_some(result)
     }
 
-    /// True if ranks below `parent` decide for all that need one of the inspected resources.
+    /// Returns true if ranks below `parent` decide for all tasks that need one of the inspected resources.
     fn is_decided(&self, parent: TaskId, result: &Arbitration) -> bool {
         if !result.displaced.is_empty() && !self.all_need_one() {
             return false;
@@ -182,8 +182,8 @@ impl<'a, 'c> Front<'a, 'c> {
         !equal || equal_ranks::are_decided(self.cycle, &concerned, parent, result)
     }
 
-    /// True if all that were placed need one and the same resource. Ranks put only those in order that share something:
-    /// who of the others takes a turn first matters where holders are displaced.
+    /// Returns true if all placed tasks need one common resource. Ranks order only tasks that share a resource: the order of the others
+    /// matters if holders are displaced.
     fn all_need_one(&self) -> bool {
         let needs = |task: &TaskId| as_claimant(self.cycle, *task).needs.into_iter().map(|need| need.resource);
         let mut placed = self.placed.iter().map(|task| needs(task).collect::<BTreeSet<ResourceId>>());
@@ -191,7 +191,7 @@ impl<'a, 'c> Front<'a, 'c> {
         common.is_none_or(|common| !common.is_empty())
     }
 
-    /// Notes what those claim who come before `key` in the queue of a resource.
+    /// Notes the needs of the claimants before `key` in the queue of a resource.
     fn pass_until(&mut self, id: ResourceId, key: QueueKey) -> Option<()> {
         if !self.queues.contains_key(&id) {
             let resource = usable(self.cycle, id)?;
@@ -201,7 +201,7 @@ impl<'a, 'c> Front<'a, 'c> {
         }
         let total = self.field.total(id);
         let queue = self.queues.get_mut(&id)?;
-        // Where more is claimed than there is, all others are refused.
+        // Once the claims exceed the resource, all further claimants are refused.
         while queue.claimed <= total + TOLERANCE
             && let Some(next) = queue.rest.next_if(|next| *next <= key)
         {
@@ -222,7 +222,7 @@ impl<'a, 'c> Front<'a, 'c> {
 
     /// Returns the first claimants that do not fit, whose priorities may rise above those of tasks in their way.
     fn watched(&mut self, result: &Arbitration) -> Vec<PriorityWatch> {
-        // Where no claimant was placed, nothing has been inspected.
+        // If no claimant was placed, no resource has been inspected yet.
         self.outside.iter().for_each(|(_, id)| self.field.load(*id));
         let agent = &*self.cycle.agent;
         let mut contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>> = BTreeMap::new();
@@ -267,7 +267,7 @@ impl<'a, 'c> Front<'a, 'c> {
             let waiting = &resource.waiting;
             let served = granted.iter().filter(|task| waiting.contains(**task)).count();
             let losers: Vec<&Claimant> = lost.iter().filter(|each| amount_of(each, id) > 0.0).collect();
-            // One that leaves the gap, and one that fills it.
+            // A gap needs one task that leaves it and one that fills it.
             let waits = waiting.len() + losers.len() > served + 1;
             if waits && used < resource.total - TOLERANCE {
                 let expected = |each: &&Claimant| agent.task(each.id)?.selection.as_ref()?.expected;

@@ -1,11 +1,11 @@
-//! GapLines of claimants before gaps (TC)
-//! What: gives turns to claimants group by group, and leaves out those of a group whose claims no longer change anything.
+//! Lines of claimants before gaps (TC)
+//! What: gives turns to claimants group by group, and skips the claimants of a group whose claims no longer change the result.
 //! Runs: contend phase, for `gaps`.  Reads: ResourceTable, priorities.  Writes: nothing.
 //! Bound: O(g) for a turn, for g groups; O(u) for the u uses of a resource.
 //! PDL: `expected-duration`, section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 //!
-//! A task behind a refused one of the same group is refused, too: it needs the same, takes as long or longer, and does not beat more. Its
-//! claims count against those behind it, until such claims alone exceed the whole of each resource.
+//! A task behind a refused one of the same group is refused, too: it needs the same resources for at least as long, and beats no further
+//! task. Its claims count against later claimants, until the claims of the group alone exceed the whole of each resource.
 
 use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Rival};
 use crate::control::conflicts::claim_queue;
@@ -26,20 +26,20 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// One group of claimants, as far as it was gone through.
+/// One group of claimants, with the state of the pass through it.
 struct Line<'a> {
     needs: Vec<(ResourceId, f64)>,
-    /// The shortest time that one of them says that it takes.
+    /// The shortest expected duration in the group; `None` if none is stated.
     shortest: Option<Duration>,
     turns: Box<dyn TurnSource + 'a>,
     head: Option<QueueKey>,
-    /// Those that were refused.
+    /// Claimants of the group that were refused.
     refused: Vec<TaskId>,
-    /// Since when claims of those that take no less time than this change nothing.
+    /// If further claims of the group change nothing: the uses at that moment, and the expected duration from which on this holds.
     quiet: Option<(UseCounts, Option<Duration>)>,
 }
 
-/// State of the resources of a line: the number of uses of each, and of tasks that were displaced.
+/// State of the resources of a line: the number of uses of each, and the number of displaced tasks.
 #[derive(PartialEq)]
 struct UseCounts(Vec<usize>, usize);
 
@@ -48,15 +48,15 @@ pub(super) struct GapLines<'a, 'c> {
     cycle: &'a Cycle<'c>,
     /// Grants and refusals.
     pub(super) field: Field<'a, 'c>,
-    /// All claimants take a turn.
+    /// True if every claimant takes a turn, even if its claim changes nothing.
     pub(super) visits_all: bool,
     lines: Vec<Line<'a>>,
     resources: BTreeMap<ResourceId, &'a Resource>,
     order: TurnOrder,
-    /// Those that lost what they had, and claim it again.
+    /// Displaced tasks, which claim their resources again.
     losers: BTreeSet<QueueKey>,
     losses: usize,
-    /// The last one that had its turn.
+    /// The claimant that had its turn last.
     position: Option<QueueKey>,
 }
 
@@ -68,7 +68,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
     ) -> GapLines<'a, 'c> {
         let mut lines = Vec::new();
         for (id, resource) in resources {
-            // A group that needs several resources is in the queue of each: the first one counts.
+            // A group that needs several resources is in the queue of each: only the first resource lists it here.
             let first = |others: &[(ResourceId, u64)]| others.iter().all(|(other, _)| id < other);
             for (others, amount, group) in resource.waiting.groups().filter(|each| first(each.0)) {
                 let others = others.iter().map(|(other, amount)| (*other, f64::from_bits(*amount)));
@@ -82,13 +82,13 @@ impl<'a, 'c> GapLines<'a, 'c> {
         GapLines { cycle, field, visits_all: false, lines, resources, order, losers, losses: 0, position: None }
     }
 
-    /// Adds one that lost what it had.
+    /// Adds a displaced task.
     pub(super) fn add_loser(&mut self, key: QueueKey) {
         self.losers.insert(key);
         self.losses += 1;
     }
 
-    /// The next claimant, with its line; none where no other one can get anything.
+    /// Returns the next claimant with its line; `None` if no further claimant can get a resource.
     pub(super) fn next(&mut self) -> Option<(QueueKey, Option<usize>)> {
         loop {
             self.wake();
@@ -115,7 +115,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
         }
     }
 
-    /// GapLines whose claims change something again continue behind the last one that had its turn.
+    /// Continues the lines whose claims matter again, behind the claimant that had its turn last.
     fn wake(&mut self) {
         let (field, losses, position, cycle) = (&self.field, self.losses, self.position, self.cycle);
         for line in &mut self.lines {
@@ -129,7 +129,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
         }
     }
 
-    /// Notes that one of a line was refused.
+    /// Notes that a claimant of the line was refused.
     pub(super) fn was_refused(&mut self, line: Option<usize>, task: TaskId, claim: UseKind) {
         let Some(line) = line.and_then(|index| self.lines.get_mut(index)) else { return };
         line.refused.push(task);
@@ -144,7 +144,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
         }
     }
 
-    /// True if a line can get its needs: into a gap, into free capacity, or from a holder that it beats.
+    /// Returns true if a line can get its needs: into a gap, into free capacity, or from a holder that it beats.
     fn can_one_get(&self) -> bool {
         let rooms: BTreeMap<ResourceId, Room> = self.resources.keys().map(|id| (*id, Room::of(self, *id))).collect();
         let mut awake = self.lines.iter().filter(|line| !line.is_asleep());
@@ -158,7 +158,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
         })
     }
 
-    /// The first of each line, whose priorities may rise above those of tasks in their way.
+    /// Returns the first claimants of each line, whose priorities may rise above those of tasks in their way.
     pub(super) fn watched(&self, result: &Arbitration) -> Vec<PriorityWatch> {
         let agent = &*self.cycle.agent;
         let moves = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
@@ -199,14 +199,14 @@ impl<'a, 'c> GapLines<'a, 'c> {
         watched
     }
 
-    /// The place of a task by its priorities; none where they move in another way than by urgency.
+    /// Returns the place of a task by its priorities; `None` if they change in another way than by urgency.
     fn worth(&self, task: TaskId) -> Option<Cow<'a, QueuePlace>> {
         let waits = self.resources.values().find_map(|resource| resource.waiting.place_of(task, self.order));
         waits.map(Cow::Borrowed).or_else(|| claim_queue::worth_of(self.cycle, task).map(Cow::Owned))
     }
 
-    /// The first of all lines that share one of these resources, and all that use one of them: by number, with true for one
-    /// that has it.
+    /// Returns, by task, the first claimants of all lines that share one of these resources, and all users of these resources; true for a
+    /// holder.
     fn rivals(
         &self,
         needs: &[ResourceId],
@@ -245,7 +245,7 @@ impl<'a> Line<'a> {
         };
     }
 
-    /// Leaves out those before `position`.
+    /// Skips the claimants before `position`.
     fn skip_to(&mut self, cycle: &Cycle<'_>, position: QueueKey) {
         if self.head.is_some_and(|head| head < position) {
             self.turns.skip_to(position);
@@ -253,12 +253,12 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// True if claims of all of them change nothing.
+    /// Returns true if no claim of the line changes the result.
     fn is_asleep(&self) -> bool {
         self.quiet.as_ref().is_some_and(|(_, least)| takes_as_long(self.shortest, *least))
     }
 
-    /// Those that were refused, and the next ones.
+    /// Returns the refused claimants and the next ones.
     fn front(&self) -> Vec<TaskId> {
         let next = self.head.into_iter().chain(self.turns.heads()).map(|key| key.task());
         self.refused.iter().copied().chain(next).collect()
@@ -268,9 +268,9 @@ impl<'a> Line<'a> {
 /// The remaining capacity of a resource.
 struct Room {
     free: f64,
-    /// Claims of those that cannot begin before an instant; none where that is unknown.
+    /// Claims that cannot begin before the given instant; `None` if that instant is unknown.
     claims: Vec<(Option<Time>, f64)>,
-    /// The amount of each holder, and the rank or the priority with which it defends that.
+    /// The amount of each holder, and the rank or priority with which it defends that amount.
     held: Vec<(f64, f64)>,
     by_rank: bool,
 }
@@ -299,14 +299,14 @@ impl Room {
         Room { free: lines.field.total(id) - used, claims, held, by_rank }
     }
 
-    /// True if there is this amount for a task that is done at this instant.
+    /// Returns true if `amount` is free for a task that ends at `until`.
     fn admits(&self, amount: f64, until: Option<Time>) -> bool {
         let counts = |earliest: &Option<Time>| earliest.zip(until).is_none_or(|(earliest, until)| until > earliest);
         let claimed: f64 = self.claims.iter().filter(|claim| counts(&claim.0)).map(|claim| claim.1).sum();
         amount <= TOLERANCE || amount + claimed <= self.free + TOLERANCE
     }
 
-    /// True if holders that this claimant may beat could have this amount. No task loses anything for the sake of a gap.
+    /// Returns true if holders that this claimant may beat could yield this amount. No task is displaced to fill a gap.
     fn yields(&self, amount: f64, key: QueueKey) -> bool {
         let beaten = |strength: f64| match (self.by_rank, key.rank) {
             (true, Some(own)) => own.rank <= strength,
@@ -323,7 +323,7 @@ fn mark_of(field: &Field<'_, '_>, needs: &[(ResourceId, f64)], losses: usize) ->
     UseCounts(needs.iter().map(|(id, _)| field.uses_of(*id).len()).collect(), losses)
 }
 
-/// True if a task takes no less time than `least`; unknown times are the longest.
+/// Returns true if a task takes at least `least`; an unknown duration counts as the longest.
 fn takes_as_long(expected: Option<Duration>, least: Option<Duration>) -> bool {
     expected.is_none_or(|expected| least.is_some_and(|least| expected >= least))
 }

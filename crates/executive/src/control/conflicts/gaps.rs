@@ -1,10 +1,10 @@
 //! Gaps (TC)
-//! What: arbitrates resources with free capacity while tasks wait for them, in the order of turns, until no claimant that
-//! is left can get anything.
-//! Runs: contend phase, where a task that says how long it takes could be done before one in front of it can begin.
+//! What: arbitrates resources with free capacity while tasks wait for them, in the order of turns, until no remaining claimant can get a
+//! resource.
+//! Runs: contend phase, if a task with a stated duration could end before a task in front of it can begin.
 //! Reads: ResourceTable, priorities, ranks.  Writes: nothing.
-//! Bound: O(g * (g + log c)) for each of the claimants that are placed, for g groups of the c claimants: those that need the
-//! same for nearly as long. Of a group that was refused, others are placed only while their claims change the remaining capacity.
+//! Bound: O(g * (g + log c)) for each placed claimant, for g groups of the c claimants; a group needs the same resources for nearly as
+//! long. Of a refused group, further claimants are placed only while their claims change the remaining capacity.
 //! PDL: `expected-duration`, `duration`, section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::arbitration::{Arbitration, Refusal};
@@ -20,11 +20,11 @@ use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Among this few all are placed: each refusal then names what was in the way at its turn.
+/// Up to this number of claims every claimant is placed: each refusal then names what was in the way at its turn.
 const FEW: usize = 64;
 
-/// Arbitrates the resources in `dirty`, all that claimants need in addition, and all that tasks leave that are displaced;
-/// `fresh` claim since this round. None where the claimants must be compared with one another.
+/// Arbitrates the resources in `dirty`, the other resources that claimants need, and those that displaced tasks leave; `fresh` are the
+/// claims of this round. `None` if the claimants must be compared with one another.
 pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
     let mut dirty = dirty.clone();
     loop {
@@ -90,7 +90,7 @@ struct Concerned<'a> {
 }
 
 impl<'a> Concerned<'a> {
-    /// None where the queues have no order in common.
+    /// Returns `None` if the queues have no common order.
     fn of(cycle: &'a Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Option<Concerned<'a>> {
         let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
         let mut seen = dirty.clone();
@@ -114,7 +114,7 @@ impl<'a> Concerned<'a> {
         Some(Concerned { resources, order: common.unwrap_or(TurnOrder::Plain), count })
     }
 
-    /// The places of those that claim since this round.
+    /// Returns the places of the claims of this round.
     fn keys(&self, cycle: &Cycle<'_>, fresh: &BTreeSet<TaskId>) -> BTreeSet<QueueKey> {
         let claimed = |task: &TaskId| self.resources.values().find(|resource| resource.waiting.contains(*task));
         let eligible = fresh.iter().filter(|task| is_eligible(cycle.agent, **task));
@@ -122,7 +122,7 @@ impl<'a> Concerned<'a> {
         eligible.filter_map(key).collect()
     }
 
-    /// Ranks put only those in order that share something, and represent priorities behind them.
+    /// Returns true if the queues decide. Ranks order only tasks that share a resource, and let priorities behind them count.
     fn is_decided(&self, cycle: &Cycle<'_>, result: &Arbitration) -> bool {
         let TurnOrder::Below(parent) = self.order else { return true };
         equal_ranks::are_decided(cycle, &self.resources, parent, result)

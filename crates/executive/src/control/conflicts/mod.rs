@@ -1,4 +1,4 @@
-//! Conflicts over resources: who competes, how much each counts, who gets what.
+//! Conflicts over resources: the competitors, their strengths and the arbitration.
 
 pub(crate) mod arbitration;
 pub(crate) mod claim_queue;

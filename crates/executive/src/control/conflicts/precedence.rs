@@ -1,8 +1,9 @@
 //! Precedence (TC)
-//! What: puts competitors into one order that keeps to ranks and to priorities. A task that precedes another one by rank is
-//! as important as that one, so ranks and priorities never contradict one another in a ring.
+//! What: puts competitors into one order that respects ranks and priorities. A task that precedes another one by rank is at least as
+//! important as that one, so ranks and priorities never contradict each other in a ring.
 //! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
-//! Bound: O(c^2 * depth) for c competitors; as much for each one for which represented tasks are computed, where priorities move.
+//! Bound: O(c^2 * depth) for c competitors; as much again for each task whose represented tasks are computed, where priorities change
+//! with time.
 //! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::competition::{Claimant, by_priority};
@@ -18,13 +19,13 @@ use std::rc::Rc;
 pub(crate) struct Precedence {
     competitors: Vec<Competitor>,
     places: BTreeMap<TaskId, OrderKey>,
-    /// Priorities of some of them can change without a new or withdrawn claim.
+    /// True if priorities can change without a new or withdrawn claim.
     varies: bool,
-    /// Results for the tasks that were queried: each one blocks many.
+    /// Represented tasks, by task: cached, because one task blocks many claimants.
     stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,
 }
 
-/// One that claims or holds, with the ranks on its way from the root down.
+/// A claimant or holder, with the ranks on the path from the root to it.
 struct Competitor {
     claimant: Claimant,
     path: Vec<(TaskId, Option<f64>)>,
@@ -33,9 +34,9 @@ struct Competitor {
 #[derive(Clone, Copy)]
 struct OrderKey {
     turn: usize,
-    /// The most important one that it goes before, itself if there is none.
+    /// The most important competitor that it precedes; itself if it precedes none.
     whom: TaskId,
-    /// The priority of that one.
+    /// The priority of that competitor.
     priority: f64,
 }
 
@@ -63,7 +64,7 @@ impl Precedence {
     /// Places all competitors by priority, but each one after those that precede it by rank, recursively.
     fn place_all(&mut self) {
         let count = self.competitors.len();
-        // How far each one has looked for others that go before it.
+        // For each competitor, the index up to which tasks that precede it have been searched.
         let mut looked = vec![0_usize; count];
         for (root, whom) in self.competitors.iter().enumerate() {
             let mut open = vec![root];
@@ -88,13 +89,13 @@ impl Precedence {
         }
     }
 
-    /// Returns the first from `from` on that goes before `competitor` and has no place yet.
+    /// Returns the first competitor, from index `from` on, that precedes `competitor` and has no place yet.
     fn next_before(&self, competitor: &Competitor, from: usize) -> Option<usize> {
         let open = |other: &Competitor| !self.places.contains_key(&other.claimant.id) && other.goes_before(competitor);
         self.competitors.iter().skip(from).position(open).map(|index| index + from)
     }
 
-    /// Gives the competitor its turn and its strength.
+    /// Sets the turn and the priority of the claimant.
     pub(crate) fn apply(&self, claimant: &mut Claimant) {
         if let Some(place) = self.places.get(&claimant.id) {
             claimant.turn = place.turn;
@@ -102,18 +103,18 @@ impl Precedence {
         }
     }
 
-    /// Returns the priority that counts for a task whose own one is `own`.
+    /// Returns the priority that counts for a task with the priority `own`.
     pub(crate) fn lifted(&self, id: TaskId, own: f64) -> f64 {
         self.places.get(&id).map_or(own, |place| own.max(place.priority))
     }
 
-    /// Returns the task whose priority counts for the task, if it is not the task itself.
+    /// Returns the task whose priority counts for `id`, if it is another task.
     pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
         let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
         self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
     }
 
-    /// Returns all whose priorities may count for the task: itself, those that it goes before, those that they go before.
+    /// Returns all tasks whose priorities may count for `id`: itself, the tasks that it precedes, and those that these precede in turn.
     pub(crate) fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
         if !self.varies {
             return Rc::new([id]);
@@ -140,7 +141,7 @@ impl Precedence {
 }
 
 impl Competitor {
-    /// Returns true if `a` precedes by rank a task that needs the same resource. A task does not compete with its ancestors.
+    /// Returns true if this competitor precedes by rank a task that needs the same resource. A task does not compete with its ancestors.
     fn goes_before(&self, other: &Competitor) -> bool {
         let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
         let Some(((_, Some(own)), (_, Some(others)))) = pair else { return false };
@@ -149,9 +150,9 @@ impl Competitor {
     }
 }
 
-/// Returns for each competitor true if it precedes equals because it has begun. A competitor is excluded if a task that has not begun
-/// precedes it by rank: that task would precede its own equals with them, and a task that fills a gap would displace the one that had to
-/// leave it.
+/// Returns for each competitor true if it precedes equals because it has begun. Excluded is a competitor that a task precedes by rank
+/// which has not begun: that task would otherwise precede its own equals too, and a task that fills a gap would displace the one that had
+/// to leave the gap.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

@@ -1,5 +1,5 @@
 //! Priority (TC)
-//! What: computes how important a task is now, and between which values that stays while time passes.
+//! What: computes the priority of a task at an instant, and bounds of it over a span of time.
 //! Runs: contend phase.  Reads: priority clauses, ancestors, agent workload.  Writes: nothing.
 //! Bound: O(depth) per task.
 //! PDL: `priority`, section 9.  Paper: section III, priority of competitors.
@@ -22,7 +22,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
+/// Added to the priority of an ongoing task that defends a resource, unless PDL states another cost.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
 /// Returns the priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
@@ -45,7 +45,7 @@ pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
     Strength { priority: priority(agent, id, at), interrupt_cost: interrupt_cost_at(agent, id, at) }
 }
 
-/// Returns the cost to interrupt the task, at least zero: else two equals would interrupt one another forever.
+/// Returns the cost to interrupt the task. It is at least zero, because two equals would otherwise interrupt each other forever.
 pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let selection = agent.task(id).and_then(|task| task.selection.as_ref());
     let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
@@ -76,8 +76,8 @@ fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
     values.map(|value| recovered * value).reduce(f64::max)
 }
 
-/// Returns the faults of the step's priority clauses and of its rank at present: they count as absent, and each must
-/// be reported.
+/// Returns the present errors of the step's priority clauses and rank. A clause with an error counts as absent, and each error must be
+/// reported.
 pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(String, Place)> {
     let view = cycle.view(id, Level::Step);
     let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
@@ -118,7 +118,7 @@ fn created(task: &Task) -> Time {
     task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
 
-/// Returns the instant at which a task of this urgency at creation must be done.
+/// Returns the deadline of a task that had this urgency at its creation.
 fn deadline(urgency: f64, created_at: Time) -> Time {
     created_at + Duration::from_seconds(libm::exp2(9.0 - urgency.clamp(0.0, 10.0)))
 }
@@ -133,7 +133,7 @@ fn urgency_before(due: Time, at: Time) -> f64 {
     if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
 }
 
-/// Combines urgency and importance to a priority; the higher the workload (1 to 9), the greater is the weight of importance.
+/// Combines urgency and importance into a priority; a higher workload (1 to 9) gives more weight to importance.
 fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
     (importance * workload * (1.0 - 1.0 / (1.0 + urgency))
         + urgency * (10.0 - workload) * (1.0 - 1.0 / (1.0 + importance)))
@@ -173,7 +173,7 @@ pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
     }
 }
 
-/// Returns true when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
+/// Returns true if measurements or states of tasks may change what the task brings into a conflict.
 pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
     let computed = |expr: &Expr| reads_variable(expr).is_none();
     cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
@@ -183,7 +183,7 @@ pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// Returns true when what the task brings to a conflict changes by the passing of time.
+/// Returns true if the passing of time changes what the task brings into a conflict.
 pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
     cost_moves(agent, id)
         || clauses_above(agent, id).any(|(task, clause)| match clause {
@@ -193,7 +193,7 @@ pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// Returns true when what it costs to interrupt the task changes by the passing of time.
+/// Returns true if the passing of time changes the interrupt cost of the task.
 pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
     cost_clause(agent, id).is_some_and(|(expr, _)| value_intervals::moves(expr, &agent.library))
 }
@@ -215,13 +215,13 @@ pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Ite
 
 /// Change of a priority clause while only time passes.
 pub(crate) enum PriorityChange {
-    /// It has no number.
+    /// The clause has no number.
     Absent,
-    /// It stays.
+    /// The value is constant.
     Steady(f64),
-    /// It rises with its urgency until that is 10.
+    /// The value rises with its urgency until that is 10.
     Rising(RisingTerm),
-    /// It moves in some other way; [`clause_bounds`] tells what is known.
+    /// The value changes in another way; [`clause_bounds`] gives bounds.
     Other,
 }
 
@@ -266,8 +266,8 @@ pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bo
     cost.map_or(Bounds::ANY, |cost| cost.greater(Bounds { low: 0.0, high: 0.0 }))
 }
 
-/// Returns bounds of the priority that a clause states between two instants. Urgency and recovery only rise, so their values at
-/// both instants are their bounds.
+/// Returns bounds of the priority that a clause states between two instants. Urgency and recovery never decrease, so their values at both
+/// instants are their bounds.
 pub(crate) fn clause_bounds(
     agent: &Agent,
     task: &Task,
@@ -295,7 +295,7 @@ pub(crate) fn clause_bounds(
     Some(Bounds::of(&[first * value.low, first * value.high, last * value.low, last * value.high]))
 }
 
-/// Returns the `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
+/// Returns the `interrupt-cost` clause that counts for the task: that of its step, otherwise that of its procedure.
 pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
     let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);

@@ -1,6 +1,6 @@
 //! Queues of claimants (TC)
-//! What: says whether the queues of a resource can decide who gets it, in which order they give turns, and which place a task
-//! has in them.
+//! What: decides whether the queues of a resource suffice to arbitrate it, in which order they give turns, and which place a task has in
+//! them.
 //! Runs: contend phase.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
 //! Bound: O(h * (h + depth)) for h holders of a resource; O(r * log c) for the place of a task that claims r resources, of c
 //! claimants.
@@ -56,14 +56,14 @@ pub(crate) fn is_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
 /// Returns true if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
 fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
     let holder = agent.task(holder);
-    // What it holds for its steps it may have begun to hold when they claimed already.
+    // A holder may have begun to hold resources for its steps while they were claiming already.
     let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));
     let mut above = successors(holder, |task| agent.task(task.parent?)).skip(1);
     let holds = |id: TaskId| resource.holders.iter().any(|other| other.task == id);
     !shares && !above.any(|task| resource.waiting.contains(task.id) || holds(task.id))
 }
 
-/// Returns true if the rank below `parent` decides between each holder and each claimant.
+/// Returns true if the ranks below `parent` decide between every holder and every claimant.
 fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.holders.iter().all(|holding| {
         let (lowest, rank) = rank_below(agent, holding.task, parent);
@@ -71,14 +71,14 @@ fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     })
 }
 
-/// The rank of a task below `parent`, and whether it has none below that one.
+/// Returns the rank of a task below `parent`, and true if the task has no rank of a lower level.
 pub(crate) fn rank_below(agent: &Agent, task: TaskId, parent: TaskId) -> (bool, Option<RankAmong>) {
     let mut ranks = claim_queue::fixed_ranks(agent, task).enumerate();
     let found = ranks.find(|(_, rank)| rank.parent == parent);
     (found.is_some_and(|(index, _)| index == 0), found.map(|(_, rank)| rank))
 }
 
-/// True if two claimants, or a claimant and a holder, have the same rank below `parent`.
+/// Returns true if two claimants, or a claimant and a holder, have the same rank below `parent`.
 pub(crate) fn has_equal_ranks(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.waiting.has_equal_ranks(parent)
         || resource.holders.iter().any(|holding| {
@@ -86,8 +86,8 @@ pub(crate) fn has_equal_ranks(agent: &Agent, resource: &Resource, parent: TaskId
         })
 }
 
-/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
-/// holds nothing else, and all with ranks are equally important.
+/// Returns true if priorities of claimants behind a ranked holder may count for the holder, or its priority for them. Not if the holder
+/// holds nothing else and all ranked tasks have the same priority.
 fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
     let agent = &*cycle.agent;
     if !priority::is_ranked(agent, holder) {
@@ -110,12 +110,12 @@ fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
     move |importance, due| priority::risen(agent, RisingTerm { importance, due }, now)
 }
 
-/// Claimants of a resource, the first first.
+/// Returns the claimants of a resource in the order of turns.
 pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<'a, impl Fn(f64, Time) -> f64 + 'a> {
     waiting.in_turn(cycle.now, risen_to(cycle))
 }
 
-/// Claimants of a group, the first first.
+/// Returns the claimants of a group in the order of turns.
 pub(crate) fn group_in_turn<'a>(
     cycle: &'a Cycle<'_>,
     group: &'a Group,
@@ -124,7 +124,7 @@ pub(crate) fn group_in_turn<'a>(
     group.in_turn(order, cycle.now, risen_to(cycle))
 }
 
-/// The order of a queue in which gaps can be filled: by ranks wherever a claimant has one, if not all have the same.
+/// Returns the order of a queue in which gaps can be filled: by ranks if a claimant has one and the ranks differ.
 pub(crate) fn order_with_gaps(agent: &Agent, resource: &Resource) -> Option<TurnOrder> {
     let waiting = &resource.waiting;
     match waiting.order()? {
@@ -136,7 +136,7 @@ pub(crate) fn order_with_gaps(agent: &Agent, resource: &Resource) -> Option<Turn
     }
 }
 
-/// The place in this order of a task that claims the resource, if it has one there.
+/// Returns the place of a claimant of the resource in this order; `None` if it has none.
 pub(crate) fn key_in(cycle: &Cycle<'_>, resource: &Resource, task: TaskId, order: TurnOrder) -> Option<QueueKey> {
     resource.waiting.key_of(task, order, risen_to(cycle))
 }
@@ -147,7 +147,7 @@ pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Defeat) -> Option<QueueKey>
     key_of_loser_in(cycle, loss, order.unwrap_or(TurnOrder::Plain))
 }
 
-/// The same in this order.
+/// Returns the position of a task that loses its resource in the given order; `None` if it is not in such a queue.
 pub(crate) fn key_of_loser_in(cycle: &Cycle<'_>, loss: &Defeat, order: TurnOrder) -> Option<QueueKey> {
     let claimant = as_claimant(cycle, loss.loser);
     let Claim::Queued(claim) = claim_queue::claim_of(cycle, loss.loser, &claimant.needs) else { return None };
@@ -161,7 +161,7 @@ pub(crate) fn key_of_loser_in(cycle: &Cycle<'_>, loss: &Defeat, order: TurnOrder
             };
             claim.by_rank.first().and_then(|key| key.rank) == Some(rank) && needed.all(alike)
         }
-        // A task that goes before others by rank may lift what it is worth.
+        // A task that precedes others by rank may inherit a higher priority from them.
         TurnOrder::Plain => {
             let rises = claim.place.as_ref().is_some_and(|place| !place.rising.is_empty());
             rises || needed.all(|resource| resource.waiting.takes_in(&key))
@@ -170,7 +170,7 @@ pub(crate) fn key_of_loser_in(cycle: &Cycle<'_>, loss: &Defeat, order: TurnOrder
     fits.then_some(key)
 }
 
-/// True if ranks put the claimant and all who wait for one of its resources in order.
+/// Returns true if ranks order the claimant and all tasks that wait for one of its resources.
 fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, claim: &QueuedClaim, key: &QueueKey) -> bool {
     let Some(rank) = key.rank else { return false };
     let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));

@@ -1,5 +1,5 @@
-//! Ways to arbitrate (TC)
-//! What: lets the first claimants in queues decide where they can, and all claimants where they must.
+//! Choice of the arbitration method (TC)
+//! What: arbitrates by the first claimants of queues if that suffices, and otherwise by comparison of all claimants.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, ranks.  Writes: nothing.
 //! Bound: that of `front`, or of `conflict` for resources whose claimants must be compared.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
@@ -15,8 +15,8 @@ use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem;
 
-/// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first ones in queues decide
-/// for all, the others are not inspected. Builds with assertions compare few claimants with one another too.
+/// Arbitrates all resources in `dirty`; `fresh` are the claims of this round. If the first claimants of the queues decide, the others are
+/// not inspected. Builds with assertions also compare all claimants if they are few, and check that both results agree.
 pub(crate) fn arbitrate(
     cycle: &Cycle<'_>,
     dirty: &BTreeSet<ResourceId>,
@@ -71,7 +71,7 @@ fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeMap<Reso
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
 }
 
-/// Returns two lists of claimants as one, the better one first; each keeps its order.
+/// Merges two lists of claimants, the better claimant first; each list keeps its order.
 fn in_turns<T>(cycle: &Cycle<'_>, (one, other): (Vec<T>, Vec<T>), task: impl Fn(&T) -> TaskId) -> Vec<T> {
     let claimant = |each: &T| as_claimant(cycle, task(each));
     let (mut one, mut other) = (one.into_iter().peekable(), other.into_iter().peekable());

@@ -66,7 +66,7 @@ pub(crate) fn intern(cycle: &mut Cycle<'_>, name: &Value) -> ResourceId {
     cycle.agent.resources.intern(name, kind)
 }
 
-/// Adds a need; two needs of one resource are one of their sum.
+/// Adds a need; two needs of one resource become one with their sum.
 pub(crate) fn add(list: &mut Vec<Need>, need: Need) {
     match list.iter_mut().find(|each| each.resource == need.resource) {
         Some(each) => each.amount += need.amount,
@@ -74,7 +74,7 @@ pub(crate) fn add(list: &mut Vec<Need>, need: Need) {
     }
 }
 
-/// Adds the parts of resources that are taken: a task that has the head has all parts of it.
+/// Adds the parts of the resources in `list`: a task that holds a resource holds all its parts.
 pub(crate) fn add_parts(cycle: &mut Cycle<'_>, list: &mut Vec<Need>) {
     let library = cycle.library;
     if list.is_empty() || library.resources.values().all(|declared| declared.part_of.is_none()) {
@@ -92,10 +92,10 @@ pub(crate) fn add_parts(cycle: &mut Cycle<'_>, list: &mut Vec<Need>) {
     }
 }
 
-/// Executes `(replenish RESOURCE [AMOUNT])`: restores what was consumed, at most the amount.
+/// Executes `(replenish RESOURCE [AMOUNT])`: restores the consumed amount, at most `AMOUNT`.
 ///
 /// # Errors
-/// The cause when the resource cannot be replenished, or the amount is none of it.
+/// The cause if the resource cannot be replenished, or the amount is invalid.
 pub(crate) fn replenish(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -120,7 +120,7 @@ pub(crate) fn replenish(
     Ok(())
 }
 
-/// Publishes how much there is of a renewable resource, reservations included.
+/// Publishes the level of a renewable resource, reservations included.
 pub(crate) fn tell_level(cycle: &mut Cycle<'_>, id: TaskId, number: ResourceId, because: Because) {
     let Some(resource) = cycle.agent.resources.get(number).filter(|resource| resource.renewable.is_some()) else {
         return;
@@ -130,7 +130,7 @@ pub(crate) fn tell_level(cycle: &mut Cycle<'_>, id: TaskId, number: ResourceId, 
     cycle.publish_own(id, (variable, value), because);
 }
 
-/// Publishes how much there is of each renewable resource as the agent begins.
+/// Publishes the level of each renewable resource as the agent begins.
 pub(crate) fn tell_levels(cycle: &mut Cycle<'_>, root: TaskId) {
     let library = cycle.library;
     for (name, declared) in &library.resources {
@@ -158,7 +158,7 @@ fn amount_of(cycle: &Cycle<'_>, id: ResourceId, amount: Option<&Value>) -> Resul
     }
 }
 
-/// Gives the task all it needs.
+/// Gives the task all its needs.
 pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
     for need in needs {
         if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
@@ -173,22 +173,22 @@ pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
     }
 }
 
-/// Kind of release of a task's resources.
+/// Effect of a release on the depletable amounts of a task.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Release {
-    /// It was used: amounts of depletable resources are gone.
+    /// The resource was used: amounts of depletable resources are consumed.
     Used,
-    /// It was not used up: amounts of depletable resources are there again.
+    /// The resource was not used: amounts of depletable resources are restored.
     Unused,
 }
 
-/// Returns the kind of release if the work ends without interruption or fails: reservations for work that never began are free again.
+/// Returns the kind of release for a task that ends: reservations for work that never began are restored.
 pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
     let begun = cycle.task(id).and_then(|task| task.selection.as_ref()).is_some_and(|selection| selection.begun);
     if begun { Release::Used } else { Release::Unused }
 }
 
-/// Takes back what the task holds of depletable resources, and lets it need nothing of them any longer.
+/// Releases the task's depletable resources and removes them from its needs.
 pub(crate) fn release_depletables(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     let is_depletable = |cycle: &Cycle<'_>, need: &Need| {
         cycle.agent.resources.get(need.resource).is_some_and(|resource| resource.depletable)
@@ -210,7 +210,7 @@ pub(crate) fn release_depletables(cycle: &mut Cycle<'_>, id: TaskId, how: Releas
     }
 }
 
-/// Takes everything back that the task holds and lets it claim nothing; others may claim it.
+/// Releases all resources of the task and withdraws its claims; other tasks may claim them.
 pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     let Some(task) = cycle.task(id) else { return };
     let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
@@ -219,7 +219,7 @@ pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     }
     for need in needs {
         release_one(cycle, id, need.resource, how);
-        // Its claim kept others from the resource, whether it held it or not.
+        // The claim kept other tasks from the resource, even if the task did not hold it.
         let claimed = cycle.agent.resources.get_mut(need.resource).is_some_and(|resource| resource.waiting.remove(id));
         if claimed && somebody_cares(cycle, id, need.resource) {
             cycle.work.dirty.insert(need.resource);
@@ -228,7 +228,7 @@ pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     cycle.agent.unsteady.remove(&id);
 }
 
-/// Takes one resource back.
+/// Releases one resource.
 pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: ResourceId, how: Release) {
     let Some(resource) = cycle.agent.resources.get_mut(resource_id) else { return };
     let Some(index) = resource.holders.iter().position(|holding| holding.task == id) else { return };
@@ -250,8 +250,8 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     }
 }
 
-/// Returns true if a task is affected when `id` leaves the resource: one that waits for it, or one that has it and has a rank too,
-/// because the priority of `id` may have counted for that one, and then no longer does where others wait for what it has.
+/// Returns true if another task is affected when `id` leaves the resource. That is a task that waits for it, or a ranked holder: the
+/// priority of `id` may have counted for that holder, and no longer does.
 fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
     let Some(resource) = cycle.agent.resources.get(resource) else { return false };
     let has_rank = |id: TaskId| priority::is_ranked(cycle.agent, id);
@@ -259,7 +259,7 @@ fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
         || (!resource.holders.is_empty() && has_rank(id) && resource.holders.iter().any(|other| has_rank(other.task)))
 }
 
-/// Takes the consumed amount out of the reservations of the task's ancestors: they have used that much already.
+/// Subtracts the consumed amount from the reservations of the task's ancestors: they have used that much already.
 fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
     let mut above = cycle.task(id).and_then(|task| task.parent);
     while let Some(ancestor) = above {
@@ -282,7 +282,7 @@ pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
     needs_in(cycle.agent, id)
 }
 
-/// Returns the same outside of a cycle.
+/// Returns the needs of the task, outside of a cycle.
 pub(crate) fn needs_in(agent: &Agent, id: TaskId) -> Vec<Need> {
     let Some(task) = agent.task(id) else { return Vec::new() };
     let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();

@@ -1,5 +1,5 @@
 //! Sharing (TC)
-//! What: says how much of a resource is used, and whether there is space for one more; families use a share together.
+//! What: computes the used amount of a resource and whether another use fits; a task and its ancestors share one amount.
 //! Runs: contend phase.  Reads: uses, ancestors.  Writes: nothing.
 //! Bound: O(u log u + u * depth) for u uses of a resource.
 //! PDL: `profile`, `resource`, section 9.  Paper: section III, detecting and resolving conflicts.
@@ -19,23 +19,23 @@ pub(crate) struct Use {
     pub(crate) task: TaskId,
     /// Amount.
     pub(crate) amount: f64,
-    /// By what right.
+    /// Kind of the use.
     pub(crate) kind: UseKind,
 }
 
-/// By what right a task uses a resource.
+/// Right by which a task uses a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum UseKind {
     /// Held by an ongoing task, which can lose it.
     Held,
     /// Granted in this arbitration.
     Granted,
-    /// Claimed by an earlier claimant that is itself refused, which cannot continue before this instant if it is known.
+    /// Claimed by an earlier claimant that is itself refused, and cannot begin before this instant (`None`: unknown).
     Awaited(Option<Time>),
 }
 
-/// Returns true if `task` can use `amount` of a resource with capacity `total`. Within what its ancestors hold it always can, even if
-/// others claim more than there is.
+/// Returns true if `task` can use `amount` of a resource with capacity `total`. Within the amount that its ancestors hold it always can,
+/// even if claims exceed the capacity.
 pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId, amount: f64) -> bool {
     if present.is_empty() {
         return amount <= total + TOLERANCE;
@@ -54,7 +54,7 @@ pub(crate) fn any_related(agent: &Agent, present: &[&Use]) -> bool {
     users.iter().any(|user| std::iter::successors(parent(*user), |id| parent(*id)).any(|above| users.contains(&above)))
 }
 
-/// Returns true if less would be used without `each`.
+/// Returns true if the used amount would be smaller without `each`.
 pub(crate) fn matters(agent: &Agent, present: &[&Use], each: &Use) -> bool {
     let amounts = |uses: &mut dyn Iterator<Item = &&Use>| uses.map(|it| (it.task, it.amount)).collect::<Vec<_>>();
     let all = amounts(&mut present.iter());
@@ -62,8 +62,8 @@ pub(crate) fn matters(agent: &Agent, present: &[&Use], each: &Use) -> bool {
     used(agent, &others) + TOLERANCE < used(agent, &all)
 }
 
-/// Returns the used amount: the greater of a task's own use and the sum of its descendants' uses, because these do not
-/// compete; strangers add up.
+/// Returns the used amount: for related tasks the greater of a task's own use and the sum of its descendants' uses, because a family does
+/// not compete; unrelated uses add up.
 fn used(agent: &Agent, uses: &[(TaskId, f64)]) -> f64 {
     if let [] | [_] = uses {
         return uses.iter().map(|(_, amount)| amount).sum();

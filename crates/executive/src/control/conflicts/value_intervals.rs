@@ -12,25 +12,25 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Definitions looked into before an expression counts as moving.
+/// Depth of nested definitions up to which an expression is analysed; a deeper one counts as changing.
 const NESTING_MAX: u32 = 16;
 /// Relative width added to computed bounds, so that rounding cannot make them too narrow.
 const ROUNDING: f64 = 1e-13;
 
-/// Least and greatest value. Times and spans are in seconds, everything else in SI.
+/// Least and greatest value. Instants and durations are in seconds, everything else in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
-    /// Not less than this.
+    /// Lower bound.
     pub(crate) low: f64,
-    /// Not more than this.
+    /// Upper bound.
     pub(crate) high: f64,
 }
 
 impl Bounds {
-    /// Nothing is known.
+    /// Bounds of an unknown value.
     pub(crate) const ANY: Bounds = Bounds { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
-    /// Returns the tightest bounds of all corner values.
+    /// Returns the tightest bounds that contain all `corners`.
     pub(crate) fn of(corners: &[f64]) -> Bounds {
         let fold = |start, pick: fn(f64, f64) -> f64| corners.iter().copied().fold(start, pick);
         Bounds { low: fold(f64::INFINITY, f64::min), high: fold(f64::NEG_INFINITY, f64::max) }
@@ -91,15 +91,15 @@ fn is_clock(name: &Symbol) -> bool {
     name.is("now") || name.is("tot") || name.is("met")
 }
 
-/// Functions that read the clock, or look into a window that ends now.
+/// Returns true for functions that read the clock or a window that ends now.
 fn looks_back(function: &Symbol) -> bool {
     ["elapsed", "duration-of", "mean-over", "min-over", "max-over", "samples-over", "events-over"]
         .iter()
         .any(|name| function.is(name))
 }
 
-/// Returns the bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. `None` if
-/// it has no number as its value now.
+/// Returns the bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] if the form of the expression is not analysed. `None` if its
+/// present value is not a number.
 pub(crate) fn bounds(expr: &Expr, view: &View<'_>, until: Time) -> Option<Bounds> {
     if !moves(expr, &view.agent.library) {
         let value = magnitude(&evaluate(expr, view).ok()?)?;
@@ -130,7 +130,7 @@ pub(crate) fn bounds(expr: &Expr, view: &View<'_>, until: Time) -> Option<Bounds
     Some(found.unwrap_or(Bounds::ANY))
 }
 
-/// Clocks only rise.
+/// Returns the bounds of an expression that never decreases, such as a clock.
 fn rising(expr: &Expr, view: &View<'_>, until: Time) -> Option<Bounds> {
     let low = magnitude(&evaluate(expr, view).ok()?)?;
     let later = View { now: until, ..*view };
@@ -181,7 +181,7 @@ fn times(a: Bounds, b: Bounds) -> Bounds {
     Bounds::of(&[a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high])
 }
 
-/// Returns the constant truth of the test; `None` if it changes or is unknown.
+/// Returns the truth of a test that cannot change; `None` if it may change or is unknown.
 fn truth(test: &Expr, view: &View<'_>, until: Time) -> Option<bool> {
     if !moves(test, &view.agent.library) {
         return Some(evaluate(test, view).ok()?.is_true());

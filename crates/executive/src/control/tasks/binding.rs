@@ -54,8 +54,8 @@ fn decide(
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }
 
-/// Returns the `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
-/// step evaluates what does not depend on the item, and each item the rest.
+/// Returns the `select` clauses that the task itself evaluates. A failure handler inherits those of its step. In a `forall`, the step
+/// evaluates the clauses that do not depend on the item, and each item evaluates the others.
 fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
     let item = step.forall.as_ref().map(|forall| &forall.0);
     let mut of_items: Vec<&Symbol> = item.into_iter().collect();
@@ -127,13 +127,13 @@ pub(crate) fn fitting(cycle: &Cycle<'_>, id: TaskId, value: &Value) -> Result<Op
     if !cycle.has(id, StepClauses::RESULT) {
         return Ok(None);
     }
-    // Items and handlers yield nothing in the procedure; their step does.
+    // Items and handlers bind nothing in the procedure; their step does.
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     let Some(handle) = cycle.step_of(id).filter(|_| is_step) else { return Ok(None) };
     let Some((pattern, place)) = handle.get().and_then(|step| Some((step.binds.as_ref()?, step.place))) else {
         return Ok(None);
     };
-    // A result replaces an earlier one of the same step, so the old value must not take part in the match.
+    // A new result replaces an earlier one of the same step, so the old value must not restrict the match.
     let blank = View { agent: cycle.agent, task: TaskId(u64::MAX), level: Level::Procedure, now: cycle.now };
     let mut bindings = Bindings::new();
     let matched = match_pattern(pattern, value, &mut bindings, &blank, place)
@@ -165,7 +165,7 @@ fn waiting_for(cycle: &Cycle<'_>, parent: TaskId, bindings: &Bindings) -> Vec<Ta
     steps.filter_map(|(_, task)| *task).collect()
 }
 
-/// Executes `(setq ?x value)`: changes the variable in the context that has it, or creates it in that of the task.
+/// Executes `(setq ?x value)`: changes the variable in the context that has it, or creates it in the context of the task.
 pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Symbol, value: Value, place: Place) {
     let Some(task) = cycle.task(id) else { return };
     let own = matches!(task.controller.as_deref(), Some(Controller::Procedure(_) | Controller::Primitive(_)));

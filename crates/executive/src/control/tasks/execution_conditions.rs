@@ -1,6 +1,6 @@
 //! Execution conditions (TC)
-//! What: judges `precondition` as a task is to begin, and `invariant` while it is ongoing; the task fails where they do not hold.
-//! Runs: choose and act phases (precondition), enable phase after a change of what an invariant reads: samples, states of tasks.
+//! What: judges `precondition` when a task is to begin, and `invariant` while it is ongoing; the task fails if one does not hold.
+//! Runs: choose and act phases (precondition); enable phase after a change of samples or task states that an invariant reads.
 //! Reads: Transitions, histories, Task.  Writes: Task, Decision.
 //! Bound: one judgement for each task with an invariant that a sample concerns.
 //! PDL: `precondition`, `invariant`.  Paper: section III, off-nominal conditions.
@@ -19,7 +19,7 @@ use apex_model::condition::Condition;
 use apex_model::procedure::Transitions;
 use apex_model::task::{Outcome, TaskId, TaskState};
 
-/// One of the two clauses.
+/// The kind of the judged clause.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ExecutionClause {
     Precondition,
@@ -49,13 +49,13 @@ impl ExecutionClause {
     }
 }
 
-/// Returns true if the preconditions hold, the step's and those of the procedure that was chosen; else the task has failed.
+/// Returns true if the preconditions of the step and of the chosen procedure hold; otherwise the task fails.
 pub(crate) fn allow(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Precondition)
 }
 
-/// Checks preconditions and invariants as the task begins, and watches the invariants from now on. Returns false if one does not hold; the
-/// task has failed then.
+/// Checks preconditions and invariants as the task begins, and watches the invariants from now on. Returns false if one does not hold;
+/// the task then fails.
 pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     if !hold(cycle, id, ExecutionClause::Precondition) {
         return false;
@@ -69,12 +69,12 @@ pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Invariant)
 }
 
-/// Checks the invariants as the task continues after an interruption. Returns false if one does not hold; the task has failed then.
+/// Checks the invariants as the task continues after an interruption. Returns false if one does not hold; the task then fails.
 pub(crate) fn go_on(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     !cycle.agent.guards.contains(id) || hold(cycle, id, ExecutionClause::Invariant)
 }
 
-/// Notes the tasks whose invariants what happened in this round concerns.
+/// Notes the tasks whose invariants may be affected by the events of this round.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     cycle.work.states_changed = false;
     if cycle.agent.guards.is_empty() {
@@ -100,7 +100,7 @@ fn concerned<'a>(cycle: &'a Cycle<'_>) -> impl Iterator<Item = TaskId> + 'a {
 /// Judges the invariants that may no longer hold, ancestors first.
 pub(crate) fn judge_invariants(cycle: &mut Cycle<'_>) {
     for id in std::mem::take(&mut cycle.work.doubtful) {
-        // Who may rather start over is judged as it continues.
+        // A task that may start over is judged when it continues.
         let works = cycle.state(id) == TaskState::Ongoing && !cycle.work.resuming.contains(&id);
         if works && cycle.agent.guards.contains(id) {
             hold(cycle, id, ExecutionClause::Invariant);
@@ -109,8 +109,8 @@ pub(crate) fn judge_invariants(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// Judges the clauses of this kind: an unknown precondition does not hold, an unknown invariant is not violated. The task
-/// fails where one does not hold.
+/// Judges the clauses of this kind. An unknown precondition does not hold; an unknown invariant is not violated. The task fails if a
+/// clause does not hold.
 fn hold(cycle: &mut Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> bool {
     for (condition, level) in conditions(cycle, id, wanted) {
         let because = match present::judge(&condition, &cycle.view(id, level)) {
@@ -132,7 +132,7 @@ fn hold(cycle: &mut Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> bool {
     true
 }
 
-/// Returns the clauses of this kind that the task has: its step's, then those of the procedure that was chosen for it.
+/// Returns the task's clauses of this kind: those of its step, then those of the chosen procedure.
 fn conditions(cycle: &Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> Vec<(Condition, Level)> {
     let mut all = Vec::new();
     let Some(task) = cycle.task(id) else { return all };

@@ -1,5 +1,5 @@
 //! Failure handling (TC)
-//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends. A suspended step stays so.
+//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends. A suspended step stays suspended.
 //! Runs: when a task fails, and when its handler ends.  Reads: Step.  Writes: Task, HandlingController, Decision.
 //! Bound: O(size of the failed subtree).  PDL: `on-failure`.  Paper: section III, off-nominal conditions.
 
@@ -15,7 +15,7 @@ use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 
-/// Starts the `on-failure` goal of the task's step. False when there is none, or it is at work already.
+/// Starts the `on-failure` goal of the task's step. Returns false if there is none, or if it is being pursued already.
 pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bool {
     let Some(task) = cycle.task(id) else { return false };
     let Origin::Step(step) = task.origin else { return false };
@@ -55,7 +55,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         task.controller = Some(Box::new(Controller::Handling(HandlingController { handler })));
     }
     if cycle.state(id) == TaskState::Pending {
-        // It failed before it could begin. The handler is its work now, and waits for nothing.
+        // The task failed before it could begin. The handler is its work now and waits for nothing.
         if let Some(task) = cycle.agent.task_mut(id) {
             task.held_back = HeldBack::default();
         }
@@ -67,7 +67,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
             transition(cycle, id, Trigger::Granted, None, handling);
         }
     } else {
-        // What the failed work used up is gone, and its handler claims again; everything else is kept for it.
+        // Depletable amounts that the failed work used are consumed, and the handler claims its own; all other resources are kept for it.
         let how = resources::at_the_end(cycle, id);
         resources::release_depletables(cycle, id, how);
     }

@@ -1,5 +1,5 @@
 //! Goals of tasks (TC)
-//! What: says what a task is to achieve, as far as its variables are bound.
+//! What: states the goal of a task, with the present values of its variables.
 //! Runs: when a task is created or described, and in the choose phase.
 //! Reads: Task, Procedure, variables.
 //! Writes: nothing.
@@ -32,7 +32,7 @@ pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
     goal_in(cycle.agent, id, cycle.now)
 }
 
-/// Returns the same, outside of a step.
+/// Returns the task's goal, outside of a cycle.
 pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
     let Some(task) = agent.task(id) else { return Value::nil() };
     if let Some(selection) = &task.selection {
@@ -56,7 +56,7 @@ pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
     goal.unwrap_or_else(Value::nil)
 }
 
-/// Returns an activity as its author would read it.
+/// Returns an activity in the notation of PDL.
 pub(crate) fn activity_as_value(activity: &Activity, context: &dyn EvalContext) -> Value {
     match activity {
         Activity::Goal(template) => instantiate_partially(template, context),

@@ -1,5 +1,5 @@
 //! Hooks (TC)
-//! What: evaluates the forms of `on-start`, `on-end` and the other hooks, and carries out the actions that they request.
+//! What: evaluates the forms of `on-start`, `on-end` and the other hooks, and executes the actions that they request.
 //! Runs: act phase, at ends, interruptions and resumptions.  Reads: forms, variables.  Writes: effects, variables.
 //! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
 //! Paper: section III, code embedded in the `on-enablement` clause.
@@ -37,7 +37,7 @@ pub(crate) struct CommandRequest {
     pub(crate) because: Because,
 }
 
-/// Runs a hook of a task that begins or completes. The task does not wait for the answers to the hook's commands.
+/// Runs a hook of a task that begins or completes. The task does not wait for the answers to the commands of the hook.
 ///
 /// # Errors
 /// The cause of the task's failure if a form cannot be evaluated.
@@ -55,7 +55,7 @@ pub(crate) fn run_needed(
     Ok(())
 }
 
-/// Runs a hook of a task that stops or ends. Its outcome is decided already, so errors are only reported.
+/// Runs a hook of a task that stops or ends. The outcome of the task is decided already, so errors are only reported.
 pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
     if let Err(because) = run_needed(cycle, id, level, clause, forms) {
         let message = because.cause.text();
@@ -63,10 +63,10 @@ pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: 
     }
 }
 
-/// Evaluates forms, carries out their messages and publications at once, and returns the requests for the primitive itself.
+/// Evaluates forms, executes their messages and publications at once, and returns the requests for the primitive itself.
 ///
 /// # Errors
-/// The cause if a form cannot be evaluated; actions of the forms before it are carried out.
+/// The cause if a form cannot be evaluated; actions of earlier forms are executed.
 pub(crate) fn run_forms(
     cycle: &mut Cycle<'_>,
     id: TaskId,

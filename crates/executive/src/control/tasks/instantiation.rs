@@ -1,7 +1,7 @@
 //! Subtask instantiation (TC)
 //! What: makes tasks from steps, items, failure handlers and the initial goal, and arms their preconditions.
 //! Runs: act phase, and when a step repeats or responds.  Reads: Procedure, context.  Writes: Task, Decision, monitors.
-//! Bound: O(1) per task in addition to looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
+//! Bound: O(1) per task, plus the search of histories.  PDL: sections 3 and 4.  Paper: section III.
 
 use crate::control::cycle::Cycle;
 use crate::control::memory_budget;
@@ -31,15 +31,15 @@ pub(crate) struct Seed {
     pub(crate) origin: Origin,
     /// Its own variables.
     pub(crate) bindings: Bindings,
-    /// The step before it in a sequence has not ended.
+    /// True if the preceding step of a sequence has not ended.
     pub(crate) by_predecessor: bool,
-    /// Arrivals that it must not take for an answer.
+    /// Arrivals up to this number do not count as evidence for the task.
     pub(crate) after_sequence: Option<u64>,
     /// Cause.
     pub(crate) cause: Cause,
 }
 
-/// Makes a task in state pending. Its preconditions are armed by [`arm`], when its siblings exist too.
+/// Creates a pending task. [`arm`] arms its preconditions when its siblings exist too.
 ///
 /// # Errors
 /// The cause, when a limit on tasks is reached.
@@ -106,7 +106,7 @@ pub(crate) fn arm(cycle: &mut Cycle<'_>, id: TaskId) {
             task.held_back.by_result = by_result;
             task.held_back.by_unknown = by_unknown;
         }
-        // Who waits for a result only to work with it watches from the beginning: what happens before counts too.
+        // A task that needs the result only for its work watches from the beginning: earlier events count too.
         let armed = watch_end(cycle, id);
         let armed = armed.and_then(|()| if by_unknown { Ok(()) } else { watch_preconditions(cycle, id) });
         let armed = armed
@@ -127,7 +127,7 @@ pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Returns the first result of another step that the task needs and that is not there yet.
+/// Returns the first result of another step that the task needs and that does not exist yet.
 fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Symbol>) -> Option<Symbol> {
     if !cycle.has(id, StepClauses::AWAITS) {
         return None;

@@ -1,5 +1,5 @@
 //! Task interruption and resumption (TC)
-//! What: stops a task that lost a resource, suspends and resumes whole subtrees, watches the clauses that ask for it.
+//! What: stops a task that lost a resource, suspends and resumes whole subtrees, and watches the clauses that request this.
 //! Runs: enable, commit and act phases.  Reads: Transitions, Task.  Writes: Task state, ResourceTable, monitors.
 //! Bound: O(1) for a lost resource; O(size of the subtree) for a suspension.
 //! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
@@ -22,7 +22,7 @@ use apex_model::procedure::{Hooks, Transitions};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 
-/// Stops a task that lost a resource; its subtasks are not stopped by that, and it claims the resource again.
+/// Interrupts a task that lost a resource. Its subtasks are not interrupted by this, and the task claims the resource again.
 pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     stop(cycle, id, Trigger::Outranked, because);
     cycle.work.claims.push(id);
@@ -56,7 +56,7 @@ pub(crate) fn run_hooks(
     run_step_hook(cycle, id, clause, which);
 }
 
-/// Runs a hook of the procedure or primitive that is at work for the task; none is while a handler is.
+/// Runs a hook of the task's procedure or primitive; none while its failure handler is at work.
 pub(crate) fn run_inner_hook(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -175,7 +175,7 @@ fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) -> Vec<TaskId> {
     tasks
 }
 
-/// Steps that were enabled while the task did not work claim now.
+/// Lets steps that were enabled while the task was not ongoing claim their resources.
 pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -185,7 +185,7 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Steps that claimed before the task stopped do not until it continues: they are offered then.
+/// Withdraws the claims of the task's steps until the task continues: they are offered again then.
 pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -209,9 +209,8 @@ pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Trans
     Ok(())
 }
 
-/// Makes the monitors of the step's `suspend-when` and `resume-when`, unless they are there: as its task is created,
-/// when everything that they name is known then; else as it becomes enabled, when its `waitfor` and `select` have bound
-/// what they bind.
+/// Makes the monitors of the step's `suspend-when` and `resume-when`, unless they exist. They are made when the task is created if all
+/// their variables are known then, otherwise when it is enabled and its `waitfor` and `select` have bound their variables.
 ///
 /// # Errors
 /// The cause when an expression of a condition cannot be evaluated.
@@ -237,7 +236,7 @@ fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
     known
 }
 
-/// Returns true if the task watches for its step's suspension or for the end of it.
+/// Returns true if the task has monitors for the suspension or resumption of its step.
 fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0)).any(|watch| {
@@ -246,7 +245,7 @@ fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
     })
 }
 
-/// Makes the monitor of the step's `restart-when` as its task begins. Its `end-when` is watched from the creation on.
+/// Makes the monitor of the step's `restart-when` as its task begins. Its `end-when` is watched from the creation of the task on.
 ///
 /// # Errors
 /// The cause when an expression of the condition cannot be evaluated.
@@ -256,7 +255,7 @@ pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<()
     Ok(())
 }
 
-/// Returns true if the task watches for a reason to start over.
+/// Returns true if the task has a monitor for `restart-when`.
 pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     let mut watches = monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
@@ -282,12 +281,12 @@ fn watch(
     condition: Option<&Condition>,
 ) -> Result<Option<MonitorId>, Because> {
     let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(None) };
-    // What is watched from a later moment than the creation counts from there: a procedure's own clauses, since it is
-    // not known before which one is chosen, and for what; what names something that was not bound before; and what
-    // starts work over, which has to begin first.
+    // Clauses that are watched from a later moment than the creation count evidence from that moment: those of a procedure, because it is
+    // not chosen before; those with variables that were not bound before; and `restart-when`, because work must begin before it starts
+    // over.
     let start = if task.state == TaskState::Pending { task.created_at } else { cycle.now };
     let after_sequence = match clause {
-        // What the task's `waitfor` answered says nothing about these.
+        // Evidence that satisfied the task's `waitfor` may satisfy these clauses too.
         Clause::SuspendWhen | Clause::ResumeWhen => None,
         Clause::EndWhen
         | Clause::ExitWhen
@@ -297,7 +296,7 @@ fn watch(
         | Clause::Waitfor => task.after_sequence,
     };
     let window = Window { start, after_sequence };
-    // Work that begins in a state that would start it over has not begun before that.
+    // A condition that holds already when work begins does not restart that work.
     let standing = clause != Clause::RestartWhen;
     monitoring_clauses::watch(cycle, id, clause, level, condition, window, standing)
         .map(Some)
@@ -326,20 +325,20 @@ fn works_itself(task: &Task) -> bool {
     task.controller.as_deref().is_some_and(|controller| !matches!(controller, Controller::Handling(_)))
 }
 
-/// Returns the window of a clause that begins to watch in the middle of a task's life: everything after this moment.
+/// Returns the window of a clause that is first watched in the middle of a task's life: everything after this moment.
 pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
     window_after(cycle, cycle.now, None)
 }
 
-/// Returns the window of a clause that begins to watch when another one was satisfied at `at`, with `answered` as its newest arrival:
-/// everything after that, also where it was found by looking back.
+/// Returns the window of a clause that is watched after another one was satisfied at `at`, with `answered` as its newest arrival:
+/// everything after that, including evidence already in the histories.
 pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
     let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);
     Window { start: at.min(cycle.now), after_sequence: answered.or(newest) }
 }
 
-/// Ends the clauses of the task's procedure, and a suspension that the procedure caused, because the work is over before the task is. What
-/// the step watches about ends, and about a suspension that continues, stays.
+/// Removes the monitors of the task's procedure, and ends a suspension that the procedure caused, because the work is over before the
+/// task is. Monitors of the step stay, also those of a suspension that continues.
 pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     let by_procedure = cycle.task(id).is_some_and(|task| {
         let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
@@ -361,12 +360,12 @@ pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, 
     let Some(clauses) = clauses(cycle, id, level) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
     let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
-    // Where that holds already for which it is to wait, there is nothing to wait for.
+    // A condition that holds already ends the suspension at once.
     watch_again(cycle, id, level, wanted, window, true);
 }
 
-/// Watches clauses in the middle of a task's life. A task with a clause that cannot be watched has failed: it would be
-/// suspended forever, or never again.
+/// Watches clauses in the middle of a task's life. If a clause cannot be watched the task fails: it would otherwise be suspended forever,
+/// or never again.
 fn watch_again(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -385,8 +384,8 @@ fn watch_again(
     }
 }
 
-/// Watches `suspend-when` again after a resumption, and no longer the clauses that could end the suspension; that of a step whose task has
-/// yet to learn what it names is watched when the task is enabled, as at its creation.
+/// Watches `suspend-when` again after a resumption, and no longer the clauses that could end the suspension. If the step's clause names
+/// variables that are not bound yet, it is watched when the task is enabled.
 pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
     monitoring_clauses::unwatch(cycle, id, |clause, _| {
         matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)
@@ -397,7 +396,7 @@ pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window
             continue;
         }
         let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
-        // What still stands has had its suspension.
+        // A condition that still holds has caused its suspension already and does not count again.
         watch_again(cycle, id, level, wanted, window, false);
     }
 }

@@ -21,10 +21,10 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 
 /// Executes `(inform FORM)`: sends the message to the outside, to this agent, and to the agents that receive it on this agent's routers.
-/// `(inform FORM router)`: for outside and that router alone; the author does not hear itself.
+/// `(inform FORM router)` sends it to the outside and that router alone; the author does not receive it.
 ///
 /// # Errors
-/// The cause when no router is called so, or this agent does not publish on it.
+/// The cause if no router has this name, or this agent does not publish on it.
 pub(crate) fn inform(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -42,7 +42,7 @@ pub(crate) fn inform(
     Ok(())
 }
 
-/// Executes `(publish (ATTRIBUTE OBJECT) value [router])`: like [`inform`], for samples. The trace contains them, the outside does not
+/// Executes `(publish (ATTRIBUTE OBJECT) value [router])`: like [`inform`], for samples. The trace contains them; the outside does not
 /// receive them.
 ///
 /// # Errors
@@ -78,7 +78,7 @@ fn say(cycle: &mut Cycle<'_>, form: Value) {
 /// Executes `(cogevent FORM [agent])`: sends a message to this agent or to another one.
 ///
 /// # Errors
-/// The cause when no agent of the application is called so.
+/// The cause if no agent of the application has this name.
 pub(crate) fn cogevent(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -119,7 +119,7 @@ fn tell(cycle: &mut Cycle<'_>, task: TaskId, to: Vec<Symbol>, message: Message) 
     }
 }
 
-/// Returns the other agents that hear `message` on `router`, or on any router that this agent publishes it to.
+/// Returns the other agents that receive `message` on `router`, or on any router to which this agent publishes it.
 fn receivers(
     cycle: &Cycle<'_>,
     message: &Message,

@@ -1,4 +1,4 @@
-//! The life of a task: its making, its monitors and variables, its work, its interruption and its end.
+//! The life cycle of a task: creation, monitors and variables, execution, interruption and end.
 
 pub(crate) mod binding;
 pub(crate) mod episode_index_tasks;

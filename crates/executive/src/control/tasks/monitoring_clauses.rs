@@ -27,8 +27,8 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 use smallvec::SmallVec;
 
-/// Makes the monitor of a clause; it is judged in the next notice phase. Messages and samples count from `window` on. The
-/// ends and states of tasks are facts: those that stand already count if `standing`, changes count from here on.
+/// Makes the monitor of a clause; it is judged in the next notice phase. Messages and samples count from `window` on. Ends and states of
+/// tasks count from now on; with `standing`, those that hold already count too.
 ///
 /// # Errors
 /// When an expression of the condition that must be known now cannot be evaluated.
@@ -69,7 +69,7 @@ fn filing(monitor: &Monitor, second: Option<Value>) -> Option<Box<Filing>> {
     (!lasts).then(|| Box::new(Filing { interests: interest::interests(monitor), second }))
 }
 
-/// Calls `act` with each interest under which the monitor is filed, and what narrows it.
+/// Calls `act` with each interest under which the monitor is filed, and with the narrowing of that interest.
 fn for_each_interest(watch: &ClauseMonitor, mut act: impl FnMut(&Interest, Narrowed<'_>)) {
     match &watch.filing {
         Some(filing) => {
@@ -106,8 +106,8 @@ fn may_change(view: &View<'_>, name: &Symbol) -> bool {
     index.is_some_and(|index| index.changing.contains(name))
 }
 
-/// Returns the second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
-/// that is bound already and stays as it is.
+/// Returns the second word of the only message that the monitor waits for; `None` unless that word cannot change: a literal, or a
+/// variable that is bound already and keeps its value.
 fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
     let PartKind::Event(event) = &monitor.root.kind else { return None };
     match event.pattern.as_ref() {
@@ -159,7 +159,7 @@ fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
 
 /// Executes the notice phase: passes everything recorded to monitors, then judges all monitors that were affected.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
-    // What was found as tasks were made at the end of the last round is asked again: a sample may have been replaced since.
+    // Results that were found when tasks were made at the end of the last round are judged again: a sample may have been replaced since.
     cycle.work.firings.clear();
     let stimuli = std::mem::take(&mut cycle.work.stimuli);
     let mut found = MonitorIds::new();
@@ -192,7 +192,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// Returns true for a sample that affects no monitor: then there is nothing to notice.
+/// Returns true if the sample affects no monitor, so that the notice phase can be skipped.
 pub(crate) fn is_unheard(cycle: &Cycle<'_>, stimulus: &Stimulus) -> bool {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return false };
     let interests = &cycle.agent.interests;
@@ -210,7 +210,7 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     cycle.work.touched.push(id);
 }
 
-/// Files the monitor under the stimuli of the task that it now refers to, after a verdict that determined or changed that task.
+/// Files the monitor again after a verdict that determined or changed the task to which it refers.
 fn refile(interests: &mut Interests, watch: &mut ClauseMonitor, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
     if let Some(sole) = task_state::sole_interest(&watch.monitor) {
@@ -242,7 +242,7 @@ pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
     }
 }
 
-/// Asks the monitor for its verdict; one that is satisfied joins the firings.
+/// Judges the monitor; a satisfied one is added to the firings.
 pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     episode_index_tasks::take_out(cycle, id, &mut watch);
@@ -298,7 +298,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
 }
 
-/// Returns the newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
+/// Returns the newest arrival among the evidence: the next instance of a repeated task must not count it again.
 fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction) -> Option<u64> {
     let newest = cycle.agent.next.arrival.checked_sub(1);
     let arrival = |evidence: &Evidence| match evidence {

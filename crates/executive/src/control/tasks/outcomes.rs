@@ -1,5 +1,5 @@
 //! Outcomes between siblings (TC)
-//! What: finds pending steps that wait for an outcome, or use a result, that can no longer come; they are skipped.
+//! What: finds pending steps that wait for an outcome or a result that can no longer occur; they are skipped.
 //! Runs: when a step has ended for good.  Reads: ProcedureIndex, Task.  Writes: nothing.
 //! Bound: O(steps that name the outcome); O(steps) where a step with a result ends without success.
 //! PDL: `(failed ?s)`, `(succeeded ?s)`, `(skipped ?s)`, `=>`.  Paper: section III, off-nominal conditions.
@@ -15,7 +15,7 @@ use apex_model::because::{Because, Cause};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, TaskId, TaskState};
 
-/// Does the procedure handle the failure of the step's task by naming it? Then it does not fail with it.
+/// Returns true if another step of the procedure waits for the failure of this step's task. The procedure then does not fail with it.
 pub(crate) fn is_awaited(cycle: &Cycle<'_>, child: TaskId) -> bool {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return false };
     let index = cycle.agent.procedure_index(step.procedure);
@@ -74,7 +74,7 @@ fn missed_outcome(
     Some((id, Because::new(Cause::OutcomeMissed { task, outcome }, Some(condition.place))))
 }
 
-/// Returns the steps that use a result of `child`, with the cause, unless another step may still give it.
+/// Returns the steps that use a result of `child`, with the cause, unless another step may still bind that result.
 fn users(
     cycle: &Cycle<'_>,
     index: &ProcedureIndex,

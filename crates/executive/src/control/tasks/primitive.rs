@@ -1,5 +1,5 @@
 //! Primitive invocation (TC)
-//! What: runs a primitive: its forms, its clock, its commands and their answers, until it is complete.
+//! What: runs a primitive until it is complete: its forms, its clock, its commands and their answers.
 //! Runs: act phase, on answers and wakes, at interruptions.  Reads: Primitive.  Writes: PrimitiveController, wakes, commands.
 //! Bound: O(1) per call in addition to the evaluation of its forms.  PDL: section 5.  Paper: section III, primitive actions.
 
@@ -54,7 +54,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, index: u32, context: Bind
     }
 }
 
-/// Returns true if the primitive has nothing to do and nothing to wait for, so that it is complete without a controller.
+/// Returns true if the primitive has no forms and nothing to wait for; it is then complete without a controller.
 fn is_bare(primitive: &Primitive) -> bool {
     let Primitive { locals, hooks, on_completion, duration, update, returns, .. } = primitive;
     let forms = [&hooks.on_start, &hooks.on_end, &hooks.on_suspend, &hooks.on_resume, on_completion];
@@ -129,7 +129,7 @@ fn positive(interval: Duration, expr: &Expr) -> Result<Duration, Because> {
     Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
 }
 
-/// Schedules what remains of duration and update interval; a primitive with nothing to wait for is complete.
+/// Schedules the rest of the duration and update interval; a primitive with nothing to wait for is complete.
 fn run_clock(cycle: &mut Cycle<'_>, id: TaskId) {
     let now = cycle.now;
     let Some(state) = controller(cycle, id) else { return };
@@ -259,7 +259,7 @@ pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
 /// Handles the vehicle's answer to a command.
 pub(crate) fn answered(cycle: &mut Cycle<'_>, command: CommandId, answer: &Result<Value, String>) {
     if !cycle.agent.commands.contains_key(&command) {
-        // A late answer to a withdrawn command says nothing new; one to a command never sent is strange.
+        // A late answer to a withdrawn command is ignored; an answer to a command that was never sent is reported.
         if command.0 >= cycle.agent.next.command {
             cycle.trouble_of(None, Cause::StrayAnswer { to: format!("command {}", command.0) }, None);
         }
@@ -302,7 +302,7 @@ fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause
     }
 }
 
-/// Handles the timeout of a command: it has failed, and the vehicle is asked to stop it.
+/// Handles the timeout of a command: the command has failed, and the vehicle is requested to stop it.
 pub(crate) fn timed_out(cycle: &mut Cycle<'_>, command: CommandId) {
     let Some(open) = cycle.agent.commands.get(&command) else { return };
     let patience = open.patience;

@@ -26,7 +26,7 @@ use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Returns the probings that the condition asks for, in written order.
+/// Returns the probings of the condition, in written order.
 ///
 /// # Errors
 /// When an interval or a limit cannot be evaluated, or is none.
@@ -109,7 +109,7 @@ fn count(expr: &Expr, view: &View<'_>) -> Result<u64, EvaluationError> {
     })
 }
 
-/// Begins the probes of a clause that is watched from now on: the first probes begin as soon as nothing else is left to do.
+/// Begins the probing of a clause that is now watched: the first probes begin when no other work remains at this instant.
 pub(crate) fn begin(cycle: &mut Cycle<'_>, monitor: MonitorId, probings: Vec<Probing>) {
     for (part, probing) in (0..).zip(probings) {
         let id = ProbingId { monitor, part };
@@ -180,7 +180,7 @@ fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.decide(Some(waiting), DecisionKind::Trouble { message }, because);
 }
 
-/// Handles the end of a probe: no clause can refer to it any longer, and the next probe may begin.
+/// Handles the end of a probe: the probe is removed, because no clause can refer to it any longer, and the next probe may begin.
 pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: TaskId) {
     procedure::disown(cycle, host, probe);
     cycle.agent.tasks.remove(probe.0);
@@ -193,8 +193,8 @@ pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: T
     }
 }
 
-/// Begins and ends probes when nothing else is left to do at this instant: what a probe measured as it ended is seen
-/// before the next one begins, and a probe that ends is not cut.
+/// Begins and ends probes when no other work remains at this instant. Measurements of a probe that ended are then noticed before the next
+/// one begins, and a probe that is about to end is not cut.
 pub(crate) fn pursue(cycle: &mut Cycle<'_>) {
     if cycle.work.probings.is_empty() || !cycle.work.has_only_probings() {
         return;
@@ -229,7 +229,7 @@ fn look(cycle: &mut Cycle<'_>, id: ProbingId) {
     schedule(cycle, id);
 }
 
-/// Ends the probe that lives, and forgets what no clause can refer to any longer.
+/// Ends a running probe and removes ended ones, because no clause can refer to them any longer.
 fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
     let cause = Cause::ProbingStopped { waiting: probing.waiting, probes: probing.begun, reason };
@@ -244,7 +244,7 @@ fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     }
 }
 
-/// Returns the task whose procedure the clause is part of: the probes are its children.
+/// Returns the task whose procedure contains the clause: the probes are its children.
 fn host(cycle: &Cycle<'_>, probing: &Probing) -> Option<TaskId> {
     let host = match probing.level {
         Level::Step => cycle.task(probing.waiting)?.parent?,
@@ -260,7 +260,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
     let Some(host) = host(cycle, probing) else { return };
     let (waiting, place, level) = (probing.waiting, probing.place, probing.level);
-    // What the waiting task itself has bound may occur in the goal, as in its other clauses.
+    // Variables that the waiting task itself has bound may occur in the goal, as in its other clauses.
     let own = cycle.task(waiting).filter(|_| level == Level::Step).map(|task| task.bindings.clone());
     let seed = Seed {
         parent: Some(host),
@@ -272,7 +272,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     };
     let created = instantiation::create(cycle, seed);
     let Some(probing) = cycle.agent.probings.get_mut(&id) else { return };
-    // Also when there is no space for it: then it is tried again after the interval.
+    // Also set if the limits admit no probe now: the next attempt follows after the interval.
     probing.last_at = Some(now);
     probing.first_at.get_or_insert(now);
     match created {
@@ -286,7 +286,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     }
 }
 
-/// Asks to be woken for the next probe, or at the end of the time limit, whichever comes first.
+/// Schedules the wake for the next probe or for the end of the time limit, whichever comes first.
 fn schedule(cycle: &mut Cycle<'_>, id: ProbingId) {
     let now = cycle.now;
     let Some(probing) = cycle.agent.probings.get_mut(&id).filter(|probing| probing.end.is_none()) else { return };

@@ -1,5 +1,5 @@
 //! Controllers of procedures and items (TC)
-//! What: instantiates a procedure's context and steps, orders them, and decides when the whole is done.
+//! What: instantiates a procedure's context and steps, orders the steps, and decides when the procedure is complete.
 //! Runs: act phase, and at the end of each step.  Reads: Procedure.  Writes: ProcedureController, ItemsController.
 //! Bound: O(steps) at the start, O(1) per step's end in addition to the tasks it frees.
 //! PDL: section 3, `forall`.  Paper: section III, instantiation of new controllers.
@@ -176,7 +176,7 @@ pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     complete_when_done(cycle, id, Some(child));
 }
 
-/// Ends the procedure when nothing is left that its end waits for; a repeatable plan begins again instead.
+/// Ends the procedure when no task remains that it must wait for; a repeatable plan begins again instead.
 fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId, last: Option<TaskId>) {
     if !matches!(cycle.state(id), TaskState::Ongoing | TaskState::Interrupted) {
         return;
@@ -225,7 +225,7 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
     instantiate_steps(cycle, id, reference, &procedure, cause);
 }
 
-/// Makes one child per item of a `forall`; an empty list is done at once.
+/// Makes one child per item of a `forall`; an empty list completes at once.
 pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     let Some(step_ref) = cycle.task(id).and_then(|task| task.step()) else { return };
     let name = cycle.step_of(id).and_then(|handle| handle.get()?.forall.as_ref().map(|forall| forall.0.clone()));
@@ -264,7 +264,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     }
 }
 
-/// Handles the end of an item's task: it is forgotten, because no clause can refer to it; the last one completes the `forall`.
+/// Handles the end of an item's task: the task is removed, because no clause can refer to it. The last one completes the `forall`.
 pub(crate) fn item_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Controller::Items(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(1);

@@ -1,5 +1,5 @@
 //! Questions to the operator (TC)
-//! What: asks, takes the answer or the default, and withdraws the question of a task that does not wait any longer.
+//! What: asks a question, accepts the answer or the default, and withdraws the question of a task that no longer waits.
 //! Runs: record and act phases.  Reads: arguments, OperatorAnswered, WakeQueue.  Writes: questions, effects, task outcome.
 //! Bound: O(options) per answer.  PDL: `(ask operator ..)`, section 4.  Paper: section III, messages to and from operators.
 
@@ -14,7 +14,7 @@ use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
-/// Executes `(ask operator QUESTION ..)` with the values of question, options, by and, if there is one, default; the task waits.
+/// Executes `(ask operator QUESTION ..)` with the values of question, options, `by` and, if stated, default; the task waits.
 ///
 /// # Errors
 /// The cause when `:by` is neither an instant nor a duration.
@@ -74,7 +74,7 @@ pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
     withdraw(cycle, id, "its task was interrupted");
 }
 
-/// Asks the question of a resumed task again, under a new number, unless the operator's time is over.
+/// Asks the question of a resumed task again under a new number, unless the operator's time has expired.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, ongoing) = (cycle.now, cycle.state(id) == TaskState::Ongoing);
     let Some(state) = controller(cycle, id).filter(|state| ongoing && !state.open) else { return };
@@ -125,8 +125,8 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Val
     termination::end(cycle, id, Outcome::Success(value), Because::new(cause, place));
 }
 
-/// Returns the option that the answer means, or the answer itself where there are no options. Words that come from outside are
-/// texts; options are mostly symbols.
+/// Returns the option that the answer denotes, or the answer itself if there are no options. An answer from outside is text, whereas
+/// options are mostly symbols.
 fn chosen(options: &[Value], answer: &Value) -> Option<Value> {
     if options.is_empty() {
         return Some(answer.clone());
@@ -146,7 +146,7 @@ pub(crate) fn time_over(cycle: &mut Cycle<'_>, question: QuestionId) {
     }
 }
 
-/// Takes the default, or fails the task if there is none.
+/// Uses the default answer, or fails the task if there is none.
 fn go_without(cycle: &mut Cycle<'_>, id: TaskId, question: QuestionId) {
     let place = cycle.place_of(id);
     match controller(cycle, id).and_then(|state| state.default.clone()) {

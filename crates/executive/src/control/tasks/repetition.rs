@@ -30,10 +30,10 @@ use apex_model::value::Value;
 /// The span within which instants with repetitions are counted.
 const SECOND: Duration = Duration(1_000_000_000);
 
-/// Counts the instances of a task that begin at one instant, and the instants within a second at which they do.
+/// Counts the instances of a task that begin at one instant, and the instants within a second at which instances begin.
 ///
 /// # Errors
-/// The cause, when there are too many: a loop that takes no time, or next to none.
+/// The cause if there are too many: the step is a loop that takes almost no time.
 pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Cause> {
     let (now, outside) = (cycle.now, cycle.agent.next.outside);
     let Some(task) = cycle.agent.task_mut(id) else { return Ok(()) };
@@ -50,7 +50,7 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     extras.instant = now;
     let (instances, instants) = (u64::from(extras.instances), u64::from(extras.instants));
     let limits = &cycle.agent.limits;
-    // Each message from outside is answered: a burst of them is not a loop.
+    // A step that answers messages from outside begins an instance for each of them: a burst of messages is not a loop.
     if instances > limits.of(Limit::RepetitionsPerInstant).saturating_mul(cycle.agent.outside_messages_at(now)) {
         return Err(limits.reached(Limit::RepetitionsPerInstant));
     }
@@ -82,7 +82,7 @@ fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool
     Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
 }
 
-/// Handles the final end of a step that might have been repeated: conditions that wait for its end notice it.
+/// Handles the final end of a step that could have been repeated: conditions that wait for its end are notified.
 pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) {
     if matches!(outcome, Outcome::Success(_)) && cycle.may_repeat(id) && !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
@@ -90,7 +90,7 @@ pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcom
     }
 }
 
-/// Makes the ended task pending again when its step repeats. False when it has ended for good.
+/// Makes the ended task pending again if its step repeats. Returns false if the task has ended finally.
 pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bool {
     let Some(task) = cycle.task(id) else { return false };
     if !task.clauses.has(StepClauses::REPETITION) {
@@ -121,13 +121,13 @@ pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bo
 
 /// Beginning of a repetition.
 struct Again {
-    /// It does not wait for its conditions.
+    /// True if the new instance does not wait for its conditions.
     skip: bool,
     /// From start to start at least.
     interval: Option<Duration>,
 }
 
-/// Returns whether and how the ended task begins again; `None` if it does not.
+/// Returns how the ended task begins again; `None` if it does not.
 ///
 /// # Errors
 /// The cause when an option of the clause cannot be evaluated.
@@ -137,7 +137,7 @@ fn again(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<Option<Ag
     }
     let skip = clause.enabled.is_some() && condition(cycle, id, clause.enabled.as_ref(), false)?;
     let interval = clause.minimum_interval.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
-    // Priorities evaluate the recovery later; whether it has a value is found out here.
+    // Priorities evaluate the recovery later; it is evaluated here to find errors.
     clause.recovery.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
     Ok(Some(Again { skip, interval }))
 }
@@ -147,7 +147,7 @@ fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
 }
 
-/// Fails the procedure of a repetition whose condition cannot be evaluated, or of a loop that takes no time.
+/// Fails the procedure of a repetition if its condition cannot be evaluated or its loop takes no time.
 fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     report(cycle, id, because.clone());
     if let Some(parent) = cycle.task(id).and_then(|task| task.parent) {
@@ -209,7 +209,7 @@ pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
     instantiation::offer(cycle, id);
 }
 
-/// Begins to keep messages for the `waitfor` of a repeating step that becomes busy; its next repetitions answer them.
+/// Starts to keep messages for the `waitfor` of a repeating step that becomes busy; its next repetitions answer them.
 pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
     if !cycle.may_repeat(id) {
         return;
@@ -237,8 +237,8 @@ pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList)
     agent.listening.begin(id, interests, answered, of_now);
 }
 
-/// Marks the evidence of a clause as answered for the ancestors of the task, too: the message that ended an instance does
-/// not begin the next one.
+/// Marks the evidence of a clause as answered, also for the ancestors of the task: a message that ended one instance does not begin the
+/// next.
 pub(crate) fn answer(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
     let agent = &mut *cycle.agent;
     let mut next = Some(id);
@@ -285,7 +285,7 @@ fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec
     Some(values.collect())
 }
 
-/// Was this combination of `:for-new` variables answered before? If not, it is now.
+/// Returns true if this combination of `:for-new` variables was answered before; otherwise records it as answered.
 pub(crate) fn is_known(cycle: &mut Cycle<'_>, id: TaskId, bindings: &Bindings) -> bool {
     let Some(combination) = combination(cycle, id, bindings) else { return false };
     cycle.agent.task_mut(id).is_some_and(|task| !task.extras_mut().answered.insert(combination))

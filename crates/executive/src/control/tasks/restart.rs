@@ -1,5 +1,5 @@
 //! Restart (TC)
-//! What: makes a task start over: its children end, its controller goes, its preconditions and suspension stay.
+//! What: makes a task start over: its children end, its controller is removed, its preconditions and suspension stay.
 //! Runs: enable phase (`restart-when`), act phase (`reset`).  Reads: Task.  Writes: Task, ResourceTable, monitors.
 //! Bound: O(size of the subtree).  PDL: `restart-when`, `(reset TASK)`, section 9.  Paper: section III, camera procedure.
 
@@ -28,7 +28,7 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     let now = cycle.now;
     let newest = cycle.agent.next.arrival.checked_sub(1);
     if let Some(task) = cycle.agent.task_mut(id) {
-        // What has arrived by now belongs to the work that is started over: it cannot start it over once more.
+        // Earlier arrivals belong to the work that is started over: they cannot cause another restart.
         task.after_sequence = task.after_sequence.max(newest);
         task.started_at = None;
         let created = std::mem::replace(&mut task.created_at, now);

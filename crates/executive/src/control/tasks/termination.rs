@@ -1,5 +1,5 @@
 //! Task termination (TC)
-//! What: ends tasks with their subtrees, hands values up, and lets parents react: next step, completion, failure.
+//! What: ends tasks with their subtrees, passes values to parents, and lets parents react: next step, completion, failure.
 //! Runs: enable, commit and act phases; parents react before anything else continues.
 //! Reads: Task, Controller.  Writes: Task, ResourceTable, contexts, Decision.
 //! Bound: O(size of the subtree) per end.  PDL: sections 4 and 9.  Paper: section III, task termination.
@@ -55,7 +55,7 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     cycle.agent.set_suspended(id, false);
     let Some(task) = cycle.agent.task_mut(id) else { return };
     task.selection = None;
-    // What was held for its steps went back with the rest: a repetition begins without it.
+    // Resources held for its steps were released with the others: a repetition begins without them.
     if let Some(extras) = &mut task.extras {
         extras.held.clear();
     }
@@ -66,7 +66,7 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     cycle.work.ended.push_back(id);
 }
 
-/// Ends the children that live, and forgets all: no clause can refer to them any longer.
+/// Ends the living children and removes all of them: no clause can refer to them any longer.
 pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -76,7 +76,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
     }
 }
 
-/// Takes the controller apart: nothing of it acts any longer.
+/// Removes the controller and everything that it has scheduled or requested.
 pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     primitive::withdraw_commands(cycle, id, reason);
     question::withdraw(cycle, id, reason);
@@ -140,7 +140,7 @@ pub(crate) fn fail_as(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, becau
     }
 }
 
-/// Fails the tasks that asked for more memory than their agent may hold.
+/// Fails the tasks that exceeded the memory budget of their agent.
 pub(crate) fn fail_beyond_budget(cycle: &mut Cycle<'_>) {
     for (id, place) in std::mem::take(&mut cycle.work.over_budget) {
         let cause = cycle.agent.limits.reached(Limit::MemoryMebibytes);
@@ -230,7 +230,7 @@ pub(crate) fn stop(cycle: &mut Cycle<'_>, reason: &str) {
     cut_all(cycle, reason, because);
 }
 
-/// Cuts the root task with everything below it; false when the agent has ended before.
+/// Cuts the root task with everything below it; returns false if the agent has ended already.
 fn cut_all(cycle: &mut Cycle<'_>, reason: &str, because: Because) -> bool {
     if cycle.agent.finished.is_some() {
         return false;

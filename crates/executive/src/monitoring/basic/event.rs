@@ -21,7 +21,7 @@ use apex_model::pattern::Pattern;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Starts again from what is remembered.
+/// Starts again from the remembered messages.
 pub(crate) fn backfill(
     part: &mut EventPart,
     site: PartContext,
@@ -81,7 +81,7 @@ fn holds(
         && all(&timing.duration, &Value::Duration(Duration::ZERO), RightSide::Span, bindings, context, site.place)?)
 }
 
-/// Collects the patterns of the messages that a condition combines, but not those that it forbids or relates in time.
+/// Collects the patterns of the messages that a condition combines, but not those of parts that it negates or relates in time.
 pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern>) {
     match &condition.kind {
         ConditionKind::Event { pattern, .. } => found.push(pattern),
@@ -93,7 +93,7 @@ pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern
     }
 }
 
-/// Puts messages that came before the window, and that no step has answered, before what was found.
+/// Inserts messages from before the window that no step has answered in front of the found ones.
 pub(crate) fn hear(
     part: &mut EventPart,
     site: PartContext,

@@ -1,5 +1,5 @@
 //! Function conditions (M&I)
-//! What: detects that a pure expression is true.
+//! What: detects that an expression without effects is true.
 //! Runs: at every instant at which anything happens to the agent: what an expression reads (histories, tasks, time,
 //! host functions) cannot be derived from its text in all cases, and a missed change would be worse than an evaluation.
 //! Reads: evaluation context.
@@ -16,7 +16,7 @@ use apex_forms::print::Style::Brief;
 use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
 
-/// Evaluates the expression again: it holds at this instant, or it does not, whatever was before.
+/// Evaluates the expression again: only its value at this instant counts.
 pub(crate) fn advance(part: &mut FunctionPart, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     part.holds = None;
     match evaluate(&part.expression, context) {

@@ -47,8 +47,8 @@ pub(crate) fn create(
     })
 }
 
-/// Returns the comparison with a constant that every matching sample satisfies; `None` if object or timestamp are
-/// constrained too, or if the operand can change.
+/// Returns the comparison with a constant that every matching sample satisfies; `None` if object or timestamp are constrained too, or if
+/// the operand can change.
 pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
     let plain = part.variable.is_some() && part.condition.object.is_empty() && part.condition.timestamp.is_empty();
     match part.tests.first().filter(|_| plain)? {
@@ -80,7 +80,7 @@ pub(crate) fn notice(
     }
 }
 
-/// Processes a sample that is older than another of its variable. It replaces an earlier sample of the same instant.
+/// Processes a sample that is older than the newest one of its variable. It replaces an earlier sample of the same instant.
 fn feed_late(
     part: &mut MeasurementPart,
     site: PartContext,
@@ -274,7 +274,7 @@ fn newest_seen(
     samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
 }
 
-/// Returns true if any sample within the window was available so far; explanations distinguish "no data" by it.
+/// Returns true if any sample within the window has arrived, so that an explanation can distinguish "no data".
 pub(crate) fn has_seen_any(part: &MeasurementPart, window: Window, context: &dyn EvalContext) -> bool {
     match &part.variable {
         Some(variable) => newest_seen(part, window, variable, context).is_some(),

@@ -1,5 +1,5 @@
 //! Present truth (M&I)
-//! What: judges a condition at an instant as true, false or unknown; of state variables the newest sample counts, however old.
+//! What: judges a condition at an instant as true, false or unknown; the newest sample of a state variable counts, however old.
 //! Runs: when a task with a `precondition` or `invariant` is judged.
 //! Reads: histories, evaluation context.
 //! Writes: nothing.
@@ -65,7 +65,7 @@ fn error(condition: &Condition, message: String) -> EvaluationError {
     EvaluationError { message, place: condition.place }
 }
 
-/// Returns all parts, or any of them where `deciding` is true: one part of this truth decides, else one unknown part.
+/// Combines parts: one part with the truth `deciding` decides (true for "any", false for "all"), otherwise one unknown part does.
 fn together(parts: &[Condition], deciding: bool, context: &dyn EvalContext) -> Result<Present, EvaluationError> {
     let mut truth = Some(!deciding);
     let mut evidence: Vec<Evidence> = Vec::new();
@@ -111,7 +111,7 @@ fn measured(
     Ok(Present { truth: Some(holds), evidence })
 }
 
-/// Returns an undecided verdict with the names of what is missing.
+/// Returns an unknown verdict with the names of the missing data.
 fn unknown(what: String, context: &dyn EvalContext) -> Present {
     Present { truth: None, evidence: EvidenceList::one(Evidence::Absence { what, at: context.now() }) }
 }

@@ -1,5 +1,5 @@
 //! Task conditions (M&I)
-//! What: has a task ended, or entered a state? Its outcome is such a fact, too.
+//! What: detects that a task has ended, perhaps with a required outcome, or has entered a state.
 //! Runs: on transitions of the task; once on the task as it is when the monitor is made.
 //! Reads: evaluation context.
 //! Writes: the task parts of a monitor.
@@ -20,7 +20,7 @@ use apex_model::task::{OUTCOME_STATES, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Learns which task is meant, and whether it has ended already.
+/// Determines the task of the condition, and whether it has ended already.
 pub(crate) fn advance_ended(part: &mut TaskEndedPart, context: &dyn EvalContext) {
     if let Some(Value::Task(task)) = context.variable(&part.variable) {
         if part.task != Some(task) {
@@ -47,7 +47,7 @@ pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
-/// Learns which task is meant; its present state counts if the part includes it, and if a tag names another task now.
+/// Determines the task of the condition. Its present state counts if the part includes it, or if the tag names another task now.
 pub(crate) fn advance_state(
     part: &mut TaskStatePart,
     site: PartContext,
@@ -138,7 +138,7 @@ fn note(
     }
 }
 
-/// Returns the only interest of a monitor that waits for one task's end or state, as it is now; `None` of all others.
+/// Returns the only interest of a monitor that waits for one task's end or state; `None` for all other monitors.
 pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
         PartKind::TaskEnded(leaf) => Some(interest(leaf.task)),
@@ -147,7 +147,7 @@ pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
     }
 }
 
-/// Returns the tasks whose transitions matter.
+/// Returns the interest in transitions of `task`; in those of all tasks if it is not known yet.
 pub(crate) fn interest(task: Option<TaskId>) -> Interest {
     task.map_or(Interest::AnyTask, Interest::Task)
 }

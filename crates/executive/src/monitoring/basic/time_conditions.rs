@@ -1,5 +1,5 @@
 //! Time conditions (M&I)
-//! What: detects that an instant has arrived or that a time has passed.
+//! What: detects that an instant has arrived or that a duration has passed.
 //! Runs: whenever the verdict is asked; wakes the agent at the instant.
 //! Reads: evaluation context.
 //! Writes: the time part of a monitor.
@@ -29,8 +29,8 @@ pub(crate) enum TimeForm {
     Delay,
 }
 
-/// Evaluates the instants again, until one of them was reached. An instant that is not known yet (the end of a task
-/// that continues) is not an error: it is not reached.
+/// Evaluates the instants again, until one of them is reached. An instant that is not known yet, such as the end of a task that
+/// continues, is not an error: it counts as not reached.
 pub(crate) fn advance(part: &mut TimePart, kind: TimeForm, site: PartContext, context: &dyn EvalContext) {
     if part.reached.is_some() {
         return;

@@ -1,5 +1,5 @@
 //! Absence (M&I)
-//! What: detects that a whole window of this length passed without the part.
+//! What: detects that a window of the required length passed in which the part did not hold.
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
@@ -62,8 +62,8 @@ pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.decides_at = Some(part.since + part.length);
 }
 
-/// Judges again what was absent from `known` on, because a late sample came: one of `at`, if it lies in the window. Then windows
-/// that reached it, and those that were found since `known`, have not passed yet.
+/// Prepares the evaluation of everything since `known` again, because a late sample arrived; `at` is its instant if that lies in the
+/// window. Absences whose window includes `at`, or that were found since `known`, are withdrawn.
 pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
     if part.broken.is_some_and(|since| since >= known) {
         part.broken = None;
@@ -82,8 +82,8 @@ pub(crate) fn is_done(part: &AbsentPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
-/// Considers the results of the part, after it has caught up with the present. The window is open at its start: it
-/// begins after the last result; what happens at the very instant at which it would be over prevents it.
+/// Evaluates the present results of the part. An absence begins just after the last result; a result at the instant at which it would be
+/// complete prevents it.
 pub(crate) fn advance(
     part: &mut AbsentPart,
     site: PartContext,
@@ -106,12 +106,12 @@ pub(crate) fn advance(
             || at_instants && rests_on_now(&part.part, &extent.result, query.now)
     };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
-    // While the part continues it is certainly not absent; while it is undecided, so is its absence.
+    // While the part holds, its absence is false; while the part is undecided, so is its absence.
     part.goes_on = goes_on;
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
-    // Instants between looks are as the last look found: nothing changes unnoticed. What was so only in the middle of this
-    // instant has not been.
+    // Between two evaluations the state is that of the earlier one, because every change is noticed. A state that lasted only during the
+    // present instant does not count.
     if quiet && part.broken.is_some_and(|since| since < query.now) {
         part.since_final = part.since_final.max(query.now);
     }
@@ -125,14 +125,14 @@ pub(crate) fn advance(
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
-    // Doubt breaks absence of what holds at instants: the instant at which it comes is evaluated.
+    // A part that holds at instants is evaluated at the instant at which it becomes undecided, because that interrupts its absence.
     let silent = if at_instants { part_results::silent_after(&part.part, query.now) } else { None };
     let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
     troubles.append(query.troubles);
 }
 
-/// Windows that have passed up to now. It may be known only now that nothing was there before or between.
+/// Records the windows that have passed up to now. Only now may it be known that there was no result before or between the known ones.
 fn pass(part: &mut AbsentPart, extents: &part_results::PartResults, site: PartContext, query: &mut VerdictQuery<'_>) {
     let mut settled = std::mem::take(&mut part.seen);
     settled.extend(extents.settled.iter().map(lasting));
@@ -153,8 +153,8 @@ fn pass(part: &mut AbsentPart, extents: &part_results::PartResults, site: PartCo
     part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
 }
 
-/// Keeps evidence that is evaluated when it is known what else there was. What lies closer together than the length of
-/// the window is one; where there is too much of it, what comes last is taken for one, which is reported.
+/// Keeps results that are evaluated once all results before them are known. Results closer together than the window's length are merged;
+/// at the limit, the newest results are merged, and the limit is reported.
 fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troubles: &mut ConditionFaults) {
     let mut seen = std::mem::take(&mut part.seen);
     seen.extend(found);
@@ -172,7 +172,7 @@ fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troub
     }
 }
 
-/// Returns the interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
+/// Returns the interval of a result, extended to the instant at which its persisted values expire: absence begins there.
 fn lasting(result: &Satisfaction) -> (Time, Time) {
     let (start, end) = result.interval;
     (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
@@ -187,19 +187,19 @@ fn expires(result: &Satisfaction) -> Option<Time> {
     persisted.min()
 }
 
-/// Returns true if the part holds at instants, so that the next evaluation may end its result.
+/// Returns true if the part holds only at instants, so that the next evaluation may end its result.
 pub(crate) fn holds_at_instants(part: &Part) -> bool {
     match &part.kind {
         PartKind::Not(_) | PartKind::Function(_) | PartKind::Regression(_) => true,
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter().any(holds_at_instants)
         }
-        // What these have found stays.
+        // Results of these kinds remain.
         _ => false,
     }
 }
 
-/// Returns true if the result contains something that holds at this instant and may not hold at the next.
+/// Returns true if the result contains evidence that holds at this instant and may not hold at the next.
 fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     result.evidence.iter().any(|evidence| match evidence {
         Evidence::Absence { what, at } => *at == now && !is_window_without(part, what),
@@ -209,7 +209,7 @@ fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     })
 }
 
-/// Returns true if `what` is the part of an inner `:absent`, which stays absent.
+/// Returns true if `what` is the part of an inner `:absent`; its absence remains.
 fn is_window_without(part: &Part, what: &str) -> bool {
     let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
     part_results::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
@@ -225,7 +225,7 @@ fn is_blind(part: &Part) -> bool {
     }
 }
 
-/// Records that the window since the last presence of the part has passed without it.
+/// Records that the window since the last result of the part has passed without another one.
 fn note(part: &mut AbsentPart, site: PartContext, query: &mut VerdictQuery<'_>) {
     let (since, over) = (part.since, part.since + part.length);
     let again = part.taken_back.is_some_and(|first| first <= since)

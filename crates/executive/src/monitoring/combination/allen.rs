@@ -1,10 +1,10 @@
 //! Allen relations (M&I)
-//! What: relates results of adjacent parts, each to the next.
-//! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
-//! Reads: what the parts have found, evaluation context.
+//! What: finds results of neighbouring parts that are in the required relation.
+//! Runs: whenever a verdict is requested, and at the instant at which a gap ends a run that matters.
+//! Reads: results of the parts, evaluation context.
 //! Writes: the Allen part of a monitor.
-//! Bound: O(new results x results kept) for two parts; at most `MONITOR_RESULTS_MAX` results of a part are kept, and
-//! only those that an open run, or one to come, could still be related to; one where no constraint chooses.
+//! Bound: O(new results x kept results) for two parts. At most `MONITOR_RESULTS_MAX` results of a part are kept, and only those that an
+//! open or future run can still be related to; a single one if no constraint chooses.
 //! PDL: `:before` .. `:cotemporal`, `:tolerance`, `:constraint`.
 //! Paper: Table 1 row 11, Allen temporal predicates; Appendix B.
 
@@ -28,7 +28,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 
-/// Number of results of a part from which on the useless ones are looked for.
+/// Number of kept results of a part from which on useless ones are removed.
 pub(crate) const SWEEP_AT_LEAST: usize = 32;
 
 /// Starts again.
@@ -101,8 +101,8 @@ pub(crate) fn advance(
     troubles.append(query.troubles);
 }
 
-/// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
-/// instant at which it became known.
+/// Stores related results: final ones permanently, others until the next evaluation. A result that was known before keeps the instant at
+/// which it was recognised.
 fn note(part: &mut AllenPart, site: PartContext, chains: Vec<(Chain, bool)>, troubles: &mut ConditionFaults) {
     let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
     // By where they start, the first of several last.
@@ -132,12 +132,12 @@ fn note(part: &mut AllenPart, site: PartContext, chains: Vec<(Chain, bool)>, tro
     }
 }
 
-/// Adds what is new to what is kept of a part.
+/// Adds the new results of a part to its kept ones.
 fn keep(part: &mut AllenPart, index: usize, extents: &mut PartResults) {
     let Some(side) = part.sides.get_mut(index) else { return };
     let newest = extents.settled.iter().map(|result| (result.interval, false));
     let passing = extents.passing.iter().map(|extent| (extent.result.interval, extent.open));
-    // What was not final may be gone.
+    // A newest result that was not final may have been withdrawn.
     let before = side.newest.filter(|_| side.count > 0);
     side.newest = newest.chain(passing).max_by_key(|((_, end), _)| *end).or(before);
     side.count += extents.settled.len() as u64;
@@ -152,7 +152,7 @@ struct Item<'a> {
     settled: bool,
 }
 
-/// Returns a result as it is known at `now`.
+/// Returns the interval of a result as known at `now`.
 fn span(interval: (Time, Time), open: bool, now: Time) -> KnownInterval {
     if open { KnownInterval::growing(interval, now) } else { KnownInterval::of(interval) }
 }
@@ -163,7 +163,7 @@ impl Item<'_> {
     }
 }
 
-/// The search for related results of which at least one is new.
+/// Search for chains of related results of which at least one is new.
 struct RelationJoin<'a> {
     relation: AllenRelation,
     part: &'a AllenPart,
@@ -191,7 +191,8 @@ impl<'a> RelationJoin<'a> {
         }
     }
 
-    /// Finds all chains with a new result, each once: every new result is taken as the first new one of a chain, in order of parts.
+    /// Finds all chains with a new result, each once: for every new result, the chains in which it is the first new one, in order of
+    /// parts.
     fn run(&mut self) {
         let count = self.extents.len();
         let mut chain: Vec<Item<'a>> = Vec::with_capacity(count);
@@ -284,9 +285,9 @@ impl<'a> RelationJoin<'a> {
     }
 }
 
-/// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best. What
-/// is to come counts from the newest sample of a part on, because samples of one variable may come later than those of
-/// another; where that leaves too many, it counts from now on.
+/// Drops the results of part `index` that no future result can be related to, and all but the best if any one suffices. Future results
+/// begin at the newest sample of the part or later, because samples of one variable may arrive later than those of another. If too many
+/// results remain, future results are assumed to begin now or later.
 fn sweep(part: &mut AllenPart, site: PartContext, index: usize, looks: &[PartResults], query: &mut VerdictQuery<'_>) {
     let Some(side) = part.sides.get(index) else { return };
     if side.settled.len() < side.sweep_at.max(SWEEP_AT_LEAST) {
@@ -333,7 +334,7 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
         }
         partners.push(coming);
         if longer {
-            // What is there already has been related to it, but the chain may lack another part.
+            // Existing results have been related to this one already, but the chain may still lack a result of another part.
             let passing = look.passing.iter().map(|extent| &extent.result);
             partners.extend(other.settled.iter().chain(passing).map(|result| KnownInterval::of(result.interval)));
         }
@@ -346,7 +347,7 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
     side.settled.retain(|_| useful.next().unwrap_or(true));
 }
 
-/// Returns all results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
+/// Returns all results up to now. Results recognised at one instant are ordered by those of their parts, in written order.
 pub(crate) fn results(part: &AllenPart) -> Vec<Satisfaction> {
     let mut chains: Vec<&Chain> = part.found.iter().chain(&part.passing).collect();
     chains.sort_by(|a, b| (a.result.recognised_at, &a.intervals).cmp(&(b.result.recognised_at, &b.intervals)));
@@ -363,7 +364,8 @@ pub(crate) fn truth(part: &AllenPart, query: &mut VerdictQuery<'_>) -> Truth {
     missing.into_iter().min().filter(|least| *least == Truth::Unknown).unwrap_or(Truth::False)
 }
 
-/// Returns the first pair of adjacent parts whose newest results violate the relation: the index of the first part, and the reason as text.
+/// Returns the first pair of adjacent parts whose newest results violate the relation: the index of the first part, and the reason as
+/// text.
 pub(crate) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
     let pairs = part.sides.iter().zip(part.sides.iter().skip(1)).enumerate();
     pairs.filter_map(|(index, (left, right))| Some((index, left.newest?, right.newest?))).find_map(

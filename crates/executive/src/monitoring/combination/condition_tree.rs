@@ -1,5 +1,5 @@
-//! Conditions as trees (M&I)
-//! What: says of each part of a condition whether it holds, with its value, its limits, and since when.
+//! Trees of conditions (M&I)
+//! What: states for each part of a condition whether it holds, its value, its limits, and since when.
 //! Runs: when an operator inspects the monitors of an instant.
 //! Reads: the monitor, histories, evaluation context.
 //! Writes: nothing.
@@ -19,26 +19,26 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 
-/// A part of a condition with what is known about it. The root is the whole condition.
+/// A part of a condition with its present state. The root is the whole condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConditionNode {
     /// Kind of the part: `and`, `or`, `measurement`, `episode`, `event`, ..
     pub kind: &'static str,
     /// The part as PDL text.
     pub text: String,
-    /// Whether it holds; `None` if the data do not say.
+    /// True if the part holds; `None` if the data do not decide.
     pub holds: Option<bool>,
-    /// The state variable that it watches, if it is one.
+    /// The state variable that the part watches, if it watches one.
     pub variable: Option<String>,
     /// The newest value of that variable, with its unit.
     pub value: Option<String>,
     /// Constraints on the value, with variables and constants resolved: `> 15deg`, `for 5s`.
     pub limits: Vec<String>,
-    /// Knowledge about it as text; empty if the other members say it all.
+    /// Present state as text; empty if the other members contain everything.
     pub now: String,
-    /// Since when it holds, or since when what is known is so.
+    /// Instant since which the part holds, or since which its present state has been known.
     pub since: Option<Time>,
-    /// Instant at which it comes true by time alone, if nothing changes before.
+    /// Instant at which the part becomes true by time alone, if nothing changes before.
     pub until: Option<Time>,
     /// Place in the source.
     pub place: Place,
@@ -113,7 +113,7 @@ fn parts(part: &Part) -> &[Part] {
     }
 }
 
-/// The state variable of a leaf if its object is known, its attribute, and what is asked of its values.
+/// The state variable of a leaf (`None`: its object is unknown), its attribute, and the tests of its values as text.
 type WatchedVariable<'a> = (Option<&'a StateVariable>, &'a Symbol, Vec<String>);
 
 fn watched(part: &Part) -> Option<WatchedVariable<'_>> {
@@ -143,7 +143,7 @@ fn watched(part: &Part) -> Option<WatchedVariable<'_>> {
     })
 }
 
-/// Returns the value tests as text: what is known beforehand resolved, the rest as written.
+/// Returns the value tests as text: with values for operands that are known in advance, the others as written.
 fn asked(tests: &[Test], written: &[Constraint]) -> Vec<String> {
     let text = |test: &Test| match test {
         Test::Fixed { relation, right } => Some(format!("{} {right}", sign(*relation))),
@@ -152,7 +152,7 @@ fn asked(tests: &[Test], written: &[Constraint]) -> Vec<String> {
     tests.iter().filter_map(text).collect()
 }
 
-/// Returns the relation as PDL writes it.
+/// Returns the relation in PDL.
 fn sign(relation: Relation) -> &'static str {
     match relation {
         Relation::Equal => "=",

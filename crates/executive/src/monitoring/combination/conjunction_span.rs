@@ -1,15 +1,15 @@
 //! Span of a conjunction (M&I)
 //! What: computes the interval in which all parts of an `:and` have results, without combining those results.
 //! Runs: whenever an absence evaluates an `:and` whose parts share no variables.
-//! Reads: what the parts have found, histories, evaluation context.
+//! Reads: results of the parts, histories, evaluation context.
 //! Writes: removes final results from the parts, except for messages; keeps only their span.
 //! Bound: O(new results + objects + messages) per evaluation.
 //! PDL: `(:absent (:and ..) :for D)`.
 //! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 //!
-//! Results that go together in any way overlap or touch: each combination shares a part with one that shares its other parts
-//! with the next. So where all parts have been there, the combinations cover all of the time from the first start to the last
-//! end, and absence, which asks only what is covered, needs no more than these two.
+//! Combinations of results overlap or touch: each combination shares a result with one that shares its other results with the next. Once
+//! all parts have a result, the combinations cover all of the time from the first start to the last end. Absence needs only the covered
+//! time, so these two instants suffice.
 
 use crate::monitoring::combination::logic;
 use crate::monitoring::combination::part_results::{self, PartResults, TentativeResult};
@@ -20,13 +20,13 @@ use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;
 
-/// Returns true if the results of these parts all fit together, each an interval that stays.
+/// Returns true if every combination of the parts' results is valid, and each result is an interval that remains.
 pub(crate) fn is_together(part: &Part) -> bool {
     let stays = |part: &Part| matches!(part.kind, PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_));
     matches!(&part.kind, PartKind::And(composite) if !composite.combines && composite.parts.iter().all(stays))
 }
 
-/// Returns the common result of the parts: one result that grows.
+/// Returns the common result of the parts: one interval that grows.
 pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> PartResults {
     let mut together = PartResults::default();
     let PartKind::And(composite) = &mut absent.part.kind else { return together };
@@ -34,7 +34,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     let (mut hull, mut all, mut open, mut doubt) = (None, Truth::True, false, false);
     for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
         let found = found(each, query);
-        // What is final was known by the newest sample, before which no instant is evaluated again.
+        // A final result was known by the newest sample, before which no instant is evaluated again.
         debug_assert!(found.settled.iter().all(|result| result.recognised_at <= query.now), "known before it came");
         *reached = found.settled.iter().fold(*reached, |hull, result| joined(hull, result.interval));
         let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
@@ -53,7 +53,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together.doubt = match all {
         Truth::False => false,
         Truth::Unknown => true,
-        // What was found stays true; whether it continues, only its episodes can say.
+        // The found result remains true; whether it continues depends on its episodes.
         Truth::True => doubt,
     };
     if let Some(interval) = hull.filter(|_| all == Truth::True) {
@@ -64,8 +64,8 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together
 }
 
-/// Returns the results of a part up to this instant. The part keeps its messages: no history need remember them, so a later
-/// evaluation of the past asks the part.
+/// Returns the results of a part up to this instant. The part keeps its messages: a history need not remember them, so a later evaluation
+/// of the past reads the part.
 fn found(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let now = query.now;
     let mut found = match &part.kind {

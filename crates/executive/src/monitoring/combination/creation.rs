@@ -1,5 +1,5 @@
 //! Monitor creation (M&I)
-//! What: makes the monitor of a condition: a tree of parts, each with its window and what it must remember.
+//! What: makes the monitor of a condition: a tree of parts, each with its window and its memory.
 //! Runs: when a task is created or a clause becomes active.
 //! Reads: the condition, histories, evaluation context.
 //! Writes: a new monitor.
@@ -37,13 +37,13 @@ struct Role {
     window: Window,
     keep: Keep,
     any_pair: bool,
-    /// Ends and states of tasks count that stand already.
+    /// Ends and states of tasks count that hold already.
     standing: bool,
-    /// Whole runs are asked for: what may still undo a run is judged when it is over.
+    /// Whole runs are required: a run that later samples may invalidate is judged when it is over.
     whole_runs: bool,
 }
 
-/// Returns the tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
+/// Returns the tree for `condition`, before it has looked back. With `standing`, ends and states of tasks that hold already count.
 ///
 /// # Errors
 /// When an expression that must be known now cannot be evaluated, or the construct is not supported.
@@ -126,7 +126,7 @@ fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
         }
         ConditionKind::Cyclic(wanted) => PartKind::Cyclic(Box::new(cyclic::create(wanted, context)?)),
-        // What is pursued meanwhile is the business of control.
+        // Task control pursues the goals of the probing; the monitor watches only the inner condition.
         ConditionKind::Probing { condition, .. } => return part(condition, role, context),
     };
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, forgotten: false, kind })
@@ -229,7 +229,7 @@ fn alternatives(
     Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new(), order: None })
 }
 
-/// Returns the variables, not bound yet, that occur in more than one part.
+/// Returns the unbound variables that occur in more than one part.
 fn shared_variables(parts: &[Condition], context: &dyn EvalContext) -> Vec<Symbol> {
     let (mut seen, mut shared) = (BTreeSet::new(), BTreeSet::new());
     for part in parts {
@@ -290,7 +290,7 @@ fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Sy
     }
 }
 
-/// Looks back, in every part, over what is remembered since its window's start.
+/// Lets every part look back over the remembered data since the start of its window.
 pub(crate) fn backfill(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     noting_limits(part, troubles, |part, troubles| backfill_kind(part, context, troubles));
 }
@@ -316,7 +316,7 @@ fn backfill_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut Cond
         }
         PartKind::Not(inner) => backfill(inner, context, troubles),
         PartKind::Allen(leaf) => {
-            // This says what is not remembered any longer; then everything is evaluated in order.
+            // This pass reports data that are no longer remembered; afterwards everything is evaluated in order of time.
             leaf.parts.iter_mut().for_each(|part| backfill(part, context, troubles));
             replay::replay(part, None, context, troubles);
         }

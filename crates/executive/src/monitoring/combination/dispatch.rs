@@ -1,5 +1,5 @@
 //! Dispatch (M&I)
-//! What: hands stimuli, the passing of time and questions for wakes to the service of each part's kind.
+//! What: passes stimuli, the passing of time and queries for wakes to the service of each kind of part.
 //! Runs: when a monitor notices something or is judged.
 //! Reads: the monitor's tree, evaluation context.
 //! Writes: the monitor's tree.
@@ -62,7 +62,7 @@ fn notice_kind(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, 
             }
             leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, context, troubles));
         }
-        // Also when nothing more is wanted: what comes late may take back what was found.
+        // Also if no further result is needed: a late sample may withdraw a found result.
         (PartKind::Absent(leaf), _) => {
             notice_part(&mut leaf.part, stimulus, context, troubles);
             replay::look_at(part, stimulus, context, troubles);
@@ -91,7 +91,7 @@ fn notice_sample(
     }
 }
 
-/// Lets parts that depend on time and on other tasks catch up with the present.
+/// Lets parts that depend on time or on other tasks catch up with the present.
 pub(crate) fn advance(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     noting_limits(part, troubles, |part, troubles| advance_kind(part, context, troubles));
 }
@@ -156,7 +156,7 @@ pub(crate) fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
             wake_of(&leaf.part, after).into_iter().chain(over).min()
         }
         PartKind::Function(_) => None,
-        // The last verdict said when these would come true.
+        // The last verdict determined when these become true.
         PartKind::Persisted(_) | PartKind::Regression(_) | PartKind::Statistical(_) => None,
         PartKind::Measurement(_)
         | PartKind::Cyclic(_)

@@ -14,8 +14,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Returns true if the relation only orders end points; then one result can represent others. If end points must be
-/// equal, few results can still be related, and none is pruned.
+/// Returns true if the relation only orders end points; then one result can represent others. If end points must be equal, few results
+/// can still be related, and none is pruned.
 pub(crate) fn bounds_only(relation: AllenRelation) -> bool {
     links(relation).iter().all(|(_, link, _)| *link == PointComparison::Earlier)
 }
@@ -30,7 +30,7 @@ pub(crate) fn keep_best(
 ) -> Vec<bool> {
     let mut best = vec![false; settled.len()];
     for partner in partners {
-        // The place of the one that ends first, and of the one that begins first, for each set of bindings.
+        // Indices of the result that ends first and of the one that begins first, for each set of bindings.
         let mut leaders: Vec<(usize, usize)> = Vec::new();
         for (index, result) in settled.iter().enumerate() {
             if !useful.get(index).copied().unwrap_or(false) || !possible(result, *partner) {
@@ -61,9 +61,9 @@ pub(crate) fn keep_best(
     best
 }
 
-/// Marks, among results that could be related to a future one, those that are not represented by another. A result is represented by one
-/// that every such future result would be related to as well, that binds the same and that would be reported before. Where the one to come
-/// begins is not known yet, so a result that ends first may fail where a later one holds.
+/// Marks the results that may be related to a future one and that no other result represents. A result represents another if every such
+/// future result would be related to it too, it has the same bindings, and it would be reported earlier. The start of the future result
+/// is not known yet, so a result that ends first may fail where a later one holds.
 pub(crate) fn keep_first_choices(
     settled: &[Satisfaction],
     best: &mut [bool],
@@ -82,9 +82,9 @@ pub(crate) fn keep_first_choices(
     }
 }
 
-/// Returns true if everything that can be related to `other` can also be related to `one`.
+/// Returns true if every result that can be related to `other` can also be related to `one`.
 pub(crate) fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction, other: &Satisfaction) -> bool {
-    // A partner stands to the left of the own results, or to their right.
+    // The partner is on the left of these results, or on their right.
     let own = |edge: Edge, result: &Satisfaction| match (edge, is_left) {
         (Edge::FirstStart, false) | (Edge::SecondStart, true) => Some(result.interval.0),
         (Edge::FirstEnd, false) | (Edge::SecondEnd, true) => Some(result.interval.1),

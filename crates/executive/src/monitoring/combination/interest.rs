@@ -1,5 +1,5 @@
 //! Interests (M&I)
-//! What: the stimuli that a monitor must receive, so that everything else costs it nothing.
+//! What: determines the stimuli that a monitor must receive, so that all others cost it nothing.
 //! Runs: when a monitor is filed, and when a verdict has found out more.
 //! Reads: the monitor's tree.
 //! Writes: nothing.
@@ -22,7 +22,7 @@ pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     interests
 }
 
-/// Returns the only interest of a monitor that never has another one; `None` for all other monitors.
+/// Returns the only interest of a monitor whose interests never change; `None` for all other monitors.
 pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
         PartKind::Measurement(_)
@@ -50,7 +50,7 @@ pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     }
 }
 
-/// Returns the comparison without which no sample can change what the monitor says. Never changes.
+/// Returns a comparison that a sample must satisfy to change the monitor's verdict. It never changes.
 pub(crate) fn threshold(monitor: &Monitor) -> Option<Threshold> {
     match &monitor.root.kind {
         PartKind::Measurement(leaf) => measurement::threshold(leaf),

@@ -1,5 +1,5 @@
 //! Logic and order (M&I)
-//! What: combines the results of parts: all, one, none, in sequence.
+//! What: combines the results of parts: all of them, one of them, none, or in sequence.
 //! Runs: whenever the verdict is asked.
 //! Reads: the monitor's tree, evaluation context.
 //! Writes: nothing.
@@ -81,9 +81,9 @@ fn truth_beside(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>
     };
     let stands_alone = |result: &Satisfaction| composite.shared.iter().all(|name| result.bindings.get(name).is_none());
     query.of_everything(|query| match truth(inner, query) {
-        // It agrees with whatever the other parts find, since it binds nothing that they bind.
+        // The result agrees with every result of the other parts, because it binds no variable that they bind.
         Truth::True if results(inner, query).iter().any(stands_alone) => Truth::False,
-        // What it forgot might have agreed.
+        // A result that was dropped at a limit might have agreed.
         Truth::True if inner.forgotten => Truth::Unknown,
         Truth::True | Truth::False => Truth::True,
         Truth::Unknown => Truth::Unknown,
@@ -147,7 +147,7 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
     results
 }
 
-/// Returns the earliest recognised result of the part, as [`results`] would list it.
+/// Returns the result of the part that was recognised first, as [`results`] would list it.
 pub(crate) fn first_result(part: &Part, query: &mut VerdictQuery<'_>) -> Option<Satisfaction> {
     match (&part.kind, &part.tag) {
         (PartKind::Measurement(leaf), None) => measurement::first_result(leaf),
@@ -171,7 +171,7 @@ fn alternatives(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>
     all
 }
 
-/// Returns true if the constraints of an `:or` with this tag hold of the result of one of its parts.
+/// Returns true if the constraints on this tag of an `:or` are satisfied by the result of one of its parts.
 pub(crate) fn alternative_holds(
     tag: Option<&Symbol>,
     constraints: &[Expr],
@@ -223,18 +223,18 @@ struct Combination<'a> {
 #[derive(Clone)]
 struct Partial {
     hull: Option<(Time, Time)>,
-    /// End of the last part, or the window's start: what the next part must come after.
+    /// End of the last part, or the window's start: the next part must come after it.
     end: Time,
     recognised_at: Time,
     bindings: Bindings,
     evidence: EvidenceList,
 }
 
-/// A part with the results to choose from, and the delay before it.
+/// A part with its results, and the required delay before it.
 struct SequencePart {
     results: Vec<Satisfaction>,
     delay: Option<(Duration, Duration)>,
-    /// It is a `:not`: true now, and at any later instant as well while nothing happens.
+    /// The part is a `:not`: true now, and at any later instant as long as nothing happens.
     stands: bool,
 }
 
@@ -313,7 +313,7 @@ impl<'a> Combination<'a> {
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {
-                // Time alone will put it behind the part before: at that very instant it is evaluated again.
+                // Time alone will bring it after the preceding part: it is evaluated again at that instant.
                 let due = partial.end + step.delay.map_or(TICK, |(least, _)| least);
                 if step.stands && due > query.now {
                     query.wake_at(due);

@@ -1,4 +1,4 @@
-//! Whole monitors: their making, feeding and judging, and the conditions that combine others.
+//! Whole monitors: their creation, inputs and verdicts, and the conditions that combine others.
 
 pub(crate) mod absence;
 pub(crate) mod allen;

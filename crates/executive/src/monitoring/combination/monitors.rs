@@ -1,5 +1,5 @@
 //! Monitors (M&I)
-//! What: makes the monitor of a condition, feeds it and asks it: for its verdict, its next wake, what does not hold.
+//! What: makes the monitor of a condition, passes it stimuli, and returns its verdict, its next wake and its unmet parts.
 //! Runs: when a clause begins to be watched, in the notice phase, and when a monitor is judged.
 //! Reads: Condition, evaluation context.
 //! Writes: Monitor.
@@ -23,8 +23,8 @@ use crate::state::monitors::monitor::{
 use apex_model::condition::Condition;
 use apex_model::time::Time;
 
-/// Makes the monitor of `condition` and looks back over what is remembered since the window's start. That a task has
-/// ended, or the state in which it is, counts also where it did so before.
+/// Makes the monitor of `condition` and looks back over the remembered data since the window's start. An earlier end of a task and its
+/// present state count too.
 ///
 /// # Errors
 /// When an expression that must be known now (a duration, a gap) cannot be evaluated.
@@ -48,7 +48,7 @@ pub(crate) fn create_for_changes(
     made(condition, window, (Keep::First, false), context)
 }
 
-/// Like [`create`], for a monitor that remembers what `keep` selects until it is harvested.
+/// Like [`create`], for a monitor that remembers the results that `keep` selects until they are collected.
 ///
 /// # Errors
 /// Like [`create`].
@@ -75,14 +75,14 @@ fn made(
     Ok(monitor)
 }
 
-/// Tells `monitor` what happened. Stimuli it has no interest in change nothing.
+/// Passes a stimulus to `monitor`. A stimulus in which it has no interest changes nothing.
 pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, context: &dyn EvalContext) {
     let mut troubles = ConditionFaults::none(context);
     notice_part(&mut monitor.root, stimulus, context, &mut troubles);
     troubles.tell(monitor);
 }
 
-/// Gives `monitor` messages from before its window, which the parts that it combines may answer.
+/// Passes messages from before its window to `monitor`; the parts that it combines may answer them.
 pub(crate) fn hear(monitor: &mut Monitor, heard: &[Occurrence], context: &dyn EvalContext) {
     let mut troubles = ConditionFaults::none(context);
     hear_part(&mut monitor.root, heard, context, &mut troubles);
@@ -100,7 +100,7 @@ fn hear_part(part: &mut Part, heard: &[Occurrence], context: &dyn EvalContext, t
     }
 }
 
-/// Finds out again which tasks the monitor is about: a tag names another one now.
+/// Determines again which tasks the monitor refers to, because a tag names another task now.
 pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
     let mut troubles = ConditionFaults::none(context);
     advance(&mut monitor.root, context, &mut troubles);
@@ -139,7 +139,7 @@ pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::Foreseen))).min()
 }
 
-/// Returns the parts that do not hold, with what is known about each.
+/// Returns the parts that do not hold, with the present state of each.
 pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> {
     let mut query = VerdictQuery::new(context);
     let mut list = Vec::new();
@@ -147,7 +147,7 @@ pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> 
     list
 }
 
-/// Returns the whole condition as a tree: which parts hold, with what is known about each.
+/// Returns the whole condition as a tree, with the present state of each part.
 pub(crate) fn condition_tree(monitor: &Monitor, context: &dyn EvalContext) -> condition_tree::ConditionNode {
     condition_tree::tree(&monitor.root, &mut VerdictQuery::new(context))
 }

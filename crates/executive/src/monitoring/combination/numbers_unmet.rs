@@ -1,5 +1,5 @@
-//! Explanation of what is computed (M&I)
-//! What: what is known about a persisted value, a line, a statistic or a trend that is waited for.
+//! Explanation of computed values (M&I)
+//! What: describes the present state of a persisted value, a fitted line, a statistic or a trend that a condition waits for.
 //! Runs: on request (`apex why`).
 //! Reads: the part, histories, evaluation context.
 //! Writes: nothing.
@@ -17,7 +17,7 @@ use crate::state::monitors::numbers::{PersistedPart, RegressionPart, Statistical
 use apex_model::estimate::computed;
 use apex_model::time::Time;
 
-/// Returns a persisted value: whose, how long it is valid, how far it is off.
+/// Describes a persisted value: its variable, its validity, and its distance from the constraint.
 pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
@@ -43,7 +43,7 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
     PartFacts { now, since: Some(held.at), until, distance: distance(&leaf.tests, &held.value) }
 }
 
-/// Returns a line: how it runs, or why there is none.
+/// Describes a fitted line, or the reason for which there is none.
 pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
@@ -88,7 +88,7 @@ fn samples(count: u64) -> String {
     if count == 1 { "1 sample".to_owned() } else { format!("{count} samples") }
 }
 
-/// Returns a statistic or trend: each criterion as it stands, and how long the run or window is.
+/// Describes a statistic or trend: each criterion with its present value, and the length of the run or window.
 pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {

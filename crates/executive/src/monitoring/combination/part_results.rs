@@ -1,5 +1,5 @@
 //! Results of parts (M&I)
-//! What: splits the results of a part into final and tentative ones, which can still grow: the input of temporal relations.
+//! What: splits the results of a part into final and tentative ones, which may still grow; temporal relations read them.
 //! Runs: whenever a relation or an absence evaluates its parts.
 //! Reads: the part, evaluation context.
 //! Writes: removes final results of measurements, persisted values, episodes and events from the part, so that each is processed once.
@@ -26,7 +26,7 @@ use apex_model::value::Value;
 pub(crate) struct TentativeResult {
     /// Present knowledge, with the part's tag bound.
     pub(crate) result: Satisfaction,
-    /// A run in it is open: its end is not known.
+    /// True if the result contains an open run, whose end is not known.
     pub(crate) open: bool,
 }
 
@@ -35,24 +35,24 @@ pub(crate) struct TentativeResult {
 pub(crate) struct PartResults {
     /// New results that nothing can change any longer.
     pub(crate) settled: Vec<Satisfaction>,
-    /// Results that are not final, all of them at every look.
+    /// Results that are not final; every evaluation lists all of them.
     pub(crate) passing: Vec<TentativeResult>,
     /// First and last evidence of open runs, whether they are results already or not.
     pub(crate) runs: Vec<(Time, Time)>,
-    /// The same of runs that the lack of samples has ended: one that is still on its way continues them.
+    /// First and last evidence of runs that a lack of samples has ended: a sample that is still on its way would continue them.
     pub(crate) silent: Vec<(Time, Time)>,
-    /// Later results begin here or later, if they are not open runs.
+    /// Later results begin at this instant or later, except for open runs.
     pub(crate) from: Time,
     /// Later results may lie anywhere.
     pub(crate) anywhere: bool,
-    /// It is unknown whether an episode in it continues: nothing was measured, no sample shows where its run began, or
-    /// samples fail to come.
+    /// True if it is unknown whether an episode of the part continues: it has no sample, no sample shows where its run began, or expected
+    /// samples are missing.
     pub(crate) doubt: bool,
-    /// Instant at which time alone can change these results.
+    /// Instant at which the passing of time alone can change these results.
     pub(crate) changes_at: Option<Time>,
 }
 
-/// Returns the results of `part`; of measurements, only those that no sample of the same instant can replace any longer are settled.
+/// Returns the results of `part`. A measurement counts as final only when no sample of the same instant can replace it any longer.
 pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, query) };
     let mut extents = PartResults::default();
@@ -93,7 +93,7 @@ pub(crate) fn take(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults
             extents.passing.extend(newest.into_iter().map(|result| TentativeResult { result, open: false }));
             extents.anywhere = true;
             extents.doubt = persistence::in_doubt(leaf, query.now);
-            // Asked for the instants at which windows to come begin.
+            // Evaluated to learn the instants at which future windows begin.
             persistence::truth(leaf, site, query);
         }
         _ => composite(part, query, &mut extents),
@@ -133,12 +133,13 @@ fn passing_episodes(leaf: &EpisodePart, site: PartContext, query: &mut VerdictQu
     }
 }
 
-/// Returns the instant from which on a run is over, when no sample comes before.
+/// Returns the instant from which on a run is over if no sample arrives before.
 fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
     leaf.gap_max.map(|gap| last + gap + TICK)
 }
 
-/// Results of a composite are all passing: they are made again at every look. One that rests on an open run is open.
+/// Adds the results of a composite. All are tentative, because every evaluation computes them again; a result that rests on an open run
+/// is open.
 fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResults) {
     let mut runs = Runs::default();
     runs.collect(part, query, &mut extents.changes_at);
@@ -146,7 +147,7 @@ fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResult
     let mut without = runs.results_without_open(part, query);
     for result in results {
         let mut open = result.evidence.iter().any(|evidence| rests_on(evidence, &runs.open));
-        // The same run may continue for one part and be over for another: what is a result without the former rests on the latter.
+        // One run may continue for one part and be over for another: a result that exists without the open run rests on the ended one.
         if let Some(place) = without.iter().position(|other| open && *other == result) {
             without.swap_remove(place);
             open = false;
@@ -160,13 +161,13 @@ fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResult
     extents.doubt = match logic::truth(part, query) {
         Truth::False => false,
         Truth::Unknown => true,
-        // What was found stays true; whether it continues, only its episodes can say.
+        // The found result remains true; whether it continues depends on its episodes.
         Truth::True => is_in_doubt(part, query),
     };
     extents.runs.extend(open.iter().map(|run| run.interval));
 }
 
-/// Returns true if a combination certainly does not hold: then nothing within it is undecided.
+/// Returns true if a combination certainly does not hold: then no part within it matters as undecided.
 fn certainly_not(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
     let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Allen(_));
     combines && logic::truth(part, query) == Truth::False
@@ -185,9 +186,9 @@ fn is_in_doubt(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
         PartKind::Cyclic(leaf) => cyclic::in_doubt(leaf, site(part), query),
         PartKind::Regression(leaf) => regression::in_doubt(leaf, site(part), query),
         PartKind::Function(leaf) => leaf.value.is_none(),
-        // Windows that have passed stay; whether another passes, the absence itself knows.
+        // Absences that were found remain; the absence itself knows whether another one is undecided.
         PartKind::Absent(leaf) => return leaf.unknown,
-        // Where its part is true it is false, whatever is undecided within.
+        // A `:not` is false if its part is true, even if something within the part is undecided.
         PartKind::Not(inner) => return query.of_everything(|query| logic::truth(inner, query)) == Truth::Unknown,
         _ => false,
     };
@@ -275,7 +276,7 @@ impl Runs {
         for_each_inner(part, &mut |inner| self.collect(inner, query, changes_at));
     }
 
-    /// Returns the results of `part` without the open runs, if it is undecided which run a result rests on.
+    /// Returns the results of `part` without the open runs, if it is undecided on which run a result rests.
     fn results_without_open(&self, part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
         let alike = |run: &PartRun| {
             self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)

@@ -1,5 +1,5 @@
 //! Parts of conditions (M&I)
-//! What: whether one part of a condition holds, where that follows from the part alone.
+//! What: decides whether one part of a condition holds, if that follows from the part alone.
 //! Runs: when a condition with `:probing` was judged.
 //! Reads: the monitor, evaluation context.
 //! Writes: nothing.
@@ -14,15 +14,15 @@ use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::monitors::monitor::{Monitor, Part, PartKind};
 use apex_model::source::Place;
 
-/// Does the part that is written at `place` hold? A part whose results count only together with those of others, by order,
-/// shared variables or constraints, does not hold before the whole does.
+/// Returns true if the part written at `place` holds. A part whose results count only together with those of others (order, shared
+/// variables, constraints) does not hold before the whole condition does.
 pub(crate) fn holds(monitor: &Monitor, place: Place, context: &dyn EvalContext) -> bool {
     let part = find(&monitor.root, place);
     part.is_some_and(|part| logic::truth(part, &mut VerdictQuery::new(context)) == Truth::True)
 }
 
 fn find(part: &Part, place: Place) -> Option<&Part> {
-    // A `waitfor` of several conditions stands where its first one does.
+    // A `waitfor` of several conditions has the place of its first condition.
     let inside = match &part.kind {
         PartKind::And(composite) | PartKind::Or(composite) if !composite.combines => {
             composite.parts.iter().find_map(|part| find(part, place))

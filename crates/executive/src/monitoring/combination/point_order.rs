@@ -7,12 +7,12 @@
 //! PDL: `:in-order`, `:delay`.
 //! Paper: Table 1, row 11.
 //!
-//! Points with equal bindings come in order of time, so of two points the earlier one allows every chain that the later one
-//! allows, except those that a greatest delay rules out. What is kept follows from this:
+//! Points with equal bindings arrive in order of time. Of two points, the earlier one therefore allows every chain that the later one
+//! allows, except those that a greatest delay excludes. This decides which points are kept:
 //!
-//! - a point without a point before it goes, once every earlier part has seen the time of a possible one;
-//! - a point goes if the greatest delay after it is over by the samples of the next part, and no kept point follows it;
-//! - without a greatest delay only the first point with equal bindings stays.
+//! - a point without a preceding point is dropped once every earlier part has received samples up to the time of a possible one;
+//! - a point is dropped if samples of the next part are later than its greatest delay, and no kept point follows it;
+//! - without a greatest delay, only the first point with equal bindings is kept.
 
 use crate::expression::EvalContext;
 use crate::monitoring::basic::measurement;
@@ -32,12 +32,12 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Number of kept results from which on a sweep is worth its time. Small, so that short stories in tests sweep as flights do; a
-/// sweep is linear, and the next one comes at twice the results that it leaves.
+/// Number of kept results from which on a sweep is worthwhile. It is small, so that short tests also sweep. A sweep is linear in the kept
+/// results, and the next one follows when their number has doubled.
 const SWEEP_AT_LEAST: usize = 8;
 
-/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
-/// messages, with delays between them, without constraints. `binds` is true if a pattern variable occurs in it.
+/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness`, and
+/// messages, with delays but without constraints between them. `binds` is true if it contains a pattern variable.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -110,7 +110,7 @@ fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<V
             }
             _ => return None,
         };
-        // The first part may come at any time; without a delay the next one comes later.
+        // The first part may come at any time; without a stated delay the next one must come later than the preceding one.
         let least = if steps.is_empty() { Duration(i64::MIN) } else { TICK };
         let gap = delay.take().unwrap_or(Gap { least, most: Duration::MAX });
         steps.push(OrderedPart { part, index, kept: settled(part), first, rest, gap });
@@ -155,7 +155,7 @@ impl<'a> OrderedPart<'a> {
     }
 }
 
-/// Returns the first chain for each set of bindings; the first of all if no part binds anything.
+/// Returns the first chain for each set of bindings; the first chain of all if no part binds a variable.
 pub(crate) fn results(
     part: &Part,
     composite: &Composite,
@@ -204,7 +204,7 @@ impl<'a> ChainSearch<'a> {
         let (steps, extents) = (self.steps, self.extents);
         let Some(step) = steps.get(number) else { return self.complete(bindings) };
         let (mut from, mut to) = following(end, step.gap);
-        // Points that nothing in the next part follows need no look.
+        // Points that no point of the next part follows are skipped.
         if let (Some(next), Some((first, last))) = (steps.get(number + 1), extents.get(number + 1)) {
             from = from.max(preceding(*first, next.gap).0);
             to = to.min(preceding(*last, next.gap).1);
@@ -254,8 +254,8 @@ fn plain(bindings: &Bindings) -> Vec<(Symbol, Value)> {
     values.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
-/// Drops what no chain needs any longer: at each call points that came without a point before them, of the others when
-/// their number has doubled. `used` are results that belong to chains already reported.
+/// Drops results that no chain needs any longer. Points that arrived without a preceding point are checked at each call, the others when
+/// their number has doubled. `used` are results of chains that were reported already.
 pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalContext) {
     let start = part.window.start;
     let PartKind::InOrder(composite) = &mut part.kind else { return };
@@ -266,7 +266,7 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
     if whole {
         order.checked.iter_mut().for_each(|checked| *checked = 0);
     }
-    // Each part is swept against the one before it, which was swept already; then against the one behind it.
+    // Each part is swept against the preceding one, which was swept already, then against the following one.
     for number in 0..composite.parts.len() {
         let checked = order.checked.get(number).copied().unwrap_or_default();
         let gone = gone_without_predecessor(composite, (number, checked), start, used, &mut query);
@@ -295,7 +295,7 @@ fn is_used(step: &OrderedPart<'_>, result: &Satisfaction, used: Option<&Used>) -
     used.is_some_and(|used| used.contains(step.part.place, result))
 }
 
-/// Returns true if a point precedes this one, a result of step `number`. For the first step: if it fits to the order's start.
+/// Returns true if a point precedes this result of step `number`. The first step is compared with the start of the order.
 fn is_preceded(
     steps: &[OrderedPart<'_>],
     number: usize,
@@ -321,7 +321,7 @@ fn gone_without_predecessor(
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
-    // The newest settled result stays, so that the part is known to have held.
+    // The newest settled result is kept: it shows that the part has held.
     let newest = composite.parts.get(index).map_or(0, |part| settled(part).len()).saturating_sub(1);
     if from >= newest {
         return Vec::new();
@@ -340,7 +340,7 @@ fn gone_without_predecessor(
     unchecked.filter(|(_, result)| useless(result)).map(|(place, _)| place).collect()
 }
 
-/// Returns the places of results of part `index` that no point to come can follow, or for which an earlier one stands.
+/// Returns the indices of results of part `index` that no future point can follow, or that an earlier result represents.
 fn gone_without_successor(
     composite: &Composite,
     index: usize,
@@ -368,7 +368,7 @@ fn gone_without_successor(
     gone.map(|(place, _)| place).collect()
 }
 
-/// Removes the results at `gone`, which are in order, and notes that those that stay were checked.
+/// Removes the results at the sorted indices `gone`, and records that the remaining ones were checked.
 fn remove(composite: &mut Composite, index: usize, gone: &[usize], order: &mut PointOrder) {
     let Some(part) = composite.parts.get_mut(index) else { return };
     let list = match &mut part.kind {

@@ -1,5 +1,5 @@
 //! Relations of intervals (M&I)
-//! What: decides whether two intervals are so related, are not, or wait for the end of an open run.
+//! What: decides whether two intervals are in a relation, are not, or depend on the end of an open run.
 //! Runs: for pairs of results of related parts.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -10,18 +10,18 @@
 use apex_model::condition::AllenRelation;
 use apex_model::time::{Duration, Time};
 
-/// An end point of an interval, as far as it is known.
+/// An end point of an interval, or what is known about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EndPoint {
     /// It is this.
     Known(Time),
-    /// The end of an open run: the first, if no sample continues it, else after the second.
+    /// The end of an open run: the first instant if no sample continues it, otherwise later than the second.
     Growing(Time, Time),
-    /// Of a result that is still to come: this or later.
+    /// End point of a future result: this instant or later.
     Coming(Time),
 }
 
-/// An interval, as far as it is known.
+/// An interval with known or open end points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnownInterval {
     pub(crate) start: EndPoint,
@@ -34,7 +34,7 @@ impl KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Known(end) }
     }
 
-    /// Returns an open run, continued by samples that come after `after`.
+    /// Returns the interval of an open run, which samples after `after` may continue.
     pub(crate) fn growing((start, end): (Time, Time), after: Time) -> KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Growing(end, after) }
     }
@@ -52,11 +52,11 @@ pub(crate) enum Decision {
     Fails,
     /// Decided by later inputs.
     Open,
-    /// It holds, whatever comes.
+    /// The relation holds, whatever happens later.
     Holds,
 }
 
-/// A comparison of two end points that a relation asks for.
+/// A comparison of two end points that a relation requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointComparison {
     /// The first is earlier.
@@ -78,7 +78,7 @@ pub(crate) enum Edge {
     SecondEnd,
 }
 
-/// Returns the comparisons that make a relation; all must hold. Points are legal, so that a point that meets an interval also
+/// Returns the comparisons that define a relation; all must hold. An interval may be a point, so a point that meets an interval also
 /// starts it.
 pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, PointComparison, Edge)] {
     use Edge::{FirstEnd, FirstStart, SecondEnd, SecondStart};
@@ -134,7 +134,7 @@ pub(crate) fn decide_link(
     }
 }
 
-/// Returns the least that a point can be, and the greatest, which has no bound unless it is known.
+/// Returns the earliest and the latest instant of a point; `None` if the latest one has no bound.
 fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     match point {
         EndPoint::Known(at) => (at, Some(at)),
@@ -142,7 +142,7 @@ fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     }
 }
 
-/// Returns whether `a` is earlier than `b` by more than the tolerance.
+/// Decides whether `a` is earlier than `b` by more than the tolerance.
 fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
     if left_most.is_some_and(|most| right_least - most > tolerance) {
@@ -154,7 +154,7 @@ fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     }
 }
 
-/// Returns whether both differ by at most the tolerance.
+/// Decides whether both differ by at most the tolerance.
 fn same(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
     let (known, other) = match (left, right) {

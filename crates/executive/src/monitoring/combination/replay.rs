@@ -1,6 +1,6 @@
 //! Replay (M&I)
-//! What: feeds remembered evidence to a part again, instant by instant, as it came: what relates results in time must
-//! see them in order, or it would tell other results than one that watched all the time.
+//! What: passes remembered evidence to a part again, instant by instant, in order of arrival: a part that relates results in time would
+//! otherwise report other results than one that watched all the time.
 //! Runs: when a monitor with an Allen relation or an absence is made, and when a late sample changes its past.
 //! Reads: histories, evaluation context.
 //! Writes: the part.
@@ -28,7 +28,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// EvalContext as they were at an earlier instant, except for what histories have learned since.
+/// The evaluation context at an earlier instant; histories contain also what they have learned since.
 struct Then<'a> {
     below: &'a dyn EvalContext,
     now: Time,
@@ -79,8 +79,8 @@ impl EvalContext for Then<'_> {
     }
 }
 
-/// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
-/// it is given, because later ones are still to be shown.
+/// Clears the results of `part` and computes them again from remembered evidence. With `newest`, only arrivals up to that number count,
+/// because later ones are still to be passed.
 pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let stimuli = remembered(part, newest, context);
     forget(part, context, troubles);
@@ -103,7 +103,7 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
         }
         let then = Then { below: context, now: at };
         group.iter().for_each(|(.., stimulus)| notice_part(part, stimulus, &then, troubles));
-        // The arrivals of this instant are evaluated when all of them were shown.
+        // An instant is evaluated after all its arrivals were passed.
         if at < now {
             advance(part, &then, troubles);
             asked = at;
@@ -115,11 +115,10 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
     }
 }
 
-/// Returns the arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
-/// before may have been related otherwise.
+/// Returns the arrival number of a late sample if `part` relates results in time: earlier results may have been related wrongly.
 pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn EvalContext) -> Option<u64> {
     let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
-    // The present instant is evaluated when all of it was shown.
+    // The present instant is evaluated after all its arrivals were passed.
     let past = *at < context.now();
     let relates = match part.kind {
         PartKind::Allen(_) => past && !newest,
@@ -129,8 +128,8 @@ pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn E
     (relates && watches(part, variable) && covers(part, context)).then_some(*sequence)
 }
 
-/// Evaluates an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
-/// is remembered to begin again. What passed up to then has passed; what passed since may not have.
+/// Evaluates an absence again from the instant of a late sample, or of the newest known sample, if too little is remembered to evaluate
+/// the whole past. Windows that had passed by that instant stay; later ones may be withdrawn.
 pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
     let PartKind::Absent(leaf) = &mut part.kind else { return };
@@ -139,7 +138,7 @@ pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalCo
     }
     let known = newest_known(&leaf.part, *sequence, context).map_or(*at, |newest| newest.max(*at));
     let known = known.max(part.window.start);
-    // What lies before the window is in no window, but from its value on it may be known what was in them.
+    // A sample from before the window does not lie in it, but its value may decide about instants within the window.
     crate::monitoring::combination::absence::take_back(leaf, (*at >= part.window.start).then_some(*at), known);
     let (now, mut looked) = (context.now(), known);
     if known < now {
@@ -151,8 +150,8 @@ pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalCo
     }
 }
 
-/// Returns true if the whole past of an absence is judged again when a sample arrives late: when a variable in it is declared with
-/// `:lateness`, for which everything is kept.
+/// Returns true if a late sample causes the whole past of an absence to be judged again: if a variable in it is declared with
+/// `:lateness`, for which all samples are kept.
 fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     let declared = &context.library().state_variables;
     let is_late =
@@ -168,16 +167,16 @@ fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     again
 }
 
-/// Returns true if the condition calls a function. Its value at an earlier instant depends on what was known then, so it cannot be
-/// evaluated again.
+/// Returns true if the condition calls a function. Its earlier value depends on what was known at that time, so it cannot be evaluated
+/// again.
 fn asks_functions(part: &Part) -> bool {
     let mut asks = matches!(part.kind, PartKind::Function(_));
     part_results::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
     asks
 }
 
-/// Returns the instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
-/// still to be shown.
+/// Returns the instant of the newest sample that the part has received, up to this arrival; later arrivals of the same instant are still
+/// to be passed.
 pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) -> Option<Time> {
     let histories = context.histories();
     let newest =
@@ -196,7 +195,7 @@ pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) ->
     known
 }
 
-/// Returns the instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
+/// Returns the instant before `now` that decides about an absence and was not evaluated, because a late sample created it.
 pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     match &part.kind {
         PartKind::Absent(leaf)
@@ -209,7 +208,7 @@ pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     .filter(|at| *at < now)
 }
 
-/// Evaluates the part as it was at `at`.
+/// Evaluates the part in the context of `at`.
 pub(crate) fn look_then(part: &mut Part, at: Time, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     advance(part, &Then { below: context, now: at }, troubles);
 }
@@ -227,7 +226,7 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
     watched
 }
 
-/// Returns true if no sample that the part watches was dropped, from the start of its window on and of those that persist into it.
+/// Returns true if no watched sample was dropped since the start of the part's window, nor one that persists into it.
 fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     let (start, histories) = (part.window.start, context.histories());
     let mut covers = true;
@@ -243,7 +242,7 @@ fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     covers && carries(part, context)
 }
 
-/// Returns true if the samples are still kept whose values persist into the windows of estimates in the part. They lie before the span of
+/// Returns true if the samples whose values persist into the windows of estimates in the part are still kept. They lie before the span of
 /// [`covers`].
 fn carries(part: &Part, context: &dyn EvalContext) -> bool {
     let mut all = true;
@@ -264,7 +263,7 @@ fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Ve
     let start = first_window(part);
     let histories = context.histories();
     let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
-    // A query for arrivals after a number needs the numbers of those that count.
+    // A window that begins after an arrival number needs the arrival numbers of the samples.
     let windowed = part.window.after_sequence.is_some();
     let mut stimuli = Vec::new();
     let mut samples = |variable: &StateVariable, history: &History| {
@@ -296,7 +295,7 @@ fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Ve
         }
     }
     if events && !histories.events_cover(start) {
-        // Samples may be replaced long after messages are forgotten: what the part has made of them is left.
+        // Samples may be replaced long after messages are dropped: the results that the part derived from messages are reused.
         results_of_events(part, &mut stimuli);
     } else if events {
         for event in histories.events_from(start).filter(|event| counts(event.sequence)) {
@@ -336,7 +335,7 @@ fn first_window(part: &Part) -> Time {
     start
 }
 
-/// Forgets what was found from samples, messages and time. Ends and states of tasks are in no history: they stay.
+/// Clears results that rest on samples, messages and time. Ends and states of tasks stay, because no history contains them.
 fn forget(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = crate::monitoring::part::site(part);
     let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);

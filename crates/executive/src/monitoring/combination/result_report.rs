@@ -1,5 +1,5 @@
 //! Result report (M&I)
-//! What: reports each result of a monitor once, for sessions, which need all results and not only the first.
+//! What: reports each result of a monitor once, for sessions, which need all results instead of the first one.
 //! Runs: at the end of an instant, for the monitors of a session that were touched.
 //! Reads: the monitor's tree, evaluation context.
 //! Writes: what was reported; results that were reported leave the monitor.
@@ -23,7 +23,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Something to tell.
+/// A report of one result.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ResultReport {
     pub(crate) result: Satisfaction,
@@ -33,7 +33,7 @@ pub(crate) struct ResultReport {
 /// Kind of report about a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResultReportKind {
-    /// It is new; its interval may still grow when it is open.
+    /// A new result; if it is open, its interval may still grow.
     Found { open: bool },
     /// Its interval is final.
     Closed,
@@ -55,7 +55,7 @@ pub(crate) fn report_results(
         ResultCollector { told, number: &mut number, lateness, above: Vec::new(), tellings: &mut tellings };
     search.part(&mut monitor.root, &mut query);
     for telling in tellings.iter_mut().filter(|telling| telling.kind != ResultReportKind::Closed) {
-        // Time moves in such steps that nothing is known before it is asked for, unless its evidence came late.
+        // Time advances in steps small enough that no result is found late, unless its evidence arrived late.
         telling.result.recognised_at = query.now;
     }
     monitor.asked_at = query.now;
@@ -66,7 +66,7 @@ pub(crate) fn report_results(
     tellings
 }
 
-/// Results that were reported while their interval grew, as they stand when nothing more comes.
+/// Returns the final state of results that were reported while their interval grew, given that no more input follows.
 pub(crate) fn finish(monitor: &Monitor, told: &mut ReportedResults, context: &dyn EvalContext) -> Vec<ResultReport> {
     let mut query = VerdictQuery::new(context);
     let mut branches = Vec::new();
@@ -119,7 +119,7 @@ impl ResultCollector<'_> {
     fn branch(&mut self, part: &mut Part, branch: &mut Branch, query: &mut VerdictQuery<'_>) {
         point_order::sweep(part, Some(&branch.used), query.context);
         if logic::truth(part, query) != Truth::True {
-            // An open result that is gone was taken back by a late sample.
+            // An open result that is gone was withdrawn by a late sample.
             branch.open.clear();
             return;
         }
@@ -173,7 +173,7 @@ impl ResultCollector<'_> {
         branch.open.retain(|key| open_now.contains(key));
     }
 
-    /// Uses up the present knowledge of the parts, so that it makes no further result.
+    /// Marks the present results of the parts as used, so that they make no further result.
     fn use_up(&self, part: &mut Part, used: &mut Used, query: &mut VerdictQuery<'_>) {
         let horizon = query.now - self.lateness;
         match self.lateness {
@@ -222,7 +222,7 @@ fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     open.iter().map(|result| Key::of(part.place, result)).collect()
 }
 
-/// Notes the results of all parts as used, and drops those that are settled.
+/// Marks the results of all parts as used, and drops the settled ones.
 fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut VerdictQuery<'_>) {
     match &mut part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
@@ -231,7 +231,7 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
             part.forgotten = composite.parts.iter().any(|part| part.forgotten);
             return;
         }
-        // What must not have happened stays in mind.
+        // Results of a negated part are kept: they must stay known.
         PartKind::Not(_) => return,
         PartKind::Measurement(_)
         | PartKind::Episode(_)
@@ -261,7 +261,7 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
 }
 
 fn drop_settled(part: &mut Part) {
-    // What comes from here on is whole again.
+    // Results from now on are complete again.
     part.forgotten = false;
     match &mut part.kind {
         PartKind::Measurement(leaf) => {

@@ -1,5 +1,5 @@
 //! Explanation of conditions (M&I)
-//! What: the parts of a condition that do not hold, with what is known about each and since when.
+//! What: lists the parts of a condition that do not hold, with their present state and since when.
 //! Runs: on request (`apex why`).
 //! Reads: the monitor, histories, evaluation context.
 //! Writes: nothing.
@@ -126,7 +126,7 @@ pub(crate) fn text(part: &Part) -> String {
     }
 }
 
-/// Parts of a relation that have found nothing yet; else in what the newest results miss it.
+/// Describes the parts of a relation without results, or else the mismatch of the newest results.
 fn related(part: &Part, leaf: &AllenPart, query: &mut VerdictQuery<'_>, list: &mut Vec<Unmet>) {
     let before = list.len();
     for (each, side) in leaf.parts.iter().zip(&leaf.sides) {
@@ -157,7 +157,7 @@ fn related(part: &Part, leaf: &AllenPart, query: &mut VerdictQuery<'_>, list: &m
     list.push(PartFacts { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
 }
 
-/// Returns the time for which something has been absent, and the instant at which that is long enough.
+/// Describes the time for which the part has been absent, and the instant at which that suffices.
 fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> PartFacts {
     let (silence, over) = absence::state(leaf, query.now);
     let since = Some(leaf.since);
@@ -196,7 +196,7 @@ pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> PartFacts {
     }
 }
 
-/// Describes a missing message: no message matches, and how the newest one with the same first word differs.
+/// Describes a missing message: either none matches, or how the newest one with the same first word differs.
 fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> PartFacts {
     let start = part.window.start;
     let since = (start != Time::BEGINNING).then_some(start);
@@ -260,7 +260,7 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuer
     PartFacts { now, since: Some(sample.at), distance, ..PartFacts::default() }
 }
 
-/// Returns the distance of a value from the nearest threshold that it misses.
+/// Returns the distance of a value from the nearest threshold that it fails.
 pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
     let (own, dimension) = value.as_number()?;
     let missed = tests.iter().filter_map(|test| match test {

@@ -83,7 +83,7 @@ fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<
     })
 }
 
-/// Starts again from what is remembered.
+/// Starts again from the remembered samples.
 pub(crate) fn backfill(
     part: &mut EpisodePart,
     site: PartContext,
@@ -93,7 +93,7 @@ pub(crate) fn backfill(
     backfill_with(threshold_backfill::backfill, part, site, context, troubles);
 }
 
-/// Like [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
+/// Like [`backfill`], after `fast_pass` has consumed samples from the start; `fast_pass` returns their number.
 pub(crate) fn backfill_with(
     fast_pass: impl FnOnce(
         &mut EpisodePart,
@@ -180,7 +180,7 @@ fn feed(
             troubles.reached(Limit::MonitorObjects, context, site.place);
             return;
         }
-        // Of the one object of a known variable nothing need be distinguished.
+        // A known variable has a single object, so objects need not be distinguished.
         None => {
             let rank = if part.variable.is_some() { 0 } else { sample.sequence };
             ObjectRun { rank, ..ObjectRun::default() }
@@ -196,7 +196,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
+/// Adds the newest sample to the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut EpisodePart,
     site: PartContext,
@@ -221,7 +221,7 @@ fn settle(
     ObjectRun { run, found, contradicted, gap, ..object_run }
 }
 
-/// Returns true if the sample satisfies the value constraints, with the bindings of the run before it or on its own.
+/// Returns true if the sample satisfies the value constraints, with the bindings of the preceding run or without them.
 fn judge(
     part: &EpisodePart,
     site: PartContext,
@@ -304,7 +304,7 @@ pub(crate) fn results(
         results.extend(judged.closed_by_time);
         results.extend(judged.found);
     }
-    // Those of one instant in the order in which their objects were first known.
+    // Results of one instant, in the order in which their objects first occurred.
     let rank = |result: &Satisfaction| match result.evidence.iter().next() {
         Some(Evidence::Run { variable, .. }) => part.runs.get(&variable.object).map(|run| run.rank),
         _ => None,
@@ -327,8 +327,8 @@ pub(crate) fn open_results(
     part.runs.iter().filter_map(judged).collect()
 }
 
-/// Returns satisfied, contradicted, or unknown: no sample yet, everything seen so far holds but not for long enough, or a gap hides the
-/// values.
+/// Returns satisfied, contradicted or unknown. Unknown: there is no sample yet, all samples satisfy the constraints but not for long
+/// enough, or a gap hides the values.
 pub(crate) fn truth(
     part: &EpisodePart,
     site: PartContext,

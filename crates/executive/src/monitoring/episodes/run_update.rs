@@ -25,9 +25,9 @@ use apex_model::value::Value;
 pub(crate) struct Judged {
     /// The run that the newest sample belongs to.
     pub(crate) run: Option<Run>,
-    /// Its result, if it has one while it is open.
+    /// Its result, if the open run has one.
     pub(crate) found: Option<Satisfaction>,
-    /// Results of runs that the newest sample ended, or that it completes as a pair.
+    /// Results of runs that the newest sample ended, and of pairs that it completes.
     pub(crate) over: Vec<Satisfaction>,
     /// The result of a run that ended because no sample came for longer than the gap allows. Not final here: the next
     /// sample ends the run with the same result.
@@ -38,7 +38,7 @@ pub(crate) struct Judged {
     pub(crate) gap: Option<Duration>,
 }
 
-/// Takes the newest sample into the run and lets time pass up to and with `horizon`.
+/// Adds the newest sample to the run and lets time pass up to and including `horizon`.
 pub(crate) fn advance_run(
     part: &EpisodePart,
     site: PartContext,
@@ -77,7 +77,7 @@ fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> 
     state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))
 }
 
-/// Returns the run that the newest sample belongs to: the old one extended, a new one, or none.
+/// Returns the run that contains the newest sample: the extended one, a new one, or none.
 pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> {
     let newest = &state.newest;
     let bindings = newest.holds.as_ref()?;
@@ -169,8 +169,8 @@ impl Judge<'_> {
         Ok(judged)
     }
 
-    /// Evaluates an open run against lower bounds only: they are decided by the sample that reaches them, or at the instant at which the
-    /// duration is reached while the sampling quality says that the last value still holds.
+    /// Evaluates an open run against lower bounds only: the sample that reaches them decides, or the instant at which the duration is
+    /// reached while the sampling quality implies that the last value still holds.
     fn while_open(&self, run: &Run, horizon: Time, found: &mut Option<Satisfaction>) -> Result<(), EvaluationError> {
         if let Some(result) = found {
             if self.site.keep == Keep::Every {

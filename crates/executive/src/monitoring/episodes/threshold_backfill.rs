@@ -1,5 +1,5 @@
 //! Backfill of threshold episodes (M&I)
-//! What: processes remembered samples with one comparison each, as an index does, instead of by general detection.
+//! What: processes remembered samples of a threshold episode with one comparison each, as a bank does, without general detection.
 //! Runs: when the monitor of a threshold episode is created over a past, or a late sample restarts it.
 //! Reads: the samples that are remembered.
 //! Writes: the episode part.
@@ -61,7 +61,7 @@ pub(crate) fn backfill(
         }
     }
     give_back(part, bank.take(ALONE).flatten());
-    // The run that the newest sample ended is still there, with its result.
+    // The run that the newest sample ended is still stored, with its result.
     let before = part.runs.values().next().and_then(|run| run.found.as_ref()).map(|found| found.interval.0);
     settle(part, site, over.filter(|told| before != Some(told.start)), troubles);
     passed

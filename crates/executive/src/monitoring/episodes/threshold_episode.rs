@@ -1,5 +1,5 @@
 //! Threshold episodes (M&I)
-//! What: decides which episodes an index can watch in place of their monitors, moves them there and back.
+//! What: decides which episodes a bank can watch in place of their monitors, and moves them there and back.
 //! Runs: when an episode was judged and is undecided; when the index has decided it, or a verdict is requested.
 //! Reads: the episode part.
 //! Writes: the runs of an episode part.
@@ -24,7 +24,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-/// Returns true if only comparisons with fixed values, gaps and a least duration decide an episode of one known variable.
+/// Returns true if an episode of one known variable depends only on comparisons with fixed values, gaps and a least duration.
 pub(crate) fn is_plain(part: &EpisodePart) -> bool {
     let condition = &part.condition;
     let timing = &condition.timing;
@@ -36,7 +36,7 @@ pub(crate) fn is_plain(part: &EpisodePart) -> bool {
         && [&condition.stats, &condition.trend].iter().all(|each| each.is_empty())
 }
 
-/// Returns the variable of the monitor, when its condition is a plain episode: it may be in the bank of that variable.
+/// Returns the variable of the monitor if its condition is a plain episode, which the bank of that variable may watch.
 pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     match &monitor.root.kind {
         PartKind::Episode(leaf) if is_plain(leaf) => leaf.variable.as_ref(),
@@ -52,7 +52,7 @@ pub(crate) fn bankable<'a>(
 ) -> Option<(ThresholdEpisode, Option<&'a ObjectRun>)> {
     let PartKind::Episode(leaf) = &monitor.root.kind else { return None };
     let bankable = of_part(&monitor.root, context).filter(|_| monitor.root.tag.is_none())?;
-    // One result is enough for a task: its monitor has nothing more to watch for.
+    // A task needs one result: a monitor that has it need not watch further.
     let decided = !leaf.settled.is_empty() || bankable.over.is_some() || bankable.wanted.open.is_some();
     let more = !decided || monitor.root.keep == Keep::Every;
     more.then_some((bankable.wanted, bankable.run))
@@ -68,7 +68,7 @@ pub(crate) struct Bankable<'a> {
     pub(crate) over: Option<Satisfaction>,
 }
 
-/// Returns the episode `part` as a bank can watch it; `None` if no bank can.
+/// Returns the state of the episode `part` for a bank; `None` if no bank can watch it.
 pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<Bankable<'a>> {
     let PartKind::Episode(leaf) = &part.kind else { return None };
     if !is_plain(leaf) || leaf.runs.len() > 1 {
@@ -99,7 +99,7 @@ pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<B
     Some(Bankable { wanted, run, over: over.into_iter().next() })
 }
 
-/// Returns the values that satisfy all tests; `None` if they are not those between two numbers.
+/// Returns the values that satisfy all tests; `None` if they are not an interval between two numbers.
 pub(crate) fn band(leaf: &EpisodePart, context: &dyn EvalContext) -> Option<(ThresholdBounds, Dimension)> {
     let mut band = ThresholdBounds { least: f64::NEG_INFINITY, most: f64::INFINITY };
     let mut of = None;
@@ -142,14 +142,14 @@ fn range(constraint: &Constraint, leaf: &EpisodePart, context: &dyn EvalContext)
     Some(limits)
 }
 
-/// Gives the monitor back what a bank has seen in its place.
+/// Moves the state that a bank has kept back into the monitor.
 pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<IndexedRun>) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         give_back(leaf, seen);
     }
 }
 
-/// Gives the episode back what a bank has seen in its place.
+/// Moves the state that a bank has kept back into the episode.
 pub(crate) fn give_back(leaf: &mut EpisodePart, seen: Option<IndexedRun>) {
     let object = leaf.variable.as_ref().map(|variable| variable.object.clone());
     let runs = object.zip(seen).map(|(object, IndexedRun { mut run, found_at, .. })| {
@@ -182,8 +182,8 @@ pub(crate) fn told_of(leaf: &EpisodePart, told: &EpisodeUpdate) -> Option<Satisf
     Some(result(leaf, &leaf.variable.as_ref()?.object, &run, told.recognised_at))
 }
 
-/// Returns the reported results of a monitor that a bank has watched: those of the run before the newest sample, and of the
-/// run with the newest sample the result that was recognised at `open_at`.
+/// Returns the reported results of a monitor that a bank has watched: of the run before the newest sample, and, if it was recognised at
+/// `open_at`, of the run that contains the newest sample.
 pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitoring::reported_results::ReportedResults {
     let PartKind::Episode(leaf) = &monitor.root.kind else {
         return crate::monitoring::reported_results::ReportedResults::default();
@@ -196,7 +196,7 @@ pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitorin
     crate::monitoring::reported_results::ReportedResults::by_bank(&monitor.root, before, open.as_ref())
 }
 
-/// Moves the state of the monitor into an index that watches it.
+/// Moves the state of the monitor into the bank that watches it.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         leaf.runs = BTreeMap::new();

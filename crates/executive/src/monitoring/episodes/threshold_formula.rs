@@ -1,5 +1,5 @@
 //! Threshold formulas (M&I)
-//! What: decides which Boolean formulas of threshold episodes an index can watch leaf by leaf, and when to report results.
+//! What: decides which Boolean formulas of threshold episodes banks can watch leaf by leaf, and when to report results.
 //! Runs: when results of a formula were reported; when an index reports an update of one of its leaves.
 //! Reads: the monitor's tree, the runs of the index.
 //! Writes: the runs and settled results of its leaves.
@@ -7,11 +7,11 @@
 //! PDL: `:and`, `:or`, `:in-order`, `:not` over `:episode`s with fixed bounds.
 //! Paper: section IV, creating monitors from PDL specifications.
 //!
-//! A formula has a new result only at an instant at which one of its leaves has a new result, or at which a sample
-//! contradicts a leaf under `:not`. A growing or completed run makes nothing true here. Conditions that read growing
-//! intervals are therefore not threshold formulas: constraints, delays, relations. Nor is an order or a conjunction of
-//! alternatives with a `:not` among them: while another alternative makes it true, the `:not` remains open for the next
-//! sample. Reporting too often is harmless; the formula never misses an instant at which it must report.
+//! A formula has a new result only at an instant at which one of its leaves has a new result, or at which a sample contradicts a leaf
+//! under `:not`; a run that grows or ends does not make it true. Conditions that read growing intervals (constraints, delays, relations)
+//! are therefore not threshold formulas. Nor is an order, or a conjunction of alternatives with a `:not` among them: while another
+//! alternative makes it true, the `:not` remains open for the next sample. A superfluous report is harmless; no instant of a report is
+//! missed.
 
 use crate::expression::EvalContext;
 use crate::monitoring::episodes::threshold_episode::{self, Bankable};
@@ -21,16 +21,16 @@ use crate::state::monitors::monitor::{Keep, Monitor, Part, PartKind, Satisfactio
 use apex_model::event::StateVariable;
 use apex_model::symbol::Symbol;
 
-/// A combination whose leaves banks watch, in written order.
+/// The leaves of a combination that banks watch, in written order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Leaves(Vec<Leaf>);
 
 #[derive(Clone, Debug)]
 struct Leaf {
     variable: StateVariable,
-    /// It has an unused result; under `:not`, any result.
+    /// True if the leaf has an unused result; under `:not`, any result.
     counts: bool,
-    /// It is a separate alternative: the end of its runs is reported.
+    /// True if the leaf is a separate alternative: the end of its runs is reported.
     alternative: bool,
     /// The result of the run that ended last, while the sample that ended it may be the newest.
     over: Option<Satisfaction>,
@@ -54,7 +54,7 @@ enum LeafRole {
     Negated,
 }
 
-/// Calls `act` with each leaf in written order. False when the tree has something else in it.
+/// Calls `act` with each leaf in written order. Returns false if the tree contains another kind of part.
 fn for_each_leaf<'a>(part: &'a Part, place: LeafRole, act: &mut dyn FnMut(&'a Part, LeafRole)) -> bool {
     match &part.kind {
         PartKind::Episode(_) => {
@@ -64,7 +64,7 @@ fn for_each_leaf<'a>(part: &'a Part, place: LeafRole, act: &mut dyn FnMut(&'a Pa
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             let alternatives = matches!(part.kind, PartKind::Or(_)) && place == LeafRole::Alternative;
             let inner = if alternatives { place } else { LeafRole::Inside };
-            // A `:not` in an order is an instant that moves with time; so is one that need not be used at once.
+            // In an order, the result of a `:not` moves with time; so does one that may be used later. Neither is a threshold formula.
             let one_of_many = matches!(part.kind, PartKind::Or(_)) && place == LeafRole::Inside;
             let ordered = matches!(part.kind, PartKind::InOrder(_));
             let moving = |part: &Part| ordered && matches!(part.kind, PartKind::Not(_)) || one_of_many && denies(part);
@@ -119,7 +119,7 @@ fn tags_differ<'a>(part: &'a Part, seen: &mut Vec<&'a Symbol>) -> bool {
     }
 }
 
-/// Returns the leaves as banks can watch them, in written order, when the monitor is a plain combination that was just harvested.
+/// Returns the state of the leaves for banks, in written order, if the monitor is a threshold formula whose results were just collected.
 pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> Option<(Leaves, Vec<Bankable<'a>>)> {
     if matches!(monitor.root.kind, PartKind::Episode(_)) || !tags_differ(&monitor.root, &mut Vec::new()) {
         return None;
@@ -133,7 +133,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
         let PartKind::Episode(leaf) = &part.kind else { return None };
         let mut bankable = threshold_episode::of_part(part, context).filter(|_| part.keep == Keep::Every)?;
         bankable.wanted.negated = place == LeafRole::Negated;
-        // The first sample that contradicts it would not be reported.
+        // A bank would not report the first sample that contradicts it.
         if bankable.wanted.negated && bankable.run.is_none() {
             return None;
         }
@@ -145,7 +145,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
     Some((Leaves(leaves), bankables))
 }
 
-/// Banks watch the leaves: what they have seen is there only.
+/// Moves the state of the leaves into the banks that watch them.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     for_each_leaf_mut(&mut monitor.root, &mut |part| {
         if let PartKind::Episode(leaf) = &mut part.kind {
@@ -154,7 +154,7 @@ pub(crate) fn lie_down(monitor: &mut Monitor) {
     });
 }
 
-/// Gives the leaves back what banks have seen in their place, in written order.
+/// Moves the state that banks have kept back into the leaves, in written order.
 pub(crate) fn stand_up(
     monitor: &mut Monitor,
     leaves: &mut Leaves,
@@ -167,7 +167,7 @@ pub(crate) fn stand_up(
         let site = site(part);
         let (PartKind::Episode(leaf), Some((state, seen))) = (&mut part.kind, each.next()) else { return };
         threshold_episode::give_back(leaf, seen);
-        // The run that the newest sample ended is still there, with its result.
+        // The run that the newest sample ended is still stored, with its result.
         let before = leaf.runs.values().next().and_then(|run| run.found.as_ref()).map(|found| found.interval.0);
         let still_there = |result: &mut Satisfaction| before != Some(result.interval.0);
         if let Some(result) = state.over.take_if(still_there) {
@@ -183,7 +183,7 @@ pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let mut each = leaves.0.iter_mut();
     for_each_leaf(&monitor.root, LeafRole::Alternative, &mut |part, place| {
         let (PartKind::Episode(_), Some(state)) = (&part.kind, each.next()) else { return };
-        // Alternatives use up their results each for itself: all may still count.
+        // Each alternative uses its results separately: those of the others still count.
         if told && !alternatives && place != LeafRole::Negated {
             state.counts = false;
         }
@@ -228,7 +228,7 @@ pub(crate) fn told(
 /// Returns true if the results of the leaves permit a new result.
 fn may_be_true<'a>(part: &Part, leaves: &mut impl Iterator<Item = &'a Leaf>) -> bool {
     match &part.kind {
-        // Each part takes its own leaves, also where the answer is known before.
+        // Every part takes its own leaves, even if the answer is known before.
         PartKind::And(composite) | PartKind::InOrder(composite) => {
             let untrue = composite.parts.iter().filter(|part| !may_be_true(part, leaves)).count();
             untrue == 0

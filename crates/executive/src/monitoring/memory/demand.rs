@@ -1,5 +1,5 @@
 //! Demands on memory (M&I)
-//! What: holds how far back a clause looks, and why.
+//! What: describes how far back a clause looks, and the reason.
 //! Runs: when a library is loaded or reported on.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -55,13 +55,13 @@ pub enum Why {
     EventTimes,
     /// A condition counts from its task's creation, but can be watched later only.
     SinceCreation,
-    /// A query whose depth is known only at its evaluation.
+    /// A query whose depth is only known when it is evaluated.
     QueryTime,
-    /// A query whose variable is known only at its evaluation.
+    /// A query whose variable is only known when it is evaluated.
     QueryVariable,
     /// The fit interval of a line begins at a time that is not written out.
     FitInterval,
-    /// A `:custom` trend is asked about all values of an episode.
+    /// A `:custom` trend reads all values of an episode.
     Values,
     /// Cycles are looked for in all that is remembered.
     Cycles,
@@ -72,7 +72,7 @@ pub enum Why {
 }
 
 impl Why {
-    /// Returns the reason of the clause's demand, and the PDL to write for a smaller one.
+    /// Returns the reason for the demand, and the PDL that would make it smaller.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Why::Window => ("it names its window", "a shorter window"),

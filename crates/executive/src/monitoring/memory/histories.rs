@@ -1,5 +1,5 @@
 //! Recording (M&I)
-//! What: puts samples and messages into the histories, in the declared unit, and says what monitors must see of them.
+//! What: records samples and messages in the histories, in the declared unit, and returns the stimuli for monitors.
 //! Runs: first phase of every step.
 //! Reads: library.
 //! Writes: histories.
@@ -22,18 +22,17 @@ use apex_model::value::Value;
 /// Result of recording a measurement that arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Recording {
-    /// To be shown to the monitors interested; none when it changes nothing (repeated, missing, too late, refused).
+    /// Stimulus for interested monitors; `None` if the sample changes nothing (repeated, missing, too late, rejected).
     pub(crate) stimulus: Option<Stimulus>,
     /// A message for the trace when the sample was refused or kept aside.
     pub(crate) trouble: Option<String>,
     /// Effect on the history; `None` if the measurement was refused.
     pub(crate) recorded: Option<Recorded>,
-    /// A sample that a condition may need was dropped for it, the first of its variable.
+    /// True if this is the first time that a sample of the variable was dropped that a condition may need.
     pub(crate) overflows: bool,
 }
 
-/// Puts a measurement into its history. A bare number takes the unit that the variable is declared with; a value that
-/// the unit cannot measure is refused.
+/// Records a measurement in its history. A bare number has the declared unit of the variable; a value of another dimension is rejected.
 pub(crate) fn record_sample(
     histories: &mut Histories,
     library: &Library,
@@ -89,7 +88,8 @@ pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
     }
 }
 
-/// Puts a message into the memory of events. Also true when one that a condition may need was dropped for it, the first.
+/// Records a message in the memory of events. The flag is true if this is the first time that a message was dropped that a condition may
+/// need.
 pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
     let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
     (Stimulus::Event { form, at, sequence }, overflows)

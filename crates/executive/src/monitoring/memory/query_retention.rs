@@ -1,5 +1,5 @@
 //! Query retention (M&I)
-//! What: determines the history that a query needs, as far as its text fixes the window.
+//! What: determines the history that a query needs, if its text determines the window.
 //! Runs: once, when an agent is loaded.
 //! Reads: library.
 //! Writes: the demands of a survey.
@@ -18,7 +18,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 
 impl Survey<'_> {
-    /// Adds the demand of a query of messages: it looks back over its window.
+    /// Adds the demand of a query of messages: its window.
     fn event_query(&mut self, arguments: &[Expr], whole: &Expr) {
         let (text, place) = (|| Brief.expression(whole), whole.place);
         let asked = match arguments {
@@ -39,7 +39,7 @@ impl Survey<'_> {
         }
     }
 
-    /// Adds the demand of a query of a history: it looks back over its window, or without limit if the window is not written out.
+    /// Adds the demand of a query of a history: its window, or no limit if the window is not a literal.
     pub(crate) fn query(&mut self, function: &Symbol, arguments: &[Expr], whole: &Expr) {
         if function.is("events-over") {
             return self.event_query(arguments, whole);

@@ -1,5 +1,5 @@
 //! Reach into the past (M&I)
-//! What: how far before now constraints on time, and instants that queries name, can lie.
+//! What: computes how far in the past constraints on time and the instants of queries can lie.
 //! Runs: when a library is surveyed, and when a monitor is created.
 //! Reads: expressions, the library's constants.
 //! Writes: nothing.
@@ -13,7 +13,7 @@ use apex_model::library::Library;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// Definitions that name one another are followed so far.
+/// Depth up to which definitions that refer to other definitions are followed.
 const DEFINITIONS_MAX: u32 = 8;
 
 /// Returns the span before now within which all of `constraints` on an instant can hold; `None` if there is no such span.
@@ -42,7 +42,7 @@ pub(crate) fn before_now(expr: &Expr, library: &Library) -> Option<Duration> {
     }
 }
 
-/// Returns the duration that `expr` is, where that is written out or defined as one.
+/// Returns the duration of `expr` if it is a literal or a constant defined as one.
 pub(crate) fn duration(expr: &Expr, library: &Library) -> Option<Duration> {
     let mut expr = expr;
     for _ in 0..DEFINITIONS_MAX {

@@ -1,5 +1,5 @@
 //! Retention (M&I)
-//! What: how far back conditions and queries of a library look, so that histories are long enough by construction.
+//! What: computes how far back the conditions and queries of a library look, so that histories are always long enough.
 //! Runs: once, when an agent is loaded.
 //! Reads: library.
 //! Writes: histories, by the demands that `apex check --memory` prints.
@@ -31,7 +31,8 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// Prepares `histories` for `library`: how far back its conditions and queries look. `index` is that of the library, if known.
+/// Prepares `histories` for the depth to which the conditions and queries of `library` look back. `index` is that of the library, if it
+/// exists.
 pub(crate) fn prepare(histories: &mut Histories, library: &Library, index: Option<&LibraryIndex>) {
     let mut survey = Survey { library, index, wordless: true, demands: Vec::new() };
     survey.everything();
@@ -63,10 +64,10 @@ pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, co
     obey(histories, demands_of(library, condition));
 }
 
-/// Walks through definitions and notes what looks back.
+/// Walks through definitions and collects the clauses that look back.
 pub(crate) struct Survey<'a> {
     pub(crate) library: &'a Library,
-    /// Index of the procedures, if it exists already.
+    /// Index of the procedures, if it exists.
     index: Option<&'a LibraryIndex>,
     /// The texts of the demands are not used.
     wordless: bool,
@@ -100,7 +101,8 @@ impl Survey<'_> {
         library.functions.values().for_each(|function| self.exprs(&function.body));
     }
 
-    /// Returns the inputs of a derived variable: on a line the samples between the neighbours, else the newest two, which are always kept.
+    /// Adds the inputs of a derived variable: for a line the samples between the neighbours, otherwise the newest two, which are always
+    /// kept.
     fn derivation(&mut self, attribute: &Symbol, derivation: &Derivation) {
         self.expr(&derivation.value);
         let Join::Interpolate(most) = derivation.join else { return };
@@ -178,8 +180,8 @@ impl Survey<'_> {
         }
     }
 
-    /// Adds the demand of a condition that counts from the creation of its task and can be watched only later: until then
-    /// everything that it could mean is kept.
+    /// Adds the demand of a condition that counts from the creation of its task but can be watched only later: all data that it could
+    /// refer to are kept until then.
     fn since_creation(&mut self, condition: &Condition) {
         match &condition.kind {
             ConditionKind::Event { pattern, timing } => {
@@ -310,7 +312,7 @@ impl Survey<'_> {
             .into_iter()
             .for_each(|each| self.constraints(each));
         self.timing(&episode.timing);
-        // The values of the whole run are asked about.
+        // A `:custom` trend reads the values of the whole run.
         if episode.trend.iter().any(|(name, _)| name.is("custom")) {
             self.whole(&episode.variable, Why::Values, || Brief.episode(episode), place);
         }

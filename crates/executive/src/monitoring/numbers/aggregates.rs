@@ -1,5 +1,5 @@
 //! Aggregates (M&I)
-//! What: computes the statistics and trends that an episode's criteria ask for, and judges them.
+//! What: computes the statistics and trends of an episode's criteria, and judges them.
 //! Runs: whenever a run or window of numbers is evaluated.
 //! Reads: moments, histories (`:custom` only), evaluation context.
 //! Writes: nothing.
@@ -70,7 +70,7 @@ fn measure(name: &str, constraints: &[Constraint]) -> Option<Measure> {
     })
 }
 
-/// Returns the name of a measure, as PDL has it without the colon.
+/// Returns the name of a measure: its PDL keyword without the colon.
 pub(crate) fn name(measure: &Measure) -> &'static str {
     match measure {
         Measure::Mean => "mean",
@@ -128,7 +128,7 @@ pub(crate) struct RunStatistics {
     pub(crate) moments: Moments,
     /// Moments over time.
     pub(crate) held: HeldMoments,
-    /// The middle one, where it is wanted.
+    /// The median, if a criterion needs it.
     pub(crate) median: Option<f64>,
     /// There were more numbers than are kept in order.
     pub(crate) is_overfull: bool,
@@ -136,7 +136,7 @@ pub(crate) struct RunStatistics {
     pub(crate) last_two: Option<(f64, f64)>,
     /// Some step does not satisfy the constraints on steps.
     pub(crate) bad_step: bool,
-    /// Of a window that slides: does its first value fit? None where the newest sample is the only one.
+    /// For a sliding window: whether its first value satisfies the constraint; `None` if the newest sample is the only one.
     pub(crate) first_holds: Option<bool>,
     /// First and last sample's instant.
     pub(crate) interval: (Time, Time),
@@ -147,7 +147,7 @@ pub(crate) struct RunStatistics {
 pub(crate) enum CriterionResult {
     /// It holds of this value.
     Holds(Value),
-    /// It does not hold of this value.
+    /// The criterion is not satisfied by this value.
     Fails(Value),
     /// There is no value, for this reason.
     Undefined(&'static str),
@@ -272,7 +272,7 @@ impl CriterionContext<'_> {
     }
 }
 
-/// Returns the number that a measure gives, in SI; or why there is none.
+/// Returns the number that a measure computes, in SI units, or the reason for which there is none.
 fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static str> {
     let RunStatistics { moments, held, median, .. } = numbers;
     let none = "no number yet";
@@ -280,7 +280,7 @@ fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static 
     let one_instant = "fewer than two distinct instants";
     match measure {
         Measure::Mean => moments.mean().ok_or(none),
-        // Nothing is known of an empty interval, not even that it is empty: samples may be missing.
+        // The count of an interval without samples is unknown, because samples may be missing.
         Measure::Count => moments.mean().map(|_| moments.count() as f64).ok_or(none),
         Measure::StandardDeviation => moments.variance().map(libm::sqrt).ok_or(none),
         Measure::Variance => moments.variance().ok_or(none),

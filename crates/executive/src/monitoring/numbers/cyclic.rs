@@ -38,7 +38,7 @@ const CYCLES_DEFAULT: u64 = 2;
 /// Returns the part for a condition, not yet looked back. The hysteresis is evaluated now.
 ///
 /// # Errors
-/// When it cannot be, or is not a number of the variable's unit.
+/// If it cannot be computed, or is not a number of the variable's unit.
 pub(crate) fn create(
     condition: &Arc<CyclicCondition>,
     context: &dyn EvalContext,
@@ -136,7 +136,7 @@ fn feed(
     state.newest = (sample.at, number);
 }
 
-/// Makes the newest sample of an object part of the past, because one of a later instant has arrived.
+/// Adds the newest sample of an object to the past, because one of a later instant has arrived.
 fn settle(
     part: &mut CyclicPart,
     site: PartContext,
@@ -344,8 +344,8 @@ impl Judge<'_> {
     }
 }
 
-/// Takes a value in. The turning point that it reveals: an extreme from which it has returned by the hysteresis. The
-/// first extreme is none, because the values before it are unknown.
+/// Adds a value and returns the turning point that it reveals: an extreme from which the values have returned by more than the
+/// hysteresis. The first extreme is not a turning point, because the values before it are unknown.
 fn turn(swing: &mut Swing, sample: Extreme, hysteresis: f64) -> Option<Extreme> {
     let highest = swing.highest.filter(|highest| highest.value >= sample.value).unwrap_or(sample);
     let lowest = swing.lowest.filter(|lowest| lowest.value <= sample.value).unwrap_or(sample);

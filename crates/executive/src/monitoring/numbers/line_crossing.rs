@@ -1,5 +1,5 @@
 //! Line crossing (M&I)
-//! What: the earliest instant of a window at which a line of least squares satisfies constraints on its value.
+//! What: finds the earliest instant of a window at which a least-squares line satisfies constraints on its value.
 //! Runs: when a regression is asked.
 //! Reads: evaluation context.
 //! Writes: nothing.
@@ -20,8 +20,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 
-/// The values that constraints leave: an interval, each end with or without the end itself, and what is bound to the
-/// value.
+/// The values that satisfy the constraints: an interval, each end included or not, and the variables to bind to the value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ValueInterval {
     least: (f64, bool),
@@ -58,7 +57,7 @@ pub(crate) struct ValueScale {
 /// Returns the SI number of an expression.
 ///
 /// # Errors
-/// When it cannot be evaluated, or is of another dimension.
+/// If it cannot be evaluated, or has another dimension.
 pub(crate) fn number_of(expr: &Expr, scale: ValueScale, context: &dyn EvalContext) -> Result<f64, EvaluationError> {
     let value = read(evaluate(expr, context)?, RightSide::Value(scale.unit), expr.place)?;
     match value.as_number() {
@@ -73,7 +72,7 @@ pub(crate) fn number_of(expr: &Expr, scale: ValueScale, context: &dyn EvalContex
 /// Returns the values that all `constraints` leave.
 ///
 /// # Errors
-/// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
+/// If a side cannot be evaluated, or a constraint is not a bound (the checker rejects those).
 pub(crate) fn band(
     constraints: &[Constraint],
     scale: ValueScale,
@@ -128,7 +127,7 @@ pub(crate) fn band(
     Ok(band)
 }
 
-/// Returns the variable that the right side is, if nothing is bound to it yet.
+/// Returns the variable on the right side, if it is not bound yet.
 fn free(right: &Expr, seen: &dyn EvalContext) -> Option<Symbol> {
     match &right.kind {
         ExprKind::Variable { name, must_be_bound: false } => seen.variable(name).is_none().then(|| name.clone()),
@@ -141,7 +140,7 @@ fn unsolvable(place: Place) -> EvaluationError {
     EvaluationError { message, place }
 }
 
-/// Returns the earliest instant from `from` to `to` at which the line through `moments` lies within the band, with its value
+/// Returns the earliest instant from `from` to `to` at which the line through `moments` lies within the interval, with the line's value
 /// there; `None` if it never does, or there is no line.
 pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: Time) -> Option<(Time, f64)> {
     let (mut first, mut last) = (from, to);
@@ -158,7 +157,7 @@ pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: 
             }
             if exit.0.is_finite() {
                 let crossing = crossing(moments, exit.0)?;
-                // Where one value is wanted that the line has between two ticks, the second counts.
+                // If a single value is required that the line has between two ticks, the second tick counts.
                 let between = entry == exit && entry.1 && !crossing.exact;
                 last = last.min(if between { crossing.first(true) } else { crossing.last(exit.1) });
             }
@@ -170,7 +169,7 @@ pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: 
     Some((first, moments.line_at(first)?))
 }
 
-/// Instant at which a line has a value: exact, or between it and the next tick.
+/// Instant at which a line has a value: exactly at a tick, or between it and the next one.
 struct Crossing {
     /// The last tick that is not after the crossing.
     tick: Time,
@@ -179,12 +178,12 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// Returns the first tick at or after the crossing; after it when the value itself does not count.
+    /// Returns the first tick at or after the crossing; after it if the value itself is excluded.
     fn first(&self, closed: bool) -> Time {
         if self.exact && closed { self.tick } else { self.tick + Duration(1) }
     }
 
-    /// Returns the last tick at or before the crossing; before it when the value itself does not count.
+    /// Returns the last tick at or before the crossing; before it if the value itself is excluded.
     fn last(&self, closed: bool) -> Time {
         if self.exact && !closed { self.tick - Duration(1) } else { self.tick }
     }

@@ -1,5 +1,5 @@
 //! Persistence (M&I)
-//! What: detects a sample that holds until the next one, or until it expires, and satisfies the constraints at some instant.
+//! What: detects a sample that satisfies the constraints and is valid at some instant: until the next sample, or until it expires.
 //! Runs: on every sample of the watched variable, and at the instant at which the window begins.
 //! Reads: histories, evaluation context.
 //! Writes: the persisted part of a monitor.
@@ -86,7 +86,7 @@ pub(crate) fn notice(
         return;
     }
     let newest = part.objects.get(&sample.variable.object);
-    // One that came late from before the window may still be valid at its start.
+    // A late sample from before the window may still be valid at the window's start.
     if sample.at < site.window.start || newest.is_some_and(|newest| sample.at < newest.at) {
         let history = context.histories().get(sample.variable);
         if history.is_some_and(|history| history.covers(site.window.start)) {
@@ -185,20 +185,20 @@ fn holds(
     constraints.hold(site, sample, bindings, context)
 }
 
-/// Returns the instants that count: from the window's start on, or as `:timestamp` says.
+/// Returns the window of instants that count: from the part's window's start on, or as `:timestamp` states.
 fn window(part: &PersistedPart, site: PartContext, context: &dyn EvalContext) -> Result<TimeBounds, EvaluationError> {
     let stated = bounds(&part.condition.timestamp, context, site.place)?;
     Ok(TimeBounds { from: Some(stated.from.unwrap_or(site.window.start).max(site.window.start)), to: stated.to })
 }
 
-/// Returns the first instant of the window at which the sample holds, and the last; both may be to come.
+/// Returns the first and the last instant of the window at which the sample is valid; both may lie in the future.
 fn valid(part: &PersistedPart, within: TimeBounds, sample: &PersistedSample) -> Option<(Time, Time)> {
     let first = within.from.map_or(sample.at, |from| from.max(sample.at));
     let last = within.to.unwrap_or(Time::END).min(sample.at + part.timeout);
     (first <= last).then_some((first, last))
 }
 
-/// Returns the result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
+/// Returns the result of a sample as known at `horizon`; with `over`, the next sample follows then.
 fn judged(
     part: &PersistedPart,
     site: PartContext,

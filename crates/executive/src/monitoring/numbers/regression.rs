@@ -1,5 +1,5 @@
 //! Linear regression (M&I)
-//! What: detects that the line of least squares through the samples satisfies the constraints at some instant of the window.
+//! What: detects that the least-squares line through the samples satisfies the constraints at some instant of the window.
 //! Runs: on every sample of the watched variable, and at the instant at which the line meets the constraint.
 //! Reads: histories, evaluation context.
 //! Writes: the regression part of a monitor.
@@ -47,9 +47,9 @@ pub(crate) enum FitFailure {
     Blind,
     /// Fewer samples than `:minimum-points`.
     TooFew { samples: u64, least: u64 },
-    /// All samples are of one instant.
+    /// All samples have the same instant.
     OneInstant,
-    /// A gap between samples, or since the last one.
+    /// A gap between samples, or after the last one, is too long.
     Gap { gap: Duration, most: Duration },
     /// The residuals are greater than `:maximum-error`.
     Error { error: Value, most: Value },
@@ -127,7 +127,7 @@ pub(crate) fn declared_scale(
     (unit, declared.filter(|declared| declared.unit.is_some()).map(|declared| declared.dimension))
 }
 
-/// Returns the window of the fit: from `:start`, or else from the start of the part's window.
+/// Returns the window of the fit: from `:start`, otherwise from the start of the part's window.
 fn fit_window(part: &RegressionPart, site: PartContext) -> Window {
     match part.fit.0 {
         Some(start) => Window::from(start),
@@ -170,7 +170,7 @@ impl Sampled for RegressionPart {
         fit_window(self, site)
     }
 
-    // It takes the place of one that does not stand apart any longer, since a value that is not a number came after it.
+    // The sample replaces one that is no longer stored separately, because a value that is not a number came after it.
     fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let fit = self.objects.get(&sample.variable.object);
         fit.is_some_and(|fit| fit.newest.is_none() && fit.last().map(|(at, _)| at) == Some(sample.at))
@@ -200,7 +200,7 @@ fn feed(
         fit.miss(sample.at);
         return troubles.add(no_number(sample, site));
     };
-    // What is not finite is a missing measurement here: it opens a gap. A value that is not a number replaces nothing.
+    // An infinite value counts as a missing measurement: it opens a gap. A value that is not a number replaces no sample.
     if number.is_nan() {
         return;
     }
@@ -220,7 +220,7 @@ fn no_number(sample: SampleView<'_>, site: PartContext) -> EvaluationError {
     EvaluationError { message, place: site.place }
 }
 
-/// A line with what it says.
+/// A fitted line with its value.
 pub(crate) struct FittedLine {
     /// All samples of the fit.
     pub(crate) moments: Moments,
@@ -263,9 +263,9 @@ fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<F
 
 /// Statement of one object's line at `now`.
 pub(crate) enum Saying {
-    /// It meets the constraints in the window.
+    /// The line satisfies the constraints in the window.
     Met(Satisfaction),
-    /// It will within what is known, if no sample comes before.
+    /// It will do so at this instant, if no sample arrives before.
     WillBe(Time, f64, FittedLine),
     /// It does not.
     Unmet(FittedLine),
@@ -296,7 +296,7 @@ pub(crate) fn says(
         Time::BEGINNING => stated.from.unwrap_or(first_at),
         start => stated.from.map_or(start, |from| from.max(start)),
     };
-    // What lies after now is predicted only if the window includes it.
+    // Later instants are predicted only if the window includes them.
     let reach = Time(i64::MAX / 2);
     let Some((at, value)) = earliest(&line.moments, &wanted, from, stated.to.unwrap_or(reach.max(from))) else {
         return Ok(unmet(part, line, now));
@@ -347,7 +347,7 @@ fn unmet(part: &RegressionPart, line: FittedLine, now: Time) -> Saying {
     }
 }
 
-/// Returns the statements of the lines of all wanted objects, in order of first appearance.
+/// Returns the statements for the lines of all required objects, in order of first appearance.
 pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Saying> {
     let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
     let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
@@ -383,7 +383,7 @@ pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut Ver
 /// constraint.
 pub(crate) fn truth(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let sayings = all(part, site, query);
-    // An object that is not wanted was known, as for other conditions.
+    // Samples of an object that is not required do not make the result known, as for other conditions.
     let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
     let mut met = false;
     for saying in sayings {

@@ -12,8 +12,8 @@ use crate::state::monitors::moments::Moments;
 /// Maximum number of terms. The fraction converges in about the square root of the degrees of freedom, or faster in the tails.
 const FRACTION_TERMS_MAX: u32 = 10_000;
 
-/// Returns the probability of a slope at least so far from zero at random; `None` with fewer than three samples or two
-/// distinct instants.
+/// Returns the probability that samples without a trend show a slope at least this far from zero; `None` with fewer than three samples or
+/// two distinct instants.
 pub(crate) fn slope_by_chance(moments: &Moments) -> Option<f64> {
     let slope = moments.slope_per_s()? / 1e9;
     let freedom = moments.count().checked_sub(2).filter(|freedom| *freedom > 0)? as f64;
@@ -38,7 +38,7 @@ fn beta_ratio(x: f64, rest: f64, a: f64, b: f64) -> f64 {
     }
     let log_front = libm::lgamma(a + b) - libm::lgamma(a) - libm::lgamma(b) + a * libm::log(x) + b * libm::log(rest);
     let front = libm::exp(log_front);
-    // The fraction converges fast only on one side of the mean; the other side uses the symmetry of the function.
+    // The continued fraction converges fast only on one side of the mean; the other side uses the symmetry of the function.
     if x < (a + 1.0) / (a + b + 2.0) { front * fraction(x, a, b) / a } else { 1.0 - front * fraction(rest, b, a) / b }
 }
 

@@ -1,5 +1,5 @@
 //! Sliding window (M&I)
-//! What: holds the numbers of the latest interval of fixed length, with their moments, as samples come and leave.
+//! What: holds the numbers of the latest interval of fixed length, with their moments, as samples enter and leave.
 //! Runs: from statistics, on every sample.
 //! Reads: nothing.
 //! Writes: the window.
@@ -20,7 +20,7 @@ pub(crate) struct Contents {
     pub(crate) left: Vec<f64>,
     /// The instant of the oldest sample in the window.
     pub(crate) first: Option<Time>,
-    /// Its value may be the first one.
+    /// True if the value of that sample satisfies the constraint on the first value.
     pub(crate) first_holds: bool,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn drop_before(window: &mut SlidingWindow, start: Time, holds: bool, 
     }
 }
 
-/// Moves the younger stack onto the older one, the oldest number on top.
+/// Moves the younger stack onto the older one, so that the oldest number is on top.
 fn turn_over(window: &mut SlidingWindow, holds: bool) {
     let mut moments = Moments::default();
     let mut held = HeldMoments::default();
@@ -73,7 +73,7 @@ fn turn_over(window: &mut SlidingWindow, holds: bool) {
     window.back_held = HeldMoments::default();
 }
 
-/// Returns the content of the window from `start` on. Changes nothing, so that the number of calls does not matter.
+/// Returns the content of the window from `start` on. It changes nothing, so that the number of calls does not matter.
 pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     let mut contents = Contents::default();
     let mut edge = window.edge;
@@ -110,7 +110,7 @@ pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
             contents.held = window.back_held;
         }
     }
-    // The number before the window holds up to the first one in it, or to the newest sample.
+    // The number before the window is valid up to the first one in it, or up to the newest sample.
     if let Some(Point { at, number: Some(number), held, .. }) = edge {
         let until = at + held;
         let from = start.max(at);

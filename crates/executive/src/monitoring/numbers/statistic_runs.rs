@@ -32,7 +32,7 @@ fn wants_held(part: &StatisticalPart) -> bool {
     wants(part, |measure| matches!(measure, Measure::HeldMean | Measure::HeldVariance | Measure::HeldStandardDeviation))
 }
 
-/// Returns the gap that cuts the newest sample off from the run before it.
+/// Returns the gap that separates the newest sample from the preceding run.
 fn gap_cut(part: &StatisticalPart, state: &NumberRun) -> Option<Duration> {
     let gap = state.newest.at - state.run.as_ref()?.last;
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
@@ -84,7 +84,7 @@ pub(crate) fn take_in(
         if ordered.count() < context.limits().of(Limit::MedianNumbers) {
             ordered.add(number);
         } else {
-            // Of some of the numbers there is a median, too, but it is not what was asked for.
+            // A median of a part of the numbers exists too, but it is not the required one.
             run.is_overfull = true;
             troubles.reached(Limit::MedianNumbers, context, site.place);
         }
@@ -119,7 +119,7 @@ pub(crate) enum CriteriaVerdict {
     Undefined,
     /// All hold.
     Holds,
-    /// One does not.
+    /// At least one does not hold.
     Fails,
 }
 
@@ -129,7 +129,7 @@ pub(crate) struct Evaluated {
     pub(crate) found: Option<Satisfaction>,
     /// Results that are over.
     pub(crate) over: Vec<Satisfaction>,
-    /// The result of a run that silence has ended; the next sample ends it with the same result.
+    /// The result of a run that a lack of samples has ended; the next sample ends it with the same result.
     pub(crate) closed_by_time: Option<Satisfaction>,
     /// Verdict of the criteria at the end.
     pub(crate) outcome: CriteriaVerdict,
@@ -184,7 +184,7 @@ impl Evaluation<'_> {
         Some(state.run.as_ref().filter(|_| state.newest.joins).map_or(state.newest.at, |run| run.start))
     }
 
-    /// Lets the newest sample count and time pass up to and with `horizon`.
+    /// Evaluates the run with the newest sample, up to and including `horizon`.
     pub(crate) fn up_to(&self, state: &NumberRun, horizon: Time, troubles: &mut ConditionFaults) -> Evaluated {
         let mut evaluated = Evaluated {
             found: state.found.clone(),
@@ -236,7 +236,7 @@ impl Evaluation<'_> {
         match (result, &mut evaluated.found) {
             (None, found) => evaluated.over.extend(found.take()),
             (Some(result), None) => evaluated.found = Some(result),
-            // A result that continues to hold is one result, from the first sample of the run or of the first window on.
+            // A result that continues to hold is one result: from the first sample of the run, or of the first window, on.
             (Some(result), Some(found)) => {
                 let interval = (found.interval.0, result.interval.1);
                 *found = Satisfaction { interval, recognised_at: found.recognised_at, ..result };
@@ -245,7 +245,8 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Instants after `after` at which time alone may change what holds, as far as the sampling quality licenses.
+    /// Returns instants after `after` at which time alone may change the verdict, within the span for which the sampling quality extends
+    /// the last value.
     fn licensed(&self, state: &NumberRun, start: Time, after: Time, count: usize) -> Vec<Time> {
         let part = self.part;
         let Some(most) = part.gap_max else { return Vec::new() };
@@ -267,8 +268,7 @@ impl Evaluation<'_> {
         instants
     }
 
-    /// Asks to be woken at the next instant at which time alone makes the criteria hold or hold no more, or fail when it is
-    /// not known yet what they do, as far as it can be foreseen.
+    /// Requests a wake at the next foreseeable instant at which time alone changes the verdict of the criteria.
     pub(crate) fn foresee(&self, state: &NumberRun, outcome: CriteriaVerdict, query: &mut VerdictQuery<'_>) {
         let Some(start) = self.start(state) else { return };
         if self.part.at_close {
@@ -307,7 +307,7 @@ impl Evaluation<'_> {
         if at - start < part.duration_min && !part.at_close {
             return Ok((CriteriaVerdict::Early, None));
         }
-        // A run that may have begun before what is remembered is not known as a whole.
+        // If the run may have begun before the oldest remembered sample, it is not known as a whole.
         if !part.slides && part.first_known == Some(start) {
             return Ok((CriteriaVerdict::Undefined, None));
         }
@@ -324,7 +324,7 @@ impl Evaluation<'_> {
             }
         }
         let ends = if with_newest {
-            // The first sample of a window that slides is another one each time.
+            // The first sample of a sliding window changes as the window moves.
             let first = if part.slides { numbers.first_holds } else { run.map(|run| run.first_holds) };
             (first.unwrap_or(state.newest.first_holds), state.newest.last_holds)
         } else if part.slides {

@@ -71,7 +71,7 @@ pub(crate) fn create(
     })
 }
 
-/// Returns the least duration that a constraint allows; of a window that slides the wanted one.
+/// Returns the least duration that a constraint allows; for a sliding window the required one.
 fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let tick = Duration(1);
     Ok(match constraint {
@@ -146,7 +146,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
+/// Adds the newest sample to the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut StatisticalPart,
     site: PartContext,
@@ -219,7 +219,7 @@ fn judge(
     newest
 }
 
-/// Returns the bindings of a sample that satisfies the value constraints, and whether it agrees with the run before it.
+/// Returns the bindings of a sample that satisfies the value constraints, and true if they agree with the preceding run.
 fn held_values(
     part: &StatisticalPart,
     site: PartContext,
@@ -286,7 +286,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
         results.extend(evaluated.closed_by_time);
         results.extend(evaluated.found);
     }
-    // Those of one instant in the order in which their objects were first known.
+    // Results of one instant, in the order in which their objects first occurred.
     let rank = |result: &Satisfaction| {
         let object = result.evidence.iter().find_map(|evidence| match evidence {
             Evidence::Run { variable, .. } => Some(&variable.object),
@@ -322,7 +322,7 @@ fn open<'a>(
     open
 }
 
-/// Returns the same, each with its variable.
+/// Returns the open runs, each with its variable.
 pub(crate) fn open_of_variables(
     part: &StatisticalPart,
     site: PartContext,
@@ -357,8 +357,8 @@ fn in_order(part: &StatisticalPart) -> Vec<(&Value, &NumberRun)> {
     objects
 }
 
-/// Returns satisfied; unknown while a statistic is undefined, a run too short, or samples are missing; otherwise not satisfied. Also finds
-/// the next instant at which time alone decides.
+/// Returns satisfied; unknown while a statistic is undefined, a run is too short, or samples are missing; otherwise not satisfied. Also
+/// computes the next instant at which time alone decides.
 pub(crate) fn truth(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let mut met = !part.settled.is_empty();
     if met && site.keep == Keep::First {

@@ -67,7 +67,7 @@ impl Wanted {
             .into_iter()
             .filter_map(|(first, last, next)| {
                 let by_sample = samples.iter().map(|(at, _)| *at).find(|at| *at >= first + least && *at <= last);
-                // Within the run the last value is licensed up to the next sample, after it for the gap.
+                // Within the run the last value holds up to the next sample; after the run it holds for the length of the gap.
                 let reached = first + least;
                 let previous = samples.iter().map(|(at, _)| *at).rfind(|at| *at < reached)?.max(first);
                 let licensed = self.gap.is_some_and(|gap| reached <= previous + gap)
@@ -132,7 +132,7 @@ proptest! {
             tell(&mut world, group);
             seen.extend_from_slice(group);
             let next = groups.peek().map_or(group[0].0 + rest, |next| next[0].0);
-            // Every tick up to the next arrival is asked, so that nothing depends on when time is advanced.
+            // Every tick up to the next arrival is queried, so that the result does not depend on when time is advanced.
             for now in group[0].0..=next.max(group[0].0 + 1) - 1 {
                 let samples = valid(&seen);
                 let verdict = world.ask(now);
@@ -170,7 +170,7 @@ proptest! {
             tell(&mut world, group);
             let mut now = group[0].0;
             let until = groups.get(index + 1).map_or(i64::MAX, |next| next[0].0);
-            // The agent sleeps until the next arrival or the wake, and looks nowhere else.
+            // The agent sleeps until the next arrival or wake, and evaluates at no other instant.
             while now < until && first.is_none() {
                 first = world.answer(now).map(|(_, _, known)| (now, known));
                 match world.wake() {

@@ -1,4 +1,4 @@
-//! Looking back as a bank does leaves an episode as looking at its samples one by one does.
+//! Looking back as a bank does leaves an episode in the same state as passing its samples one by one.
 
 use super::*;
 use crate::monitoring::episodes::episode;
@@ -17,7 +17,7 @@ proptest! {
         let mut view = TestView::default();
         view.histories.require_lookback_of_all(Duration(1_000));
         for (number, (at, value, kind)) in samples.iter().enumerate() {
-            // Now and then a real, or something that cannot be compared.
+            // Occasionally a real, or a value that cannot be compared.
             let value = match kind {
                 0 => Value::Real(*value as f64 + 0.5),
                 1 => Value::symbol("odd"),

@@ -1,4 +1,4 @@
-//! Conditions whose parts depend on each other: shared variables, constraints over tags, order, against all combinations.
+//! Conditions whose parts depend on each other (shared variables, constraints over tags, order), against all combinations.
 
 use super::*;
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn histories() -> impl Strategy<Value = Vec<Happened>> {
     })
 }
 
-/// All pairs of an `a` and a `b` that satisfy `agree`, as the earliest instant at which one is complete.
+/// Returns the earliest instant at which a pair of an `a` and a `b` that satisfies `agree` is complete.
 fn earliest(events: &[Happened], agree: impl Fn(&Happened, &Happened) -> bool) -> Option<i64> {
     let of = |name: u8| events.iter().filter(move |event| event.1 == name);
     of(0).flat_map(|a| of(1).map(move |b| (a, b))).filter(|(a, b)| agree(a, b)).map(|(a, b)| a.0.max(b.0)).min()

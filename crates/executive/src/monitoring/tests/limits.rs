@@ -21,7 +21,7 @@ fn warm(attribute: &str, least: i64, any: bool) -> Condition {
     condition(ConditionKind::Episode(Arc::new(episode)))
 }
 
-/// Shows samples of `a`, one per instant, and asks after each; returns the faults reported up to `quiet`, and after it.
+/// Passes samples of `a`, one per instant, and judges after each. Returns the errors reported up to `quiet`, and those after it.
 fn over(world: &mut World, values: impl Fn(i64) -> i64, quiet: i64, end: i64) -> (Vec<String>, Vec<String>) {
     let mut before = Vec::new();
     for at in 0..end {
@@ -42,7 +42,7 @@ fn that_the_first_sample_of_a_pair_is_forgotten_is_told_once() {
 
 #[test]
 fn that_windows_of_an_absence_are_forgotten_is_told_once() {
-    // Each second sample fits, so that between them something is absent for an instant. No monitor sees the event.
+    // Every second sample matches, so that the part is absent for an instant between them. No monitor receives the event.
     let absent = condition(ConditionKind::Absent(Box::new(points("a", false)), span(1)));
     let seen = condition(event(vec![word("seen")]));
     let later = call(">", vec![call("start-of", vec![variable("gone")]), constant(Value::Time(Time(1_000_000)))]);

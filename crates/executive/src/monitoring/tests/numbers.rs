@@ -1,4 +1,4 @@
-//! Statistics of a sliding window against exact arithmetic, on data that cost digits.
+//! Statistics of a sliding window against exact arithmetic, on data that lose digits in floating point.
 
 use crate::monitoring::numbers::sliding_window::{contents, drop_before, push};
 use crate::state::monitors::numbers::{Point, SlidingWindow};
@@ -11,8 +11,8 @@ fn noise(index: i64, size: i64) -> i64 {
     (mixed >> 33) as i64 % (2 * size + 1) - size
 }
 
-/// Greatest relative error of variance, mean and slope: values are `(offset + k) * unit` for whole numbers k, so that
-/// whole numbers tell exactly what is right.
+/// Returns the greatest relative errors of variance, mean and slope. Values are `(offset + k) * unit` for whole numbers k, so that
+/// integer arithmetic gives the exact result.
 fn worst(offset: i64, unit: f64, number: impl Fn(i64) -> i64, samples: i64, length: i64) -> [f64; 3] {
     let mut window = SlidingWindow::default();
     let mut worst = [0.0_f64; 3];

@@ -1,4 +1,4 @@
-//! Allen relations and absence against their definitions: over all runs, with all ways in which runs could continue.
+//! Allen relations and absence against their definitions: over all runs, with all possible continuations of open runs.
 
 use super::*;
 use crate::monitoring::combination::allen::SWEEP_AT_LEAST;
@@ -25,7 +25,7 @@ pub(super) const RELATIONS: [AllenRelation; 13] = [
 
 pub(super) type Interval = (i64, i64);
 
-/// The relation as a textbook has it, with end points equal within `near`.
+/// The relation as defined in textbooks, with end points equal within `near`.
 fn stands(relation: AllenRelation, a: Interval, b: Interval, near: i64) -> bool {
     let less = |x: i64, y: i64| y - x > near;
     let same = |x: i64, y: i64| (x - y).abs() <= near;
@@ -70,8 +70,8 @@ impl Side {
         )
     }
 
-    /// The intervals known at `now`, and whether each can continue. A run counts once its duration is reached, by a sample
-    /// or while the gap says that the last value holds.
+    /// Returns the intervals known at `now`, and whether each can continue. A run counts once its duration is reached, by a sample or
+    /// while the gap allows the last value to hold.
     pub(super) fn intervals(self, samples: &[(i64, i64)], now: i64) -> Vec<(Interval, bool)> {
         let Side::Runs { gap, least } = self else {
             return samples.iter().filter(|(_, value)| *value >= 5).map(|(at, _)| ((*at, *at), false)).collect();
@@ -178,7 +178,7 @@ fn a_result_that_ends_first_does_not_stand_for_one_that_begins_later() {
         vec![Side::Points.condition("a"), Side::Runs { gap: None, least: 0 }.condition("b")],
     );
     let mut world = World::new(&condition);
-    // The samples of b come later than those of a: its run begins with the first point.
+    // The samples of b arrive later than those of a: its run begins with the first point.
     tell(&mut world, &[(false, 2, 3), (true, 3, 5), (true, 7, 5), (true, 8, 3)]);
     assert_eq!(world.answer(8), None);
     tell(&mut world, &[(false, 3, 5)]);
@@ -192,7 +192,7 @@ fn a_run_that_silence_has_ended_goes_on_with_a_sample_that_was_on_its_way() {
     let runs = Side::Runs { gap: Some(1), least: 0 };
     let mut world =
         World::new(&related(AllenRelation::During, 0, vec![Side::Points.condition("a"), runs.condition("b")]));
-    // Samples enough that what is of no more use is dropped; the last of b comes when it seems to be silent.
+    // Enough samples that useless ones are dropped; the last sample of b arrives when b seems to be silent.
     tell(&mut world, &[(false, 6, 3), (false, 7, 5), (true, 8, 5), (false, 8, 5)]);
     assert_eq!(world.answer(8), None);
     for at in 11..=60 {
@@ -203,7 +203,7 @@ fn a_run_that_silence_has_ended_goes_on_with_a_sample_that_was_on_its_way() {
     assert_eq!(world.answer(60), Some((7, 9, 60)));
 }
 
-/// Compares a relation's answers at all instants with its definition, up to the first answer.
+/// Compares the answers of a relation at all instants with its definition, up to the first answer.
 fn follows_the_definition(
     trace: &[(bool, i64, i64)],
     (relation, near): (AllenRelation, i64),
@@ -229,8 +229,7 @@ fn follows_the_definition(
     Ok(())
 }
 
-/// The trace, after as many short runs of the first variable as `runs`, which nothing is related to: enough of them that
-/// results are dropped.
+/// Returns the trace after `runs` short runs of the first variable that nothing is related to: enough runs that results are dropped.
 fn preceded(trace: &[(bool, i64, i64)], runs: i64) -> Vec<(bool, i64, i64)> {
     let before = (0..runs).flat_map(|run| [(true, 2 * run, 5), (true, 2 * run + 1, 4)]);
     before.chain(trace.iter().map(|(first, at, value)| (*first, at + 2 * runs, *value))).collect()
@@ -303,7 +302,7 @@ proptest! {
             told = arrived;
             found = found.or(watching.answer(now));
         }
-        // A monitor that is made at the end looks back over the same window.
+        // A monitor that is created at the end looks back over the same window.
         let mut view = TestView::default();
         view.histories.require_lookback_of_all(Duration::MAX);
         let mut late = World::in_view(&condition, view);
@@ -334,7 +333,7 @@ proptest! {
         for (index, arrival) in arrivals.iter().enumerate() {
             tell(&mut world, &arrivals[index..=index]);
             now = now.max(arrival.1);
-            // All of one instant are one step.
+            // All arrivals of one instant belong to one step.
             if arrivals.get(index + 1).is_some_and(|next| next.1 <= now) {
                 continue;
             }
@@ -364,7 +363,7 @@ proptest! {
             let since = intervals.iter().map(|(interval, _)| interval.1).max().unwrap_or(0);
             let goes_on = intervals.iter().any(|(_, open)| *open);
             let quiet = !goes_on && now - since >= length;
-            // Where the newest sample does not contradict an episode, it may be going on.
+            // If the newest sample does not contradict an episode, it may continue.
             let contradicted = samples.last().is_some_and(|(_, value)| *value < 5);
             let Verdict::Satisfied(result) = world.ask(now) else {
                 let known = matches!(side, Side::Points) || contradicted;

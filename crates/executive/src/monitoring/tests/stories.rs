@@ -1,4 +1,4 @@
-//! Small stories: one rule of the language each.
+//! Short sequences of samples and messages: one rule of the language each.
 
 use super::*;
 use crate::state::monitors::monitor::Interest;

@@ -73,7 +73,7 @@ fn samples() -> impl Strategy<Value = Vec<(i64, usize, Value, bool)>> {
     proptest::collection::vec((late, 0..2_usize, values(), proptest::bool::weighted(0.7)), 1..14)
 }
 
-/// The same monitor twice: `routed` receives the stimuli of the table of interests, the other one everything.
+/// The same monitor twice: `routed` receives only the stimuli of the table of interests, the other one receives all.
 struct Pair {
     routed: Monitor,
     told: Monitor,
@@ -126,7 +126,7 @@ proptest! {
                 prop_assert_eq!(take_troubles(&mut pair.routed), take_troubles(&mut pair.told));
                 prop_assert_eq!(unmet(&pair.routed, &view), unmet(&pair.told, &view));
                 if matches!(told, Verdict::Satisfied(_)) {
-                    // What came true is no longer watched.
+                    // A satisfied monitor is no longer watched.
                     let narrowed = Narrowed { second: None, threshold: threshold(&pair.routed) };
                     interests.remove(&lasting_interest(&pair.routed).unwrap(), narrowed, MonitorId(number as u64));
                     let (again, window) = (&wanted[number.min(wanted.len() - 1)].0, Window::from(Time(view.now.0 + 1)));

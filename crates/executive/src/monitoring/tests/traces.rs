@@ -19,7 +19,7 @@ pub(super) fn valid(trace: &[(i64, Option<i64>)]) -> Vec<(i64, i64)> {
     samples
 }
 
-/// Up to 23 arrivals with values below `most`; for each that is missing there are about `present` others.
+/// Returns up to 23 arrivals with values below `most`; a sample is missing about once for every `present` others.
 pub(super) fn traces(most: i64, present: u32) -> impl Strategy<Value = Trace> {
     let step = (0..6_i64, prop_oneof![present => (0..most).prop_map(Some), 1 => Just(None)]);
     proptest::collection::vec(step, 0..24).prop_map(|steps| {
@@ -51,7 +51,7 @@ pub(super) fn as_truth(verdict: &Verdict) -> Truth {
     }
 }
 
-/// Groups of arrivals of one instant: what one step sees.
+/// Returns the groups of arrivals of one instant: the input of one step each.
 pub(super) fn instants(trace: &[(i64, Option<i64>)]) -> Vec<&[(i64, Option<i64>)]> {
     trace.chunk_by(|a, b| a.0 == b.0).collect()
 }

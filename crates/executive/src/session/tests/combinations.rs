@@ -1,4 +1,4 @@
-//! Combinations whose leaves banks watch tell what they would tell if they were reported of every sample.
+//! A combination whose leaves are watched by banks reports what it would report if its monitor received every sample.
 
 use super::{at, of, read};
 use crate::session::{Judgement, MonitorResult, MonitorSession};
@@ -21,7 +21,7 @@ fn episode() -> impl Strategy<Value = String> {
     })
 }
 
-/// Trees of such; orders have two parts and no `:not`, whose combinations would be too many for a naive search.
+/// Trees of episodes. Orders have two parts and no `:not`, because a naive search would have too many combinations.
 fn condition() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         3 => episode(),
@@ -40,7 +40,7 @@ fn condition() -> impl Strategy<Value = String> {
     })
 }
 
-/// All results of `conditions` over samples of three variables, and what is said of each where `asked` is true.
+/// Returns all results of `conditions` over samples of three variables, and the verdicts if `asked` is true.
 fn run(
     samples: &[(u8, i64, i64)],
     conditions: &[String],
@@ -70,7 +70,7 @@ fn run(
     (session.take_results(), judgements)
 }
 
-/// Samples in order of time, except for those of the variable that may come late, after which others are from the past.
+/// Samples in order of time, except for the variable with lateness, whose samples may lie in the past.
 fn samples() -> impl Strategy<Value = Vec<(u8, i64, i64)>> {
     (prop::collection::vec((0u8..6, -1i64..4, 0i64..60), 0..50), any::<bool>()).prop_map(|(mut samples, late)| {
         samples.sort_by_key(|(which, value, at)| if late && which % 3 == 2 { at + 2 * value } else { *at });

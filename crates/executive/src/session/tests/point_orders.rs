@@ -1,4 +1,4 @@
-//! Orders of samples and messages: nothing that was forgotten makes an answer false, and chains are those of the definition.
+//! Orders of samples and messages: dropped points never make an answer false, and the chains agree with the definition.
 
 use super::*;
 
@@ -33,7 +33,7 @@ fn over_a_log_nothing_is_forgotten() {
 
 #[test]
 fn without_a_greatest_delay_one_sample_stands_for_all() {
-    // Ten times what is kept, and the answer is still certain.
+    // Ten times the kept number of samples, and the answer is still certain.
     let (mut session, id) = session("(:in-order (speed uav > 4) (:delay 90s) (landed))", 0.0);
     for number in 0..40_960 {
         session.sample(&of("speed"), Value::Real(5.0), Time(number * 20_000_000));
@@ -79,7 +79,7 @@ const ORDERS: [&str; 9] = [
     "(:in-order (:measurement first (a uav) :value (> 4)) (:delay 3s) (b uav < 4) (:delay 1s 3s) (go)",
 ];
 
-/// Returns the results of `condition` over `story`; with `late`, each variable's samples come after those of the one before.
+/// Returns the results of `condition` over `story`; with `late`, the samples of each variable arrive after those of the preceding one.
 fn results_over(condition: &str, story: &[(i64, Told)], late: bool, log: bool) -> (Vec<String>, String) {
     let (plain, id) = session(condition, 0.0);
     let mut session = if log { plain.over_a_log() } else { plain };

@@ -1,5 +1,5 @@
-//! Messages that are remembered by their first word, as far back as queries and log policies ask, in addition to what conditions
-//! need (paper, section IV, policies on logged data quantity).
+//! Messages that are remembered by their first word, as far back as queries and log policies require, beyond the needs of conditions
+//! (paper, section IV, policies on logged data quantity).
 
 use crate::state::histories::history::Occurrence;
 use apex_model::symbol::Symbol;
@@ -26,11 +26,11 @@ struct Log {
     kept: VecDeque<Occurrence>,
     /// The newest instant of a message that is kept no longer.
     forgotten_until: Option<Time>,
-    /// Messages that a query or a policy asks for have been dropped, because there were more than the limit.
+    /// True if messages that a query or a policy requires were dropped at the limit.
     overflowed: bool,
 }
 
-/// Demand of all open policies and queries for one first word: the least restrictive of them counts.
+/// Demand of all open policies and queries for one first word: the least restrictive one counts.
 #[derive(Clone, Copy, Debug, Default)]
 struct EventDemand {
     lookback: Option<Duration>,
@@ -76,7 +76,7 @@ impl EventLogs {
         }
     }
 
-    /// Closes a policy, if it is one of messages. What only it kept goes.
+    /// Closes a policy, if it is one of messages. Messages that only it kept are dropped.
     pub(crate) fn close(&mut self, number: u64) {
         let Some(policy) = self.open.remove(&number) else { return };
         let wanted = self.asked.contains_key(&policy.head) || self.open.values().any(|open| open.head == policy.head);
@@ -85,8 +85,8 @@ impl EventLogs {
         }
     }
 
-    /// Takes in a message, if a clause needs it; at most `most` of one first word are kept. True when one that is wanted
-    /// was dropped for it, and none was before.
+    /// Records a message if a clause needs it; at most `most` of one first word are kept. Returns true if a required message was dropped
+    /// for the first time.
     pub(crate) fn record(&mut self, event: &Occurrence, most: usize) -> bool {
         let Some(head) = event.head().filter(|head| self.logs.contains_key(*head)) else { return false };
         let wanted = self.wanted(head);
@@ -108,8 +108,8 @@ impl EventLogs {
         wanted
     }
 
-    /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; `None` without a demand
-    /// for them before.
+    /// Returns the messages that begin with `head`, oldest first, and true if all of them since `start` are there; `None` if no clause
+    /// required them.
     pub(crate) fn of<'a>(
         &'a self,
         head: &Symbol,
@@ -127,7 +127,7 @@ impl Log {
             other.is_some_and(|other| (other.at - event.at).0.saturating_abs() < wanted.spacing.0)
         };
         let neighbours = [index.checked_sub(1).and_then(|before| self.kept.get(before)), self.kept.get(index)];
-        // Not forgotten: where only logs want them, a log of just this density was asked for.
+        // Not counted as dropped: where only logs need them, a log of this density was requested.
         if wanted.lookback.is_none() && neighbours.into_iter().any(close) {
             return;
         }
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(kept(&[policy(0, ALL, u64::MAX)], &instants), (instants.to_vec(), None));
         assert_eq!(kept(&[policy(0, 6, u64::MAX)], &instants), (vec![6, 7, 12], Some(Time(3))));
         assert_eq!(kept(&[policy(0, ALL, 2)], &instants), (vec![7, 12], Some(Time(6))));
-        // What is thinned was not asked for.
+        // Messages left out by thinning were not requested.
         assert_eq!(kept(&[policy(3, ALL, u64::MAX)], &instants), (vec![1, 6, 12], None));
         assert_eq!(kept(&[policy(3, 6, 2), policy(0, 5, 1)], &instants), (vec![7, 12], Some(Time(6))));
     }

@@ -1,8 +1,8 @@
-//! Histories: what was measured and what happened, as far back as a clause may still ask (paper, section III).
+//! Histories: samples and messages, as far back as a clause may still read (paper, section III).
 //!
-//! A history is a ring of samples in order of time. How much is kept follows from what conditions, queries and log
-//! policies ask for, within the hard limits of [`apex_model::limits`]. What was dropped is remembered as one instant, so
-//! that a question about the time before it is answered with "unknown", never with "no".
+//! A history is a ring of samples in order of time. Its length follows from conditions, queries and log policies, within the hard limits
+//! of [`apex_model::limits`]. What was dropped is remembered as one instant, so that a query about the time before it is answered with
+//! "unknown", never with "no".
 
 use crate::state::histories::event_log::EventLogs;
 use crate::state::histories::history_table::HistoryTable;
@@ -49,7 +49,7 @@ impl Occurrence {
     }
 }
 
-/// The samples of one state variable and the counts of odd ones.
+/// The samples of one state variable, and the counts of unusual ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     samples: VecDeque<Sample>,
@@ -60,12 +60,12 @@ pub struct History {
     pub replaced_count: u64,
     /// Samples that were not a number.
     pub missing_count: u64,
-    /// The first arrival numbers of instants whose sample was replaced.
+    /// The first arrival number of each instant whose sample was replaced.
     #[serde(with = "crate::state::pairs")]
     first_arrivals: BTreeMap<Time, u64>,
     /// The newest instant of a sample that is no longer kept.
     pub forgotten_until: Option<Time>,
-    /// Samples that conditions or logs ask for have been dropped, because there were more than the limit.
+    /// True if samples that conditions or logs require were dropped at the limit.
     #[serde(default)]
     overflowed: bool,
     retention: Retention,
@@ -95,12 +95,12 @@ pub struct OpenLog {
     pub count: u64,
 }
 
-/// Upper limits of what is kept; by default the limits of the executive.
+/// Upper limits of the kept data; by default the limits of the executive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Most {
     samples: usize,
     events: usize,
-    /// Messages and samples that came from outside at the newest instant: so many more messages may be kept.
+    /// Number of messages and samples from outside at the newest instant: that many more messages may be kept.
     #[serde(default)]
     burst: usize,
 }
@@ -116,7 +116,7 @@ impl Default for Most {
 pub struct Histories {
     #[serde(default)]
     most: Most,
-    /// Messages that conditions ask for have been dropped, because there were more than the limit.
+    /// True if messages that conditions require were dropped at the limit.
     #[serde(default)]
     events_overflowed: bool,
     variables: HistoryTable,
@@ -187,8 +187,8 @@ impl History {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// Returns the arrival at which the variable was first known at the instant of `sample`: the arrival number of the first sample of its
-    /// instant, which is its own unless it replaced another.
+    /// Returns the arrival number at which the variable was first known at the instant of `sample`: its own, unless it replaced an
+    /// earlier sample of the same instant.
     pub fn first_arrival(&self, sample: &Sample) -> u64 {
         if self.first_arrivals.is_empty() {
             return sample.sequence;
@@ -196,7 +196,7 @@ impl History {
         self.first_arrivals.get(&sample.at).copied().unwrap_or(sample.sequence)
     }
 
-    /// Puts a sample in, within the lateness that was last asked for; at most `samples_max` are kept.
+    /// Records a sample within the lateness that was last required; at most `samples_max` are kept.
     pub fn record(&mut self, sample: Sample, samples_max: usize) -> Recorded {
         if matches!(&sample.value, Value::Real(real) if real.is_nan())
             || matches!(&sample.value, Value::Quantity(quantity) if quantity.si.is_nan())
@@ -222,7 +222,7 @@ impl History {
             if kept.value.equals(&sample.value) {
                 return Recorded::Repeated;
             }
-            // What came too late replaces nothing either: it would depend on what is still kept.
+            // A sample that arrives too late does not replace one either: the result would depend on which samples are still kept.
             if newest - sample.at <= self.retention.lateness {
                 self.first_arrivals.entry(kept.at).or_insert(kept.sequence);
                 *kept = sample;
@@ -252,7 +252,7 @@ impl History {
         let log_count = usize::try_from(log_count).unwrap_or(usize::MAX);
         while self.samples.len() > HISTORY_SAMPLES_DEFAULT {
             let Some(oldest) = self.samples.front().map(|sample| sample.at) else { return };
-            // The sample before the window's edge is kept too: it is the value that held at the edge.
+            // The sample before the window's edge is kept too: its value holds at the edge.
             let next = self.samples.get(1).map_or(oldest, |sample| sample.at);
             let asked = lookback > Duration::ZERO && next > needed_from;
             let logged = log_count >= self.samples.len() && oldest >= log_from;
@@ -267,7 +267,7 @@ impl History {
         }
     }
 
-    /// Keeps samples that only logs want no denser than the densest log asks.
+    /// Thins samples that only logs require to the density of the densest log.
     fn thin(&mut self) {
         let Retention { lookback, log_spacing, .. } = self.retention;
         if lookback > Duration::ZERO || log_spacing == Duration::ZERO {
@@ -280,7 +280,7 @@ impl History {
             (Some(before), Some(sample)) => sample.at - before.at < log_spacing,
             _ => false,
         };
-        // Not forgotten: the log asked for a history of just this density.
+        // Not counted as dropped: the log requested a history of this density.
         if close {
             self.samples.remove(index);
         }
@@ -304,7 +304,7 @@ impl Histories {
         };
     }
 
-    /// Returns the history of `variable`, if it was ever measured.
+    /// Returns the history of `variable`, if it has samples.
     pub fn get(&self, variable: &StateVariable) -> Option<&History> {
         self.variables.get(variable)
     }
@@ -324,8 +324,8 @@ impl Histories {
         self.variables.of_attribute(attribute)
     }
 
-    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). Also true when
-    /// a sample that a clause may need was dropped for it, because of the limit, and none was before.
+    /// Records a sample of `variable`. `lateness` is the permitted lateness (zero: none). The flag is true if a sample that a clause may
+    /// need was dropped at the limit for the first time.
     pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> (Recorded, bool) {
         if let Some(history) = self.variables.get_mut(variable) {
             history.retention.lateness = lateness;
@@ -340,7 +340,7 @@ impl Histories {
         (recorded, false)
     }
 
-    /// Counts a value of `variable` that could not be computed as a missing measurement; returns how many there are.
+    /// Counts a value of `variable` that could not be computed as a missing measurement; returns the count.
     pub(crate) fn note_missing(&mut self, variable: &StateVariable) -> u64 {
         if self.variables.get(variable).is_none() {
             let history = History { retention: self.retention_of(variable), ..History::default() };
@@ -368,7 +368,7 @@ impl Histories {
             .change(|_| true, |history| history.retention.lookback = history.retention.lookback.max(lookback));
     }
 
-    /// Opens a log policy; the number closes it again.
+    /// Opens a log policy and returns the number that closes it.
     pub fn open_log(&mut self, log: OpenLog) -> u64 {
         let number = self.next_log;
         self.next_log = self.next_log.saturating_add(1);
@@ -378,7 +378,7 @@ impl Histories {
         number
     }
 
-    /// Closes a log policy. Samples it kept go with the next sample that arrives.
+    /// Closes a log policy. Samples that only it kept are dropped with the next sample that arrives.
     pub fn close_log(&mut self, number: u64) {
         if let Some(log) = self.logs.remove(&number) {
             self.refresh(&log.variable);
@@ -394,7 +394,7 @@ impl Histories {
         }
     }
 
-    /// Returns the least restrictive of all open policies, and what conditions ask.
+    /// Returns the combined demand of the conditions and of the least restrictive open policies.
     fn retention_of(&self, variable: &StateVariable) -> Retention {
         let mut retention = Retention {
             lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default().max(self.lookback_of_all),

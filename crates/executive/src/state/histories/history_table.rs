@@ -13,7 +13,7 @@ use std::collections::HashMap;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HistoryTable {
     by_variable: VariableMap<Box<History>>,
-    /// The objects of each attribute in order of their first samples. Few ask for them, so who asks brings them in order.
+    /// The objects of each attribute in order of their first samples. Few callers list them, so the list is sorted on request.
     objects: HashMap<Symbol, Vec<Value>, FxBuildHasher>,
 }
 
@@ -23,7 +23,7 @@ impl HistoryTable {
         self.by_variable.get(variable).map(|history| &**history)
     }
 
-    /// Returns the history of `variable`, to change it.
+    /// Returns the history of `variable`, mutably.
     pub(crate) fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
         self.by_variable.get_mut(variable).map(|history| &mut **history)
     }
@@ -55,7 +55,7 @@ impl HistoryTable {
         })
     }
 
-    /// Lets `change` loose on the history of each variable that `wanted` names, in no order that matters.
+    /// Applies `change` to the history of each variable that satisfies `wanted`; the order must not matter.
     pub(crate) fn change(&mut self, wanted: impl Fn(&StateVariable) -> bool, mut change: impl FnMut(&mut History)) {
         for (variable, history) in self.by_variable.each_mut() {
             if wanted(variable) {
@@ -65,7 +65,7 @@ impl HistoryTable {
     }
 }
 
-/// The order of first samples says nothing about what is remembered.
+/// The order of first samples is not part of the state, so equality ignores it.
 impl PartialEq for HistoryTable {
     fn eq(&self, other: &HistoryTable) -> bool {
         self.by_variable == other.by_variable

@@ -1,4 +1,4 @@
-//! A map by state variable: found in constant time, by a hash of fixed seed; listed in order of the variables only.
+//! A map by state variable: constant-time access through a hash with a fixed seed; listed only in order of the variables.
 
 use apex_model::event::StateVariable;
 use rustc_hash::FxBuildHasher;
@@ -21,23 +21,23 @@ impl<T> VariableMap<T> {
         self.0.get(variable)
     }
 
-    /// Returns the entry of `variable`, to change it.
+    /// Returns the entry of `variable`, mutably.
     pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut T> {
         self.0.get_mut(variable)
     }
 
-    /// Returns the entry of `variable` with the variable as it is kept.
+    /// Returns the entry of `variable` with the stored variable.
     pub fn get_with_key(&self, variable: &StateVariable) -> Option<(&StateVariable, &T)> {
         self.0.get_key_value(variable)
     }
 
-    /// Returns all entries, to change each separately: they come in any order, so nothing may depend on it.
+    /// Returns all entries, mutably, in arbitrary order; results must not depend on it.
     #[allow(clippy::iter_over_hash_type, reason = "separate changes of entries do not depend on their order")]
     pub fn each_mut(&mut self) -> impl Iterator<Item = (&StateVariable, &mut T)> {
         self.0.iter_mut()
     }
 
-    /// Returns the entry of `variable`, made when it is missing.
+    /// Returns the entry of `variable`; creates it if it is missing.
     pub fn entry(&mut self, variable: &StateVariable) -> &mut T
     where
         T: Default,

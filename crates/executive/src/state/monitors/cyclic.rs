@@ -1,4 +1,4 @@
-//! A cyclic condition (`conditions.md`, `:cyclic`), and its state: turning points and the run of cycles they make.
+//! A cyclic condition (`conditions.md`, `:cyclic`) and its state: turning points and the run of cycles that they form.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::Satisfaction;
@@ -16,25 +16,25 @@ use std::sync::Arc;
 pub struct CyclicPart {
     /// The condition.
     pub condition: Arc<CyclicCondition>,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
-    /// Return from an extreme that makes it a turning point, SI.
+    /// Distance by which a value must return from an extreme to make it a turning point, SI.
     pub hysteresis: f64,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
-    /// Results that no later arrival of the same instant can take back.
+    /// Results that no later arrival of the same instant can withdraw.
     pub settled: Vec<Satisfaction>,
     /// State of each object.
     #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, CyclicObject>,
 }
 
-/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+/// Samples of one object. The newest is separate, because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CyclicObject {
     /// Order of the object's first appearance.
     pub rank: u64,
-    /// Bindings by its name; `None` if the object is not wanted.
+    /// Bindings by the object's name; `None` if the object is not required.
     pub bindings: Option<Bindings>,
     /// The newest sample; not a number when its value is none.
     pub newest: (Time, f64),

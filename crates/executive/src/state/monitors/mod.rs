@@ -1,4 +1,4 @@
-//! Monitors: the state of conditions being watched.
+//! Monitors: the state of watched conditions.
 
 pub mod cyclic;
 pub mod moments;

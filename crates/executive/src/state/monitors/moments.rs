@@ -1,8 +1,8 @@
 //! Moments of samples: count, mean, spread and slope, numerically stable (`condition-rules.md`, rules 10 to 13).
 //!
-//! Everything is relative to an anchor that is one of the samples, so that neither a large offset nor the size of an
-//! instant in nanoseconds costs digits; and nothing is ever subtracted, so that a spike that has left leaves nothing
-//! behind. Two disjoint sets are merged in constant time.
+//! All sums are relative to an anchor, which is one of the samples, so that neither a large offset nor the size of an instant in
+//! nanoseconds costs digits. Nothing is ever subtracted, so that a spike that has left the window leaves no error behind. Two disjoint
+//! sets are merged in constant time.
 
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Numbers larger than this have no finite square.
 pub const MAGNITUDE_MAX: f64 = 1e150;
 
-/// A sum that carries what rounding took from it: exact to twice the digits of a number.
+/// A sum that also carries its rounding error: exact to twice the digits of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sum {
     high: f64,
@@ -173,8 +173,8 @@ impl Moments {
         Some(self.anchor + (self.mean + self.slope_per_ns()? * (time - self.mean_time_ns)))
     }
 
-    /// Returns the time between the anchor's instant and the point at which the line has this value, in nanoseconds, and that instant;
-    /// `None` if it is level.
+    /// Returns the instant of the anchor, and the time in nanoseconds from it to the point at which the line has this value; `None` if
+    /// the line is level.
     pub fn line_reaches(&self, value: f64) -> Option<(Time, f64)> {
         let slope = self.slope_per_ns().filter(|slope| *slope != 0.0)?;
         Some((self.anchor_at, self.mean_time_ns + ((value - self.anchor) - self.mean) / slope))
@@ -238,7 +238,7 @@ impl HeldMoments {
         self.spread += other.spread + off * off * own * share;
     }
 
-    /// Returns the mean over time; `None` if nothing held for any time.
+    /// Returns the mean over time; `None` if no value held for any time.
     pub fn mean(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then_some(self.anchor + self.mean)
     }

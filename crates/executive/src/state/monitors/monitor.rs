@@ -1,7 +1,7 @@
 //! Monitors: the incremental state of one condition (paper, section III; `conditions.md`).
 //!
-//! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's
-//! `monitoring` folder create it, feed it and ask it.
+//! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's `monitoring` folder create it,
+//! pass it stimuli and read its verdict.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::cyclic::CyclicPart;
@@ -30,7 +30,7 @@ pub use crate::state::monitors::parts::{
 pub struct Window {
     /// The first instant that counts; closed.
     pub start: Time,
-    /// Samples and messages with an arrival number up to this do not count: a repeated task has answered them.
+    /// Samples and messages with an arrival number up to this one do not count: a repeated task has answered them.
     pub after_sequence: Option<u64>,
 }
 
@@ -45,12 +45,12 @@ impl Window {
     }
 }
 
-/// One way in which a condition came true.
+/// One way in which a condition is true.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Satisfaction {
     /// First and last evidence, closed.
     pub interval: (Time, Time),
-    /// The instant at which it was known.
+    /// The instant at which the result was known.
     pub recognised_at: Time,
     /// Pattern variables, object variables and tags (as intervals).
     pub bindings: Bindings,
@@ -61,7 +61,7 @@ pub struct Satisfaction {
 /// Verdict of a monitor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// True, in this way: the earliest recognised; among those, the first in written order of parts.
+    /// True with this result: the one recognised first; of several, the first in written order of parts.
     Satisfied(Satisfaction),
     /// Not true up to now.
     NotSatisfied,
@@ -76,7 +76,7 @@ pub enum Interest {
     Variable(StateVariable),
     /// Samples of an attribute of any object.
     Attribute(Symbol),
-    /// Messages whose form begins with this symbol, or is it.
+    /// Messages whose form is this symbol or begins with it.
     EventHead(Symbol),
     /// All messages.
     AnyEvent,
@@ -84,7 +84,7 @@ pub enum Interest {
     Task(TaskId),
     /// Transitions of all tasks: the task is not known yet.
     AnyTask,
-    /// Every instant at which anything happens.
+    /// Every instant at which an event happens.
     EveryStep,
 }
 
@@ -106,7 +106,7 @@ pub struct Monitor {
 /// Rarely used parts of a monitor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Notes {
-    /// End of a delay at the end of an order, as the last verdict found it.
+    /// End of a delay at the end of an order, as the last verdict computed it.
     pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
     pub troubles: Vec<ConditionFault>,
@@ -126,9 +126,9 @@ pub struct ConditionFault {
 /// Results that a part must remember.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Keep {
-    /// The first is enough: nothing else depends on it.
+    /// The first result suffices: no other part depends on this one.
     First,
-    /// All: another part shares a variable with it, or a constraint compares it.
+    /// All results: another part shares a variable with this part, or a constraint compares it.
     Every,
 }
 
@@ -143,7 +143,7 @@ pub struct Part {
     pub window: Window,
     /// Remembered results.
     pub keep: Keep,
-    /// A limit was reached in it or within it: a result may be missing.
+    /// True if a limit was reached in the part or within it: a result may be missing.
     pub forgotten: bool,
     /// Its kind and state.
     pub kind: PartKind,
@@ -162,7 +162,7 @@ pub enum PartKind {
     Regression(Box<RegressionPart>),
     /// Constraints on statistics and trends of a run of samples.
     Statistical(Box<StatisticalPart>),
-    /// Values that go up and down.
+    /// Values that rise and fall.
     Cyclic(Box<CyclicPart>),
     /// A message.
     Event(Box<EventPart>),
@@ -208,7 +208,7 @@ pub struct Composite {
 /// Bookkeeping of an order of samples and messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointOrder {
-    /// Number of kept results from which on all of them are checked for useless ones.
+    /// Number of kept results from which on useless ones are searched and removed.
     pub sweep_at: usize,
     /// For each part how many of its kept results were checked.
     pub checked: Vec<usize>,
@@ -216,7 +216,7 @@ pub struct PointOrder {
     pub binds: bool,
 }
 
-/// A value test, prepared so that a sample costs little.
+/// A value test, prepared to be cheap for each sample.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Test {
     /// Comparison with a value known beforehand, already in the variable's unit.
@@ -226,7 +226,7 @@ pub enum Test {
         /// The right side.
         right: Value,
     },
-    /// Anything else, evaluated for each sample: the constraint's place among those of the condition.
+    /// Any other constraint, evaluated for each sample: its index among those of the condition.
     General(u32),
 }
 
@@ -240,7 +240,7 @@ pub struct MeasurementPart {
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
@@ -251,20 +251,20 @@ pub struct MeasurementPart {
 /// Samples that a measurement condition has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeenSamples {
-    /// Results that no later arrival of the same instant can take back.
+    /// Results that no later arrival of the same instant can withdraw.
     pub settled: Vec<Satisfaction>,
     /// The newest sample of each object.
     pub newest: Newest,
 }
 
-/// The newest samples of the objects that a measurement condition follows. One that follows a known variable is not
-/// shown samples that cannot satisfy it; the samples that it missed are in the variable's history.
+/// The newest samples of the objects that a measurement condition follows. A condition on a known variable does not receive samples that
+/// cannot satisfy it; the variable's history contains these.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Newest {
     /// No sample yet.
     #[default]
     None,
-    /// Of one object, while there is no other.
+    /// The only object so far, with its newest sample.
     One(Value, NewestSample),
     /// Of several.
     Several(#[serde(with = "crate::state::pairs")] BTreeMap<Value, NewestSample>),
@@ -294,7 +294,7 @@ impl Newest {
         }
     }
 
-    /// Returns the newest sample of `object`, to change it.
+    /// Returns the newest sample of `object`, mutably.
     pub fn get_mut(&mut self, object: &Value) -> Option<&mut NewestSample> {
         match self {
             Newest::None => None,
@@ -347,7 +347,7 @@ pub struct NewestSample {
     pub rank: u64,
     /// The sample's instant.
     pub at: Time,
-    /// Its result, if it satisfies the condition.
+    /// Its result, if the sample satisfies the condition.
     pub result: Option<Satisfaction>,
 }
 
@@ -358,7 +358,7 @@ pub struct EpisodePart {
     pub condition: Arc<EpisodeCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
     /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
@@ -377,7 +377,7 @@ pub struct EpisodePart {
     pub runs: BTreeMap<Value, ObjectRun>,
 }
 
-/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+/// Samples of one object. The newest is separate, because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectRun {
     /// Order of the object's first appearance.
@@ -386,7 +386,7 @@ pub struct ObjectRun {
     pub run: Option<Run>,
     /// The newest sample.
     pub newest: RunSample,
-    /// The result of the current run, as soon as it has one.
+    /// The result of the current run, once it has one.
     pub found: Option<Satisfaction>,
     /// A sample before the newest contradicted the value constraints, and no gap has followed.
     pub contradicted: bool,
@@ -399,13 +399,13 @@ pub struct ObjectRun {
 pub struct RunSample {
     /// Its instant.
     pub at: Time,
-    /// Bindings, if it satisfies the value constraints.
+    /// Bindings, if the sample satisfies the value constraints.
     pub holds: Option<Bindings>,
-    /// It agrees with what the run before it binds.
+    /// True if it agrees with the bindings of the preceding run.
     pub joins: bool,
-    /// It satisfies the constraints on first values.
+    /// True if it satisfies the constraints on first values.
     pub first_holds: bool,
-    /// It satisfies the constraints on last values.
+    /// True if it satisfies the constraints on last values.
     pub last_holds: bool,
 }
 

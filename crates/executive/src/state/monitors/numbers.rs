@@ -1,5 +1,5 @@
-//! State of the conditions that compute: statistics, trends, regression, persistence (`condition-rules.md`, rules
-//! 9 to 13). Plain data; the services in the executive's `monitoring` folder work on it.
+//! State of the conditions that compute: statistics, trends, regression, persistence (`condition-rules.md`, rules 9 to 13). Plain data;
+//! the services in the executive's `monitoring` folder operate on it.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::{HeldMoments, Moments};
@@ -54,7 +54,7 @@ pub enum Measure {
     Significance(Expr),
 }
 
-/// A measure and what must hold of it.
+/// A measure and the constraint on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
     /// Measure.
@@ -76,9 +76,9 @@ pub struct StatisticalPart {
     pub tests: Tests,
     /// The measures in written order, statistics first.
     pub criteria: Vec<Criterion>,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
-    /// The dimension of the values, as soon as it is known.
+    /// The dimension of the values, once it is known.
     pub dimension: Option<Dimension>,
     /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
@@ -90,16 +90,16 @@ pub struct StatisticalPart {
     pub at_close: bool,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
-    /// The first sample that is known where older ones are no longer kept: a run that begins there began earlier.
+    /// The first known sample if older ones are no longer kept: a run that starts there may have begun earlier.
     pub first_known: Option<Time>,
-    /// Results that no later arrival of the same instant can take back.
+    /// Results that no later arrival of the same instant can withdraw.
     pub settled: Vec<Satisfaction>,
     /// The run of each object.
     #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, NumberRun>,
 }
 
-/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+/// Samples of one object. The newest is separate, because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NumberRun {
     /// Order of the object's first appearance.
@@ -123,15 +123,15 @@ pub struct NumberSample {
     pub at: Time,
     /// Its value in SI; `None` if it is not a finite number.
     pub number: Option<f64>,
-    /// Bindings, if it satisfies the value constraints.
+    /// Bindings, if the sample satisfies the value constraints.
     pub holds: Option<Bindings>,
-    /// It continues the run before it.
+    /// True if it continues the preceding run.
     pub joins: bool,
-    /// It satisfies the constraints on first values.
+    /// True if it satisfies the constraints on first values.
     pub first_holds: bool,
-    /// It satisfies the constraints on last values.
+    /// True if it satisfies the constraints on last values.
     pub last_holds: bool,
-    /// The difference from the number before it does not satisfy the constraints on steps.
+    /// True if its difference from the preceding number violates the constraints on steps.
     pub bad_step: bool,
 }
 
@@ -158,9 +158,9 @@ pub struct Totals {
     pub moments: Moments,
     /// Moments over time; where a window slides nothing.
     pub held: HeldMoments,
-    /// The numbers in order, where a median is wanted.
+    /// The numbers in order, if a median is required.
     pub ordered: Option<OrderedNumbers>,
-    /// There were more numbers than are kept in order: nothing is said of their median.
+    /// True if there were more numbers than are kept in order: the median is then unknown.
     #[serde(default)]
     pub is_overfull: bool,
     /// The window, where one slides.
@@ -172,22 +172,22 @@ pub struct Totals {
 pub struct Point {
     /// Its instant.
     pub at: Time,
-    /// Its value; `None` if it is not a finite number, which is in the window and in no statistic.
+    /// Its value; `None` if it is not a finite number: the sample is then in the window but in no statistic.
     pub number: Option<f64>,
     /// Until the next sample.
     pub held: Duration,
-    /// Its value may be the first one: `:first-value`.
+    /// True if its value may be the first one (`:first-value`).
     #[serde(default)]
     pub may_be_first: bool,
 }
 
-/// The numbers of a sliding window, in two stacks: those that leave next with the moments of each and all younger ones
-/// of the stack, and those that came later with the moments of all.
+/// The numbers of a sliding window in two stacks: the older stack stores with each number the moments of it and of all younger ones of
+/// that stack; the younger stack stores the moments of all its numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlidingWindow {
     /// The older numbers, the oldest last.
     pub front: Vec<(Point, Moments)>,
-    /// Moments over time for each of `front`, where they are wanted.
+    /// Moments over time for each number of `front`, if they are required.
     pub front_held: Vec<HeldMoments>,
     /// The younger numbers, oldest first.
     pub back: Vec<Point>,
@@ -195,7 +195,7 @@ pub struct SlidingWindow {
     pub back_moments: Moments,
     /// Moments over time of `back`.
     pub back_held: HeldMoments,
-    /// The last number that left: it holds into the window.
+    /// The last number that left the window; its value holds into the window.
     pub edge: Option<Point>,
 }
 
@@ -206,7 +206,7 @@ pub struct PersistedPart {
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
     /// For how long a sample is valid after its instant.
     pub timeout: Duration,
@@ -237,9 +237,9 @@ pub struct PersistedSample {
 pub struct RegressionPart {
     /// The condition.
     pub condition: Arc<MeasurementCondition>,
-    /// The state variable when its object is known, else none.
+    /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
-    /// The dimension of the values, as soon as it is known.
+    /// The dimension of the values, once it is known.
     pub dimension: Option<Dimension>,
     /// Least number of samples of a fit.
     pub points_min: u64,
@@ -247,7 +247,7 @@ pub struct RegressionPart {
     pub error_max: Option<f64>,
     /// Greatest difference of an extrapolated value from that of the nearest sample, SI.
     pub difference_max: Option<f64>,
-    /// Greatest gap between samples, and from the last one to now.
+    /// Greatest permitted gap between samples, and from the last one to now.
     pub gap_max: Option<Duration>,
     /// The fit interval where its ends are stated, closed.
     pub fit: (Option<Time>, Option<Time>),
@@ -258,8 +258,8 @@ pub struct RegressionPart {
     pub objects: BTreeMap<Value, Fit>,
 }
 
-/// Samples of one object within the fit interval. The newest stands apart, because a later arrival of its instant may
-/// still replace it, also by a value that is not a number.
+/// Samples of one object within the fit interval. The newest is separate, because a later arrival of its instant may still replace it,
+/// even by a value that is not a number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Order of the object's first appearance.
@@ -272,14 +272,14 @@ pub struct Fit {
     pub before: f64,
     /// The newest sample; `None` if a value that is not a number has taken its place.
     pub newest: Option<(Time, f64)>,
-    /// Bindings of the object; `None` if it is not wanted.
+    /// Bindings of the object; `None` if the object is not required.
     pub bindings: Option<Bindings>,
     /// The greatest gap between the samples of `moments`.
     pub gap: Duration,
 }
 
 impl Fit {
-    /// Adds a sample that is not older than the newest; one of the newest's instant replaces it.
+    /// Adds a sample that is not older than the newest; a sample of the same instant replaces the newest.
     pub fn add(&mut self, at: Time, number: f64) {
         if let Some((newest_at, value)) = self.newest.filter(|(newest_at, _)| *newest_at < at) {
             self.gap = self.with_newest().1;
@@ -292,7 +292,7 @@ impl Fit {
         self.newest = Some((at, number));
     }
 
-    /// Notes that a value that is not a number arrived at this instant: if the newest sample is of it, the fit is without that again.
+    /// Records that a value that is not a number arrived at this instant: a newest sample of the same instant is removed from the fit.
     pub fn miss(&mut self, at: Time) {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }

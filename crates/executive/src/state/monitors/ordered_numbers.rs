@@ -1,4 +1,4 @@
-//! Numbers in order, for medians: two halves that are kept of equal size (`condition-rules.md`, rule 11).
+//! Numbers in order, for medians, in two halves of equal size (`condition-rules.md`, rule 11).
 //!
 //! Bound: adding and removing O(log n), the middle O(m log m) when m numbers are left out.
 
@@ -16,7 +16,7 @@ pub struct OrderedNumbers {
     high_count: u64,
 }
 
-/// Returns a number as an integer that is ordered like it.
+/// Returns an integer that is ordered like the number.
 fn key(number: f64) -> i64 {
     // Both zeros are one number.
     let bits = (number + 0.0).to_bits() as i64;
@@ -83,8 +83,8 @@ impl OrderedNumbers {
         }
     }
 
-    /// Returns the median with `extra` added and `without` (each among the numbers) left out; of an even number of numbers
-    /// the mean of the two in the middle.
+    /// Returns the median with `extra` added and with `without` (each contained) left out; for an even count the mean of the two middle
+    /// numbers.
     pub fn median(&self, extra: Option<f64>, without: &[f64]) -> Option<f64> {
         let changes = without.len() + usize::from(extra.is_some());
         let reach = changes + 2;
@@ -104,7 +104,7 @@ impl OrderedNumbers {
         if let Some(extra) = extra {
             let key = key(extra);
             let index = middle.partition_point(|present| *present < key);
-            // Below everything in the middle, where more lies below: it only moves the ranks.
+            // A number below the middle part only shifts the ranks, because smaller numbers exist outside of it.
             if index == 0 && before > 0 { before += 1 } else { middle.insert(index, key) }
         }
         let count =

@@ -1,5 +1,5 @@
-//! State of the parts of a monitor that watch no samples themselves: messages, tasks, time, functions, and parts that
-//! relate others in time, Allen relations and absence (`condition-rules.md`, rules 7, 14, 15).
+//! State of the parts of a monitor that watch no samples themselves: messages, tasks, time, functions, and parts that relate others in
+//! time, namely Allen relations and absence (`condition-rules.md`, rules 7, 14, 15).
 
 use crate::state::monitors::monitor::{Part, Satisfaction};
 use apex_model::condition::{AllenRelation, Timing};
@@ -24,13 +24,13 @@ pub struct AllenPart {
     pub sides: Vec<RelationSide>,
     /// All must be true of the related results.
     pub constraints: Vec<Expr>,
-    /// The parts share variables: results that bind one differently do not go together.
+    /// True if the parts share variables: results with different bindings are then not combined.
     pub shares: bool,
-    /// Results that nothing can change any longer; the first where one is enough.
+    /// Results that cannot change any longer; only the first if one suffices.
     pub found: Vec<Chain>,
     /// Results with an open run, as last evaluated.
     pub passing: Vec<Chain>,
-    /// Results of parts stand so that only the end of an open run can decide.
+    /// True if only the end of an open run can decide the relation.
     pub undecided: bool,
     /// Next instant at which time alone can decide: a run without samples is over, or a delay within a part.
     pub decides_at: Option<Time>,
@@ -54,7 +54,7 @@ pub struct RelationSide {
     pub count: u64,
     /// The newest result, for explanations, and whether its run is open.
     pub newest: Option<((Time, Time), bool)>,
-    /// The number of kept results at which those of no more use are looked for.
+    /// The number of kept results at which useless ones are searched.
     pub sweep_at: usize,
 }
 
@@ -65,26 +65,26 @@ pub struct AbsentPart {
     pub part: Part,
     /// For how long.
     pub length: Duration,
-    /// The end of the last result of the part, or the window's start: since when it is absent.
+    /// The end of the last result of the part, or the window's start: the start of the present absence.
     pub since: Time,
-    /// The same of results that no sample can replace any longer.
+    /// The same, computed only from results that no sample can replace any longer.
     pub since_final: Time,
-    /// The part is there now: nothing is absent.
+    /// True if the part holds now: it is then not absent.
     pub goes_on: bool,
-    /// The data do not say whether the part holds.
+    /// True if the data do not decide whether the part holds.
     pub unknown: bool,
-    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has held or was undecided at every evaluation:
-    /// absence begins with the evaluation at which it does not.
+    /// For a part that holds at instants (`:not`, `:function`, a line): the instant since which every evaluation found it true or
+    /// undecided. Absence begins with the first evaluation that does not.
     pub broken: Option<Time>,
-    /// Spans of the parts of an `:and` whose results all fit together: instead of their final results.
+    /// For each part of an `:and` whose combinations are all valid, the span of its final results, stored in place of them.
     pub reached: Vec<Option<(Time, Time)>>,
-    /// Evidence of the part that came while it held or was undecided: windows between are judged when that is over.
+    /// Evidence that arrived while the part held or was undecided: the windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
-    /// The start of the newest window that passed without it.
+    /// The start of the newest reported window.
     pub told: Option<Time>,
-    /// Windows that begin here or later have been taken back, and may pass once more.
+    /// Windows that begin at this instant or later were withdrawn, and may pass again.
     pub taken_back: Option<Time>,
-    /// The windows that passed without it; the first where one is enough.
+    /// The windows that passed without a result of the part; only the first if one suffices.
     pub found: Vec<Satisfaction>,
     /// Next instant at which time alone can decide.
     pub decides_at: Option<Time>,
@@ -97,7 +97,7 @@ pub struct FunctionPart {
     pub expression: Expr,
     /// Its value, as last evaluated, as text; none before, and after an error.
     pub value: Option<String>,
-    /// The present instant, if it is true now.
+    /// The present instant as result, if the function is true now.
     pub holds: Option<Satisfaction>,
 }
 
@@ -121,7 +121,7 @@ pub struct TaskEndedPart {
     pub variable: Symbol,
     /// An end from before counts too.
     pub standing: bool,
-    /// The task, as soon as it is known.
+    /// The task, once it is known.
     pub task: Option<TaskId>,
     /// Instant of the end.
     pub ended: Option<Time>,
@@ -136,7 +136,7 @@ pub struct TaskStatePart {
     pub state: Pattern,
     /// The state at the beginning counts too.
     pub standing: bool,
-    /// The task, as soon as it is known.
+    /// The task, once it is known.
     pub task: Option<TaskId>,
     /// Results.
     pub settled: Vec<Satisfaction>,

@@ -14,7 +14,7 @@ pub struct Unmet {
     pub now: String,
     /// Since when that is so.
     pub since: Option<Time>,
-    /// Instant at which it comes true by time alone, if nothing changes before.
+    /// Instant at which it becomes true by time alone, if nothing changes before.
     pub until: Option<Time>,
     /// Distance of the newest sample from the threshold.
     pub distance: Option<Value>,

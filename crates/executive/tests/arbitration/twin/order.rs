@@ -8,7 +8,7 @@ impl Twin {
         !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
     }
 
-    /// Returns the greatest priority of the task and of all that wait behind it.
+    /// Returns the greatest priority of the task and of all tasks that it precedes.
     pub(super) fn weight(&self, task: usize, all: &[usize]) -> f64 {
         let mut behind = vec![task];
         while let Some(more) = all

@@ -3,16 +3,16 @@
 use super::{Awaited, State, Twin};
 
 impl Twin {
-    /// Returns the tasks that were refused before `task` and keep their place, except for relatives and, if no task has to yield, for
-    /// those that cannot begin before `task` is done.
+    /// Returns the tasks that were refused before `task` and keep their place. Excluded are relatives and, if no task has to yield, tasks
+    /// that cannot begin before `task` ends.
     pub(super) fn counts(&self, task: usize, awaited: &[Awaited], fills_gaps: bool) -> Vec<usize> {
         let done = self.nodes[task].expected.map(|expected| i64::from(self.now + expected));
         let in_gap = |each: &Awaited| fills_gaps && done.zip(each.earliest).is_some_and(|(done, begin)| done <= begin);
         awaited.iter().filter(|each| !self.related(task, each.task) && !in_gap(each)).map(|each| each.task).collect()
     }
 
-    /// Returns the earliest instant at which a refused task can begin: the first end of a task that blocks the resource it lacks
-    /// first, if all of these tasks state their ends.
+    /// Returns the earliest instant at which a refused task can begin: the first end of a task that blocks the resource it lacks first,
+    /// if all of these tasks state their ends.
     pub(super) fn earliest(
         &self,
         task: usize,
@@ -50,7 +50,7 @@ impl Twin {
         self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
     }
 
-    /// Returns the used amount: a task and those below it do not compete, strangers add up.
+    /// Returns the used amount: a task and its descendants share one amount, unrelated uses add up.
     fn used(&self, users: &[usize], which: usize) -> f64 {
         let children =
             |parent: Option<usize>| (0..self.nodes.len()).filter(move |each| self.nodes[*each].parent == parent);

@@ -1,4 +1,4 @@
-//! Circles by hand, against trying everything, and flown in small steps.
+//! Circles against known values, against an exhaustive search, and flown in small steps.
 
 use super::*;
 use crate::travel::{Air, Circling, EndpointId, Network, PlaneZone};
@@ -22,8 +22,8 @@ fn near(a: f64, b: f64, by: f64) -> bool {
 
 #[test]
 fn a_passage_by_hand() {
-    // To the left around the origin, just heading away from the other circle: half a circle more, then the distance of
-    // the places. A quarter before, three quarters by the same circle, so the opposite turn by a quarter is faster.
+    // A left circle around the origin, at the point that heads away from the other circle: half a circle more, then the distance of the
+    // places. A quarter earlier, three quarters are needed on the same circle, so the opposite turn by a quarter is faster.
     let on = |track_rad: f64| On { centre: p(0.0, 0.0), sense: 1.0, track_rad };
     let there = End::Circle(p(100.0, 0.0));
     let s = |track_rad: f64, opposite: bool| calm().passage(on(track_rad), there, opposite).unwrap().time_s;
@@ -31,7 +31,7 @@ fn a_passage_by_hand() {
     assert!(near(s(FRAC_PI_2, false), 100.0 + 1.5 * PI, 0.1));
     // The opposite circle lies 2 ahead, and is left after a quarter.
     assert!(near(s(FRAC_PI_2, true), 98.0 + FRAC_PI_2, 0.1), "{}", s(FRAC_PI_2, true));
-    // To a place: the line touches the circle where the angle to it is that of a tangent.
+    // To a place: the line touches the circle at the angle of a tangent.
     let place = calm().passage(on(0.0), End::Place(p(2.0, 0.0)), false).unwrap();
     assert!(near(place.time_s, libm::sqrt(3.0) + PI / 6.0, 1e-9), "{place:?}");
     assert_eq!(calm().passage(on(0.0), End::Place(p(0.5, 0.0)), false), None, "inside of its circle");
@@ -47,15 +47,15 @@ fn the_worst_is_half_a_circle_where_the_opposite_turn_has_room_and_a_whole_one_e
 
 #[test]
 fn wind_makes_circles_wider_and_slower() {
-    // At most 15 over ground with an airspeed of 10: the heading turns by the square of the speed over ground.
+    // At most 15 over ground at an airspeed of 10: the heading turns by the square of the ground speed.
     assert!(near(radius(100.0, 10.0, 15.0), 225.0, 1e-9));
     let (still, windy) = (Rounds::new(1.0, 1.0, p(0.0, 0.0)).unwrap(), Rounds::new(1.0, 1.0, p(0.3, 0.4)).unwrap());
     assert!(near(still.circle_s(), TAU, 1e-12) && windy.circle_s() > 1.2 * TAU);
     assert!(Rounds::new(1.0, 1.0, p(0.8, 0.6)).is_none(), "as strong as the vehicle is fast");
 }
 
-/// Flies `points` with an airspeed of `airspeed` in `wind` and returns the time and the greatest turn rate of the
-/// heading: headings are those whose air velocity and wind add up to the chords.
+/// Flies `points` at `airspeed` in `wind` and returns the time and the greatest turn rate of the heading: headings are those whose air
+/// velocity and wind add up to the chords.
 fn flown(points: &[Point], airspeed: f64, wind: Point) -> (f64, f64) {
     let (mut time_s, mut most, mut before): (f64, f64, Option<(f64, f64)>) = (0.0, 0.0, None);
     for pair in points.windows(2) {
@@ -68,7 +68,7 @@ fn flown(points: &[Point], airspeed: f64, wind: Point) -> (f64, f64) {
         let heading = libm::atan2(air.y, air.x);
         if let Some((last_rad, last_s)) = before {
             let turn = (heading - last_rad) - TAU * libm::round((heading - last_rad) / TAU);
-            // A tangent's first chord turns by half of its angle; slivers show no direction.
+            // A tangent's first chord turns by half of its angle; very short chords have no direction.
             let between_s = 0.5 * (lasts_s + last_s);
             if between_s > 1e-6 && turn.abs() > 1e-6 {
                 most = f64::max(most, turn.abs() / between_s);
@@ -139,7 +139,7 @@ proptest! {
             None => End::Circle(p(distance, 0.0)),
         };
         let worst_s = rounds.worst(p(0.0, 0.0), end, opposite).unwrap();
-        // Tried where flights begin, and just past it.
+        // Evaluated at the beginnings of flights, and just past them.
         let mut tried_s = 0.0_f64;
         for index in 0..32 {
             for sense in [1.0, -1.0] {
@@ -163,7 +163,7 @@ proptest! {
         let (mut network, ids) = network(&[], 0.0, turn, blowing(wind, 1e9), &places);
         let mut there = first;
         for (leg, look_s) in ids.windows(2).zip(&looks_s) {
-            // On the circle for as long as one looks, then to the next one.
+            // On the circle during the observation, then to the next circle.
             let (look, after) = network.circling_arc_spots(leg[0], there, (0.0, *look_s)).unwrap();
             let look = on_map(look);
             let (flown_s, rate) = flown(&look, 10.0, wind);

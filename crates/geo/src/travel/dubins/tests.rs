@@ -1,4 +1,4 @@
-//! Turn-limited paths against a search that knows no tangents and no circles' centres.
+//! Turn-limited paths against a search that uses neither tangents nor centres of circles.
 
 use super::*;
 use proptest::prelude::*;
@@ -27,10 +27,10 @@ fn flown(heading: f64, turns: [f64; 3], lengths: [f64; 3], radius: f64, wind: Po
     Point { x: x + wind.x * time, y: y + wind.y * time }
 }
 
-/// Returns the fastest path from the origin by trying first turns: the last one follows from the headings, and if the
-/// length of the line (or the turn) between can be chosen so that the miss across changes its sign, a path exists.
+/// Returns the fastest path from the origin by examining first turns: the last turn follows from the headings, and if the length of the
+/// line (or the turn) in between can be chosen so that the lateral miss changes its sign, a path exists.
 fn naive(to: Point, headings: (f64, f64), radius: f64, wind: Point) -> (f64, f64) {
-    // Those with a line, and all.
+    // The best path with a line, and the best of all.
     let (mut straight, mut best) = (f64::INFINITY, f64::INFINITY);
     let around = |angle: f64| angle.rem_euclid(TAU);
     for [first, between, last] in
@@ -87,7 +87,7 @@ proptest! {
     ) {
         let wind_mps = Point { x: blows * libm::cos(to), y: blows * libm::sin(to) };
         let flyer = Flyer { true_airspeed_mps: 1.0, turn_radius_m: 1.0, wind_mps };
-        // The search begins with headings, the paths with tracks: those of the headings.
+        // The search uses headings, the paths use tracks: those of the headings.
         let track = |heading: f64| angle(unit(heading).plus(1.0, wind_mps));
         let pose = |point: Point, heading: f64| Pose { point, track_rad: Some(track(heading)) };
         let there = Point { x, y };
@@ -95,7 +95,7 @@ proptest! {
         let quickest = paths.first().unwrap();
         let (straight, twin) = naive(there, (start, end), 1.0, wind_mps);
         prop_assert!(quickest.time_s <= straight + 1e-4, "{} {straight}", quickest.time_s);
-        // Of three turns two instants may lie between two that are tried; then the later one is missed by little.
+        // For three turns, two instants may lie between two examined ones; the later one is then missed by little.
         prop_assert!(quickest.time_s <= twin + 0.1, "{} {twin}", quickest.time_s);
         // And it is a path.
         for path in &paths {
@@ -151,7 +151,7 @@ fn known_paths() {
     assert!((time(pose(0.0, 0.0, 0.0), pose(1000.0, 0.0, 0.0)) - 100.0).abs() < 1e-9, "straight on");
     let half = time(pose(0.0, 0.0, 0.0), pose(0.0, 200.0, PI));
     assert!((half - 10.0 * PI).abs() < 1e-6, "half a circle: {half}");
-    // On the spot in the other direction: three turns of 60, 300 and 60 degrees.
+    // Reversal on the spot: three turns of 60, 300 and 60 degrees.
     let about = time(pose(0.0, 0.0, 0.0), pose(0.0, 0.0, PI));
     assert!((about - 10.0 * (7.0 / 3.0) * PI).abs() < 1e-6, "{about}");
     let windy = Flyer { wind_mps: Point { x: 0.0, y: 20.0 }, ..flyer };

@@ -1,4 +1,4 @@
-//! The plan in execution: adopted, left behind, and read back from stored procedures.
+//! The plan in execution: adopted plans, remainders, and plans read back from stored procedures.
 
 use super::*;
 use crate::deliberation::{Deliberation, MissionDeliberator, PlanningResources, SolveOptions, solve, translate};
@@ -22,7 +22,7 @@ fn mission(name: &str) -> Arc<Mission> {
 /// The plan from which planning was to begin, and the resulting plan.
 type Asked = (Option<Plan>, Plan);
 
-/// Remembers where it was to begin and what it has planned, as 2-Opt does.
+/// Planner that records its starting plan and its answer, and plans like 2-Opt.
 struct Spy(Arc<Mutex<Vec<Asked>>>);
 
 fn watch(plan: &Plan) -> &SurveillancePlan {
@@ -80,7 +80,7 @@ fn planners_begin_from_the_adopted_plan_only() {
     let seen = seen.lock().unwrap();
     let begun: Vec<bool> = seen.iter().map(|(previous, _)| previous.is_some()).collect();
     assert_eq!(begun, [false, false, true, true], "planners begin from adopted plans only");
-    // Of the plan of 60 s what is ahead at 320 s and at 900 s.
+    // The remainder of the plan of 60 s, at 320 s and at 900 s.
     let whole = watch(&seen[1].1);
     for (ask, elapsed_s) in [(2, 260.0), (3, 840.0)] {
         let left = watch(seen[ask].0.as_ref().unwrap());
@@ -149,7 +149,7 @@ fn observations_are_read_back_with_their_manoeuvres() {
     for (read, planned) in read.visits.iter().zip(&plan.visits) {
         assert!((read.end_s - planned.end_s).abs() <= 0.5 && (read.worth - planned.worth).abs() < 1e-2 * planned.worth);
     }
-    // A factor that falls in the course of each observation counts as it is when that begins.
+    // A factor that falls during each observation counts with its value at the beginning.
     let mut fading = problem.clone();
     for visit in &read.visits {
         let target = fading.targets.iter_mut().find(|target| target.name == visit.target).unwrap();
@@ -157,7 +157,7 @@ fn observations_are_read_back_with_their_manoeuvres() {
     }
     let forms = forms(&mission, &solved);
     assert!(visited(&fading, &forms).unwrap().visits.iter().all(|visit| visit.timing == 1.0));
-    // Without times they follow each other.
+    // Visits without times follow each other.
     let timeless = |step: &PlannedActivity| match step.clone() {
         PlannedActivity::Observe { target, lines, .. } => PlannedActivity::Observe { target, lines, due: None },
         other => other,
@@ -197,7 +197,7 @@ fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Sit
     (mission, situation)
 }
 
-/// Each target is observed from so many seconds on, for one second.
+/// Adds observations of one second each, from the given seconds on.
 fn observe(mission: &Mission, mut situation: Situation, observed: &[(&str, f64)]) -> Situation {
     for (target, at_s) in observed {
         for (head, at_s) in [("observing", *at_s), ("observed", at_s + 1.0)] {

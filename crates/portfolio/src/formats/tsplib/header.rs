@@ -33,7 +33,7 @@ pub(super) fn split(first: &TextToken<'_>) -> (String, String) {
 }
 
 impl Header {
-    /// Takes one key.
+    /// Stores the value of one key.
     pub(super) fn set(&mut self, key: &str, value: String, at: &TextToken<'_>) -> Result<(), FormatError> {
         let upper = value.to_uppercase();
         // Mistakes are shown where the value begins.

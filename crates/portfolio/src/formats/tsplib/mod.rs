@@ -1,7 +1,7 @@
 //! TSPLIB and OPLib: `KEY : VALUE` lines and sections of numbers.
 //!
-//! `TYPE` TSP and ATSP ask for the shortest tour of all, OP for the most score within `COST_LIMIT`. The first node of
-//! `DEPOT_SECTION`, or node 1, is where the tour begins and ends.
+//! `TYPE` TSP and ATSP request the shortest tour of all nodes, OP the greatest score within `COST_LIMIT`. The tour begins and ends at the
+//! first node of `DEPOT_SECTION`, or at node 1.
 
 mod header;
 mod weights;
@@ -133,7 +133,7 @@ fn numbered<const N: usize>(
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Returns the index of the one depot; `None` if the section is empty.
+/// Returns the index of the only depot; `None` if the section is empty.
 fn depot(at: &TextToken<'_>, numbers: &[TextToken<'_>], count: usize) -> Result<Option<usize>, FormatError> {
     let mut listed = numbers.iter().take_while(|word| word.text != "-1");
     let Some(first) = listed.next() else { return Ok(None) };
@@ -157,7 +157,7 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
         (None, _, _) => return Err(missing("EDGE_WEIGHT_TYPE")),
     };
     let depot = sections.depot.unwrap_or(0);
-    // The depot comes first, the others keep their order and their numbers.
+    // The depot comes first; the others keep their order and their numbers.
     let order: Vec<usize> = std::iter::once(depot).chain((0..count).filter(|node| *node != depot)).collect();
     let limit = match (question, header.limit) {
         (ProblemKind::Orienteering, None) => return Err(missing("COST_LIMIT")),
@@ -169,7 +169,7 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
     }
     let place = |node: usize| sections.places.as_ref().and_then(|places| places.get(node)).copied();
     let vertex = |node: &usize| {
-        // Weights alone say nothing of places: all nodes lie at one point then.
+        // Weights do not determine places: all nodes are then at one point.
         let (x, y) = place(*node).unwrap_or_default();
         let profit = sections.scores.as_ref().and_then(|scores| scores.get(*node)).copied().unwrap_or(1.0);
         // GEO names the latitude first.

@@ -1,4 +1,4 @@
-//! Distances of a TSPLIB file: by a metric of places, or written out.
+//! Distances of a TSPLIB file: computed from places by a metric, or stated as a matrix.
 
 use super::super::distance::Metric;
 use super::super::words::TextToken;
@@ -47,12 +47,12 @@ impl Weights {
     }
 }
 
-/// Returns the cells of a matrix in the order in which a layout writes them.
+/// Returns the cells of a matrix in the order of a layout.
 fn cells(layout: &str, count: usize) -> Option<Box<dyn Iterator<Item = (usize, usize)>>> {
     let rows = 0..count;
     Some(match layout {
         "FULL_MATRIX" => Box::new(rows.flat_map(move |row| (0..count).map(move |column| (row, column)))),
-        // Columns of one half are rows of the other: the matrix is symmetric.
+        // Columns of one half are rows of the other, because the matrix is symmetric.
         "UPPER_ROW" | "LOWER_COL" => Box::new(rows.flat_map(move |row| (row + 1..count).map(move |to| (row, to)))),
         "LOWER_ROW" | "UPPER_COL" => Box::new(rows.flat_map(move |row| (0..row).map(move |to| (row, to)))),
         "UPPER_DIAG_ROW" | "LOWER_DIAG_COL" => {
@@ -88,7 +88,7 @@ pub(super) fn read(
             if let Some(slot) = matrix.get_mut(row * count + column) {
                 *slot = weight;
             }
-            // A full matrix says each direction itself.
+            // A full matrix states both directions.
             if layout == "FULL_MATRIX" {
                 break;
             }

@@ -1,5 +1,4 @@
-//! The reader of effects: from a row of bytes to one effect after another. Total: whatever the bytes are, it ends, with effects
-//! or with what is wrong.
+//! The reader of effects: decodes a row of bytes into one effect after the other. It ends for any bytes, with effects or with an error.
 
 use super::BLOCK_EFFECTS;
 use super::kind::EffectKind;
@@ -15,7 +14,7 @@ use std::sync::Arc;
 pub(in crate::record) struct Dictionary {
     words: Vec<Arc<str>>,
     shapes: Vec<KnownShape>,
-    /// The text that stands where a shape's example has none.
+    /// The text used where a shape's example has none.
     nothing: Arc<str>,
 }
 
@@ -56,7 +55,7 @@ impl Dictionary {
         Ok(Ok(()))
     }
 
-    /// Adds a word, as the encoder numbered it.
+    /// Adds a word under the number that the encoder gave it.
     #[cfg(test)]
     pub(super) fn add_word(&mut self, word: &str) {
         self.words.push(Arc::from(word));
@@ -126,7 +125,7 @@ impl Item<'_> {
         }
     }
 
-    /// Returns its kind and the task that it is about.
+    /// Returns the kind of the effect and its task.
     pub(super) fn kind(&self) -> Result<(EffectKind, Option<u64>), String> {
         match &self.content {
             Content::Shaped { shape, task, .. } => Ok((shape.kind, shape.kind.has_task.then_some(*task))),
@@ -138,7 +137,7 @@ impl Item<'_> {
     }
 }
 
-/// Reads the effects of one row after another.
+/// Reads effects, row after row.
 pub(in crate::record) struct EffectReader<'d, 'b> {
     dictionary: &'d Dictionary,
     now: Time,

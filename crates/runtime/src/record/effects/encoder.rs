@@ -1,9 +1,9 @@
-//! The writer of effects: each is the number of its shape, a bit for each value that differs from what is expected, and the
-//! differences. Expected is the value in the effect of the same shape before, at the beginning of a block that in the shape's
-//! example; of the first task of an effect the task of the effect before.
+//! The writer of effects: each is the number of its shape, a bit for each value that differs from the expected one, and the differences.
+//! The expected value is that of the preceding effect of the same shape; at the beginning of a block that of the shape's example; for the
+//! first task of an effect the task of the preceding effect.
 //!
-//! A shape or word gets a number when it occurs for the second time, so texts that occur once do not fill the tables. Bound:
-//! proportional to the bytes of the effects; the tables have a largest size, beyond which effects are stored as postcard.
+//! A shape or word gets a number at its second occurrence, so texts that occur once do not fill the tables. Bound: proportional to the
+//! bytes of the effects. The tables have a largest size; beyond it effects are stored as postcard.
 
 use super::BLOCK_EFFECTS;
 use super::splitter::{Hole, Parts, holes_of};
@@ -38,7 +38,7 @@ pub(in crate::record) struct EffectEncoder {
     stored_shapes: usize,
 }
 
-/// A shape with its number, and what is expected next.
+/// A shape with its number and the expected values.
 struct NumberedShape {
     layout: Vec<u8>,
     holes: Vec<Hole>,
@@ -59,14 +59,14 @@ struct Words {
     sightings: Sightings,
 }
 
-/// Hashes of what has occurred once.
+/// Hashes of words and shapes that have occurred once.
 #[derive(Default)]
 struct Sightings(BTreeSet<u64>);
 
 impl Sightings {
     /// Returns true if the bytes have occurred before.
     fn is_second(&mut self, bytes: &[u8]) -> bool {
-        // Fowler-Noll-Vo hash (FNV-1a): an equal hash of other bytes gives them a number too early, which does no harm.
+        // Fowler-Noll-Vo hash (FNV-1a). A collision gives the bytes a number too early, which is harmless.
         let hash = bytes
             .iter()
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
@@ -105,7 +105,7 @@ impl Words {
     }
 }
 
-/// The state of one row of effects.
+/// State while one row of effects is written.
 #[derive(Default)]
 struct RowState {
     written: usize,
@@ -171,7 +171,7 @@ impl EffectEncoder {
         Ok(())
     }
 
-    /// Returns the place of the shape of the parts; `None` if it has no number.
+    /// Returns the index of the shape of the parts; `None` if it has no number.
     fn place(&mut self, before: Option<usize>) -> Option<usize> {
         let layout = &self.parts.shape;
         let guess = before.and_then(|before| self.shapes.get(before)).map(|shape| shape.successor);
@@ -190,7 +190,7 @@ impl EffectEncoder {
         Some(place)
     }
 
-    /// Gives the shape of the parts a number if it has occurred before.
+    /// Numbers the shape of the parts if it has occurred before.
     fn admit(&mut self) -> Option<usize> {
         let layout = &self.parts.shape;
         if self.shapes.len() >= SHAPES_MAX || !self.sightings.is_second(layout) {

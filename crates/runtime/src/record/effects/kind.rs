@@ -1,4 +1,4 @@
-//! Kinds of effects: what is known of an effect by its shape alone.
+//! Kinds of effects: the properties of an effect that follow from its shape alone.
 
 use crate::effect_describer::outcome_word;
 use apex_model::cause::Cause;
@@ -14,7 +14,7 @@ pub(crate) enum EffectNeed {
     Effect,
 }
 
-/// Kind of an effect: all effects of a shape have the same.
+/// Kind of an effect, which all effects of a shape share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct EffectKind {
     /// `transition`, `command`, ..: `docs/reference/flight-record.md` lists them.
@@ -39,7 +39,7 @@ impl EffectKind {
         }
     }
 
-    /// Returns true if the effect says what the task's goal is.
+    /// Returns true if the effect states the task's goal.
     pub(in crate::record) fn tells_goal(&self) -> bool {
         matches!(self.word, "created" | "selected")
     }
@@ -76,7 +76,7 @@ impl EffectKind {
     }
 }
 
-/// Returns the word of an effect's kind, as the describer says it.
+/// Returns the word for an effect's kind, as used by the describer.
 fn word(effect: &Effect) -> &'static str {
     match effect {
         Effect::Decided(decision) => match decision.kind {

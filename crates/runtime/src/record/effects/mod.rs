@@ -1,7 +1,7 @@
-//! Effects as bytes: one row for each step that has any, with tables of words and shapes that all rows refer to.
+//! Effects as bytes: one row for each step with effects, and tables of words and shapes to which all rows refer.
 //!
-//! `splitter` separates an effect into its shape and its values, `encoder` writes the values as differences, `decoder` reads them
-//! again, `table` knows in memory where the effects of each task and kind are.
+//! `splitter` separates an effect into its shape and its values, `encoder` writes the values as differences, `decoder` reads them,
+//! `table` indexes the effects of each task and kind in memory.
 
 mod decoder;
 mod encoder;
@@ -19,5 +19,5 @@ pub use rows::EffectRows;
 pub(crate) use table::EffectTable;
 pub(super) use table::StepRow;
 
-/// Effects after which differences begin again: one effect can be read without all that stand before it in its step.
+/// Effects after which differences begin again: a reader of one effect need not decode all preceding ones of its step.
 pub(super) const BLOCK_EFFECTS: usize = 256;

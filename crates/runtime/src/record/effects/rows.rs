@@ -1,4 +1,4 @@
-//! Rows of effects, for tools that make records by other means than the recorder.
+//! Rows of effects, for tools that write records without the recorder.
 
 use super::EffectEncoder;
 use crate::record::store::SqlValue;
@@ -16,7 +16,7 @@ pub struct EffectRows {
 }
 
 impl EffectRows {
-    /// Inserts the effects of the step `batch` at `now`; they are still to be sealed (`seal_rows`).
+    /// Inserts the effects of the step `batch` at `now`; the caller seals them (`seal_rows`).
     ///
     /// # Errors
     /// SQLite's own; `InvalidQuery` for an effect that cannot be turned into bytes.

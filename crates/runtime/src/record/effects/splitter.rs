@@ -1,8 +1,8 @@
-//! Splits an effect into its shape and the values in it.
+//! Splits an effect into its shape and its values.
 //!
-//! The shape is what the postcard encoding of the effect looks like with its numbers and texts taken out: the variants, lengths
-//! and flags, with a mark for each value. Effects of one form of PDL have one shape, so a shape is stored once and an effect is
-//! the shape's number and its values. [`join`] puts both together again, to the same bytes as postcard's.
+//! The shape is the postcard encoding of the effect without its numbers and texts: the variants, lengths and flags, with a mark for each
+//! value. Effects of one form of PDL have one shape, so a shape is stored once, and an effect is stored as the shape's number and its
+//! values. [`join`] combines both again, to the same bytes as postcard's.
 
 use crate::record::numbers::{put_signed, put_unsigned};
 use apex_model::effect::Effect;
@@ -53,7 +53,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Splits `effect`; false if it cannot be split and must be stored as it is.
+    /// Splits `effect`; returns false if it cannot be split and must be stored whole.
     pub(super) fn split(&mut self, now: Time, effect: &Effect) -> bool {
         self.shape.clear();
         self.values.clear();
@@ -92,7 +92,7 @@ impl Parts {
     }
 }
 
-/// The effect has something that no shape can have.
+/// The effect contains something that a shape cannot represent.
 #[derive(Debug)]
 pub(super) struct Unsplit;
 
@@ -276,7 +276,7 @@ impl<'p> ser::Serializer for &'p mut Parts {
     }
 }
 
-/// Elements of something compound are written in sequence.
+/// Elements of a compound value are written in sequence.
 macro_rules! compound {
     ($kind:ident, $method:ident $(, $name:ty)?) => {
         impl ser::$kind for &mut Parts {
@@ -318,7 +318,7 @@ impl ser::SerializeMap for &mut Parts {
     }
 }
 
-/// Returns the holes of a shape in order; `None` if it is garbled.
+/// Returns the holes of a shape in order; `None` if the shape is malformed.
 pub(super) fn holes_of(shape: &[u8]) -> Option<Vec<Hole>> {
     let mut holes = Vec::new();
     let mut rest = shape.iter();
@@ -341,7 +341,7 @@ pub(super) enum Filling {
     Text(Arc<str>),
 }
 
-/// Writes the effect of a shape with these values, as postcard writes it. A value that is missing is left out.
+/// Writes the effect of a shape with these values, in postcard's encoding. A missing value is left out.
 pub(super) fn join<'f>(now: Time, shape: &[u8], values: impl Iterator<Item = &'f Filling>, bytes: &mut Vec<u8>) {
     let (mut values, mut rest) = (values, shape.iter());
     while let Some(mark) = rest.next() {

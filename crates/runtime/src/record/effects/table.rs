@@ -1,5 +1,5 @@
-//! All effects of one agent in memory: kind, task and place in the record of each. It grows with the record and is shared by all
-//! readers of it. Bound: each effect is read once, 24 bytes for each.
+//! All effects of one agent in memory: kind, task and place in the record of each. It grows with the record, and all readers of the
+//! record share it. Bound: each effect is read once; 24 bytes for each.
 
 use super::BLOCK_EFFECTS;
 use super::decoder::{Dictionary, EffectReader, Memory};
@@ -34,7 +34,7 @@ struct EffectEntry {
     task: Option<u64>,
     /// Place of the kind.
     kind: u32,
-    /// Place of the effect before about the same task, and 1.
+    /// Index of the preceding effect about the same task, plus 1; 0 if there is none.
     before: u32,
 }
 
@@ -49,14 +49,14 @@ pub(crate) struct EffectTable {
     kinds: Vec<EffectKind>,
     /// By task: place of its last effect.
     last: BTreeMap<u64, u32>,
-    /// Plans that were adopted, whose sources are still to be found: the step and the request.
+    /// Adopted plans whose sources are still to be found: the step and the request.
     pub(in crate::record) adopted: Vec<(i64, SolveRequestId)>,
     /// The sources of the program and of the plans, in the order in which places refer to them.
     pub(in crate::record) sources: Vec<SourceFile>,
 }
 
 impl EffectTable {
-    /// Reads the steps that are new since the last call, `newest` among them; the inner error says what is wrong with the bytes of one.
+    /// Reads the steps that are new since the last call, up to `newest`; the inner error describes the bytes that cannot be decoded.
     pub(in crate::record) fn refresh(
         &mut self,
         connection: &Connection,
@@ -141,7 +141,7 @@ impl EffectTable {
         self.entries.len()
     }
 
-    /// Returns the step of the effect at a place, and the effect's place in it.
+    /// Returns the step of the effect at an index, and the effect's index within that step.
     pub(in crate::record) fn step_of(&self, place: usize) -> Option<(&StepRow, usize)> {
         let step = self.steps.partition_point(|step| step.place <= place).checked_sub(1)?;
         let step = self.steps.get(step)?;
@@ -189,7 +189,7 @@ impl EffectTable {
         std::iter::successors(newest, |place| self.before(*place))
     }
 
-    /// Returns the place of the effect before about the same task.
+    /// Returns the index of the preceding effect about the same task.
     pub(in crate::record) fn before(&self, place: usize) -> Option<usize> {
         self.entries.get(place)?.before.checked_sub(1).map(|before| before as usize)
     }

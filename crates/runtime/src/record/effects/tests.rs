@@ -57,7 +57,7 @@ fn bodies(effects: &[Effect]) -> Vec<Vec<u8>> {
     effects.iter().map(|effect| postcard::to_stdvec(effect).unwrap()).collect()
 }
 
-/// Postcard is the naive twin: whatever is written comes back as its bytes.
+/// Postcard is the naive twin: every written effect is read back with the same bytes.
 #[test]
 fn effects_come_back_as_postcard_writes_them() {
     let mut written = Written::default();
@@ -150,7 +150,7 @@ proptest! {
     }
 }
 
-/// Whatever the bytes are, reading ends without a panic.
+/// For any bytes, reading ends without a panic.
 #[test]
 fn damaged_bytes_are_refused_or_read() {
     let mut written = Written::default();

@@ -1,8 +1,8 @@
 //! Announcements of late targets: a target of the mission's files with `announced` = `by-event` is unknown before
 //! the first event `(new-target ID)`.
 //!
-//! GeoJSON says which targets are late. Tables and KML only say that some are: then every announced target counts as
-//! late, and one that is never announced cannot be distinguished from one that is known from the start.
+//! GeoJSON states which targets are late. Tables and KML only state that some are: then every announced target counts as late, and a
+//! target that is never announced cannot be distinguished from one known from the start.
 //! Bound: each batch is read once, and only while a late target is unannounced.
 
 use crate::error::RecordError;
@@ -25,14 +25,14 @@ const LOOK: char = '/';
 pub(super) struct Announcements {
     /// The identifiers of late targets that are not announced yet; none before the record was first read.
     awaited: Option<BTreeSet<String>>,
-    /// Late targets that are not named as such may be announced.
+    /// True if targets that no file marks as late may be announced too.
     others: bool,
     announced_ns: BTreeMap<String, i64>,
     seen_batch: i64,
 }
 
 impl Announcements {
-    /// Reads what was recorded since the last call.
+    /// Reads the steps recorded since the last call.
     pub(super) fn refresh(&mut self, reader: &RecordReader) -> Result<(), RecordError> {
         if self.awaited.is_none() {
             let (late, others) = late_targets(reader)?;
@@ -44,7 +44,7 @@ impl Announcements {
         }
         let variables = reader.variable_table()?;
         let broken = |error| reader.damaged("the steps", error);
-        // Every agent receives what happens, so the steps of all are read.
+        // Every agent receives the events, so the steps of all agents are read.
         let sql = "SELECT id, t_ns, events FROM main.batch WHERE id > ?1 ORDER BY id";
         let mut statement = reader.connection.prepare_cached(sql).map_err(broken)?;
         let mut rows = statement.query([self.seen_batch]).map_err(broken)?;
@@ -69,7 +69,7 @@ impl Announcements {
         Ok(())
     }
 
-    /// Returns mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
+    /// Returns the mission time in nanoseconds from which the target or wanted look `id` is known; `None` while it is unknown.
     pub(super) fn known_ns(&self, id: &str) -> Option<i64> {
         let is_awaited = |id: &str| self.awaited.as_ref().is_some_and(|awaited| awaited.contains(id));
         let own = id.split(LOOK).next().unwrap_or(id);
@@ -81,7 +81,7 @@ impl Announcements {
     }
 }
 
-/// Returns the identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such targets.
+/// Returns the identifiers of the GeoJSON targets that are announced by event, and true if other files may contain such targets.
 fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), RecordError> {
     let mut late = BTreeSet::new();
     let mut others = false;

@@ -1,4 +1,4 @@
-//! The commands of operators that a record holds, each with its end.
+//! The operator commands in a record, each with its end.
 
 use super::RecordView;
 use crate::commands::HEAD;
@@ -21,7 +21,7 @@ pub struct RecordedCommands {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct RecordedCommand {
-    /// Mission time in nanoseconds at which the run settled it.
+    /// Mission time in nanoseconds at which the run decided about it.
     pub t_ns: i64,
     /// Its number.
     pub number: i64,
@@ -34,8 +34,8 @@ pub struct RecordedCommand {
 }
 
 impl RecordView {
-    /// Returns the commands that were settled by mission time `at_ns` (nanoseconds; none means the record's end). A command that
-    /// several agents heard comes once.
+    /// Returns the commands that were decided by mission time `at_ns` (nanoseconds; `None`: the record's end). A command that several
+    /// agents received is listed once.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

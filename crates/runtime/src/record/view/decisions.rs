@@ -1,5 +1,5 @@
-//! Decisions as an explanation asks for them: the last one of a kind before another, or at its instant; the decisions
-//! about a task; what was said about a target.
+//! Searches for decisions that explanations need: the last one of a kind before another, or at its instant; the decisions about a task;
+//! the effects about a target.
 
 use super::targets::TargetChange;
 use crate::error::RecordError;
@@ -24,7 +24,7 @@ pub(crate) struct DecisionRow {
     pub(crate) subject: String,
     pub(crate) text: String,
     pub(crate) place: Option<String>,
-    /// None if this Apex cannot read it.
+    /// The effect; `None` if this version of Apex cannot read it.
     pub(crate) effect: Option<Effect>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) struct Decisions<'a> {
 
 type DecisionResult = Result<Option<DecisionRow>, RecordError>;
 
-/// An effect as the table has it.
+/// An effect as stored in the table.
 struct DecisionEntry {
     place: usize,
     id: i64,
@@ -87,14 +87,14 @@ impl Decisions<'_> {
         effects.table.about(task.0).filter_map(entry).filter(move |entry| entry.at <= until)
     }
 
-    /// Returns the newest effect about a task that `wanted` selects.
+    /// Returns the newest effect about a task that satisfies `wanted`.
     fn newest(&self, task: TaskId, wanted: impl Fn(&DecisionEntry) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         let found = self.entries(&effects, task).find(wanted);
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// Returns, of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
+    /// Returns the effect about a task that satisfies `wanted` and has the least `distance`; of equals the oldest.
     fn nearest<K: Ord>(
         &self,
         task: TaskId,
@@ -106,7 +106,7 @@ impl Decisions<'_> {
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// Returns the first effect of one kind at `places` that `wanted` selects.
+    /// Returns the first effect of one kind at `places` that satisfies `wanted`.
     fn first_of(
         &self,
         kind: &str,
@@ -126,7 +126,7 @@ impl Decisions<'_> {
         Ok(None)
     }
 
-    /// Returns the transition to `state` that is nearest to the decision `id` at its instant `at`, else the last one before.
+    /// Returns the transition to `state` nearest to the decision `id` at its instant `at`; if there is none, the last one before.
     pub(crate) fn transition(&self, task: TaskId, state: &str, (id, at): (i64, Time)) -> DecisionResult {
         let wanted = |entry: &DecisionEntry| entry.moves_to(state) && (entry.id < id || entry.at == at);
         self.nearest(task, wanted, |entry| (entry.at != at, entry.id.abs_diff(id)))
@@ -160,7 +160,7 @@ impl Decisions<'_> {
         })
     }
 
-    /// Returns the newest effect of one kind about a task whose text `wanted` selects.
+    /// Returns the newest effect of one kind about a task whose text satisfies `wanted`.
     fn newest_told(&self, task: TaskId, kind: &str, wanted: impl Fn(&Told) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         for entry in self.entries(&effects, task).filter(|entry| entry.kind.word == kind) {
@@ -178,7 +178,7 @@ impl Decisions<'_> {
         self.first_of("command", |_, end| Box::new(0..end), |told| told.row.text == text)
     }
 
-    /// Returns the command with this number, by the task that sent it.
+    /// Returns the command with this number that `task` sent.
     pub(crate) fn command_of(&self, task: TaskId, command: u64) -> DecisionResult {
         let text = format!("command {command}");
         self.newest_told(task, "command", |told| told.row.text == text)
@@ -197,12 +197,12 @@ impl Decisions<'_> {
         self.newest_told(task, "solve", |told| told.row.text.starts_with(&begin))
     }
 
-    /// Returns the message `form` of one of the agent's own tasks at this instant.
+    /// Returns the message `form` that a task of the same agent sent at this instant.
     pub(crate) fn inform(&self, form: &str, at: Time) -> DecisionResult {
         self.first_of("inform", |effects, end| Box::new(places_at(effects, at, end)), |told| told.row.subject == form)
     }
 
-    /// Returns the sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
+    /// Returns the sample `subject`, `(count x) = 3`, that a task of the same agent published at this instant.
     pub(crate) fn publish(&self, subject: &str, at: Time) -> DecisionResult {
         let places = |effects: &Effects<'_>, end| -> Box<dyn Iterator<Item = usize>> {
             Box::new(places_at(effects, at, end).rev())
@@ -221,7 +221,7 @@ impl Decisions<'_> {
         Ok(())
     }
 
-    /// Returns the word of the task's state at the end of the interval; `None` if it was never moved.
+    /// Returns the word of the task's state at the end of the interval; `None` if the task had no transition.
     pub(crate) fn state(&self, task: TaskId) -> Result<Option<String>, RecordError> {
         let effects = self.reader.effects()?;
         let state = self.entries(&effects, task).find_map(|entry| entry.kind.to);

@@ -1,9 +1,9 @@
-//! An index of the log in memory, shared by all views of a record and grown with it: where times begin, and which stretches of
-//! effects can hold a text or a kind.
+//! An index of the log in memory, shared by all views of a record and extended with it: where each time begins, and which blocks of
+//! effects may contain a text or a kind.
 //!
-//! Effects are recorded in the order of time, so a time is found by bisection over blocks of effects. Of each block the index
-//! keeps the kinds in it and a Bloom filter (Bloom 1970) of the n-grams of its texts: a search reads the blocks that may match,
-//! the newest first. Bound: each effect is read once; about 4.2 kB of memory for 128 effects.
+//! Effects are recorded in order of time, so a time is found by bisection over blocks of effects. For each block the index keeps the
+//! kinds in it and a Bloom filter (Bloom 1970) of the n-grams of its texts: a search reads the blocks that may match, the newest first.
+//! Bound: each effect is read once; about 4.2 kB of memory for 128 effects.
 
 use crate::error::RecordError;
 use crate::record::{EffectKind, EffectNeed, RecordReader};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub(super) const BLOCK_EFFECTS: i64 = 128;
 /// Bits of a block's filter.
 const FILTER_BITS: usize = 1 << 15;
-/// Lengths of the n-grams in bytes: long ones choose well, short ones serve short searches.
+/// Lengths of the n-grams in bytes: long ones are selective, short ones serve short search texts.
 const GRAMS: [usize; 3] = [5, 3, 2];
 /// Effects that are read at once: the lock on the index is held until then.
 const CHUNK_EFFECTS: i64 = 8_192;
@@ -63,7 +63,7 @@ impl EffectIndex {
             self.add(told.id, told.at.0, told.row.kind, [&told.row.subject, &told.row.text]);
             Ok(())
         })?;
-        // Numbers are consecutive; where one is missing the index continues.
+        // Numbers are consecutive; after a missing number the index continues.
         self.seen = self.seen.max(end);
         Ok(())
     }
@@ -97,7 +97,7 @@ impl EffectIndex {
         self.blocks.get_mut(place)
     }
 
-    /// Returns the blocks that may hold what is wanted, as ranges of effects, the newest first.
+    /// Returns the blocks that may contain a match, as ranges of effects, the newest first.
     pub(super) fn blocks<'a>(&'a self, wanted: &'a EffectSearch<'a>) -> impl Iterator<Item = (i64, i64)> + 'a {
         let kinds = wanted.kinds.iter().filter_map(|kind| self.kinds.get(kind)).fold(0, |bits, bit| bits | 1 << bit);
         let any_kind = wanted.kinds.is_empty();
@@ -130,7 +130,7 @@ impl EffectBlock {
     }
 }
 
-/// Returns the bits that a block needs to hold `find`; none for a text of one byte, which any block may hold.
+/// Returns the bits that a block must have to contain `find`; empty for a text of one byte, which any block may contain.
 fn search_bits(find: &str) -> Vec<usize> {
     let length = GRAMS.into_iter().find(|length| *length <= find.len());
     length.map(|length| find.as_bytes().windows(length).map(bit_of).collect()).unwrap_or_default()

@@ -1,4 +1,4 @@
-//! The log: everything that went out, with its causes.
+//! The log: all effects of the agent, with their causes.
 
 use super::effect_index::EffectSearch;
 use super::{RecordView, for_reading, for_writing};
@@ -28,13 +28,13 @@ pub struct EventsQuery {
     pub kinds: Vec<String>,
     /// Only effects of this task.
     pub task: Option<u64>,
-    /// Only effects whose subject or text contains this, in any case.
+    /// Only effects whose subject or text contains this text, in any case.
     pub find: Option<String>,
     /// Maximum number of rows; default 200, at most 5,000.
     pub limit: Option<usize>,
 }
 
-/// The last effects of the time asked for, oldest first.
+/// The last effects of the requested time, oldest first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Events {
@@ -54,7 +54,7 @@ pub struct EventRow {
     pub t_ns: i64,
     /// `transition`, `command`, `solve`, ..: `docs/reference/flight-record.md` lists them.
     pub kind: String,
-    /// The task's number, if it is about one.
+    /// The number of the task concerned, if there is one.
     pub task: Option<u64>,
     /// State before, for `transition`.
     pub from_state: Option<String>,
@@ -64,7 +64,7 @@ pub struct EventRow {
     pub outcome: Option<String>,
     /// The goal, form or variable.
     pub subject: Option<String>,
-    /// The cause, or what was said, without the place.
+    /// The cause or the message, without the place.
     pub text: Option<String>,
     /// `file:line:column` of the clause of PDL.
     pub place: Option<String>,
@@ -139,10 +139,10 @@ impl RecordView {
         Ok(events)
     }
 
-    /// Returns the newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
-    /// may hold what is wanted.
+    /// Returns the newest effects that a query selects, at most `count`: first those that are not in the index yet, then those of the
+    /// blocks that may contain a match.
     fn found(&self, query: &EventsQuery, count: usize) -> Result<Vec<EventRow>, RecordError> {
-        // Where another thread reads the log, questions leave that to it.
+        // If another thread extends the index, queries leave that to it.
         if !self.indexes.is_indexed_apart.load(Ordering::Relaxed) {
             self.index_now(EVENTS_BUDGET)?;
         }
@@ -163,8 +163,8 @@ impl RecordView {
         self.selected(query, &effects, newest.chain(blocks), count)
     }
 
-    /// Reads effects into the index of the log, for about `budget`; what is not in it is searched row by row. True if all are in: until
-    /// then no question reads any into it.
+    /// Extends the index of the log for about `budget` of time. Returns true once it contains all effects; before that, queries search
+    /// the others row by row and do not extend the index.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -1,4 +1,4 @@
-//! The holders of resources over time, kept in memory and grown with the record.
+//! The holders of resources over time, kept in memory and extended with the record.
 
 use crate::error::RecordError;
 use crate::record::RecordReader;
@@ -13,11 +13,11 @@ pub(super) struct HoldingIndex {
     /// Number of the last effect that was read or skipped.
     read_to: i64,
     resources: Vec<(String, Vec<Held>)>,
-    /// Places in `resources` of what a task holds.
+    /// Positions in `resources` of the holdings of each task.
     held: BTreeMap<u64, Vec<(usize, usize)>>,
 }
 
-/// A stretch of time in which a task holds a share of a resource; none while it still does.
+/// A span of time in which a task holds a share of a resource; its end is `None` while it continues.
 #[derive(Clone)]
 pub(super) struct Held {
     pub(super) task: u64,
@@ -43,7 +43,7 @@ impl HoldingIndex {
         for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
             let Some(kind) = effects.table.kind(place).filter(|kind| kind.word == "transition") else { continue };
             let Some(task) = effects.table.task(place) else { continue };
-            // Leaving the state gives everything back.
+            // A task that leaves the state releases everything.
             for (resource, held) in self.held.remove(&task).unwrap_or_default() {
                 let slot = self.resources.get_mut(resource).and_then(|(_, list)| list.get_mut(held));
                 if let Some(held) = slot {
@@ -58,7 +58,7 @@ impl HoldingIndex {
         Ok(())
     }
 
-    /// Keeps what a transition to `ongoing` granted.
+    /// Adds the holdings that a transition to `ongoing` granted.
     fn grant(&mut self, task: u64, at_ns: i64, effect: Effect) {
         let Effect::Decided(decision) = effect else { return };
         let DecisionKind::Transition { to: TaskState::Ongoing, .. } = decision.kind else { return };

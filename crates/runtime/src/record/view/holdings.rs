@@ -5,14 +5,14 @@ use super::holding_index::{Held, HoldingIndex};
 use crate::error::RecordError;
 use serde::Serialize;
 
-/// Holdings of one resource that one answer holds; the others are counted.
+/// Maximum number of holdings of one resource in one answer; the others are counted.
 const HOLDINGS_MAX: usize = 500;
 
-/// The resources of an agent, and who held them.
+/// The resources of an agent with their holders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Holdings {
-    /// One row for each resource that any task has held by then, in the order of the first holding.
+    /// One row for each resource that any task has held by the instant, in the order of the first holding.
     pub resources: Vec<ResourceRow>,
 }
 
@@ -22,23 +22,23 @@ pub struct Holdings {
 pub struct ResourceRow {
     /// The resource, as written in PDL.
     pub resource: String,
-    /// Stretches of time in which a task held it, by begin.
+    /// Spans of time in which a task held the resource, by beginning.
     pub holdings: Vec<Holding>,
     /// Earlier stretches in the window that are left out.
     pub left_out: usize,
 }
 
-/// A stretch of time in which a task held a resource, or a share of it.
+/// A span of time in which a task held a resource, or a share of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Holding {
     /// The task's number.
     pub task: u64,
-    /// The share that it held; none is all of it.
+    /// The share that it held; `None` for the whole resource.
     pub amount: Option<String>,
     /// Begin, nanoseconds of mission time.
     pub from_ns: i64,
-    /// End, nanoseconds of mission time; that of the answer while it is held.
+    /// End in nanoseconds of mission time; that of the answer if it is still held.
     pub to_ns: i64,
     /// True while it is held.
     pub open: bool,

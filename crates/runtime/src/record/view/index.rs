@@ -1,4 +1,4 @@
-//! The states of all tasks over time, kept in memory and grown with the record.
+//! The states of all tasks over time, kept in memory and extended with the record.
 //!
 //! Bound: each effect is read once; memory is one small entry per state change.
 
@@ -9,7 +9,7 @@ use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::task::TaskState;
 use std::collections::BTreeMap;
 
-/// A task and what became known of it when, oldest first. Parent, tag and place are those of its creation.
+/// A task with the instants at which its properties became known, oldest first. Parent, tag and place are those of its creation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IndexedTask {
     pub(super) parent: Option<u64>,
@@ -17,11 +17,11 @@ pub(super) struct IndexedTask {
     pub(super) place: Option<String>,
     pub(super) created_ns: i64,
     pub(super) changes: Vec<Change>,
-    /// Nanoseconds that it was active before each change: enabled, ongoing or interrupted.
+    /// Nanoseconds for which it was active before each change: enabled, ongoing or interrupted.
     active_before_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
-    /// The method of each selection; none from a new start of the step until it is selected again.
+    /// The method of each selection; `None` from a restart of the step to its next selection.
     methods: Vec<(i64, Option<Box<str>>)>,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct IndexedTask {
 pub(super) struct Change {
     pub(super) at_ns: i64,
     pub(super) state: StateWord,
-    /// Outcome, if it has ended. A step that repeats leaves the ended state again.
+    /// Outcome, if it has ended. A task of a repeating step leaves the ended state again.
     pub(super) outcome: Option<&'static str>,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct TaskIndex {
     tasks: BTreeMap<u64, IndexedTask>,
 }
 
-/// A stretch of time in one state; the last one of a task that has not ended is open.
+/// A span of time in one state; the last one of a task that has not ended is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Interval {
     pub(super) state: StateWord,
@@ -135,7 +135,7 @@ impl IndexedTask {
         self.changes.push(change);
     }
 
-    /// Nanoseconds that it was active up to `at_ns`.
+    /// Returns the nanoseconds for which it was active up to `at_ns`.
     fn active_until(&self, at_ns: i64) -> i64 {
         let Some(last) = self.changes.partition_point(|change| change.at_ns <= at_ns).checked_sub(1) else { return 0 };
         let (Some(change), Some(before)) = (self.changes.get(last), self.active_before_ns.get(last)) else { return 0 };
@@ -143,7 +143,7 @@ impl IndexedTask {
         if is_active { before + at_ns.saturating_sub(change.at_ns) } else { *before }
     }
 
-    /// Nanoseconds of `from_ns..=to_ns` in which it was active.
+    /// Returns the nanoseconds within `from_ns..=to_ns` in which it was active.
     pub(super) fn active_ns(&self, from_ns: i64, to_ns: i64) -> i64 {
         (self.active_until(to_ns) - self.active_until(from_ns)).max(0)
     }
@@ -166,7 +166,7 @@ impl IndexedTask {
 
     /// Returns the stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
     pub(super) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
-        // The one in force before the window may end where it begins.
+        // The state before the window may end exactly at its beginning.
         let first = self.changes.partition_point(|change| change.at_ns < from_ns).saturating_sub(1);
         let later = self.changes.partition_point(|change| change.at_ns <= to_ns);
         let inside = self.changes.get(first..later).unwrap_or_default();
@@ -177,7 +177,7 @@ impl IndexedTask {
         })
     }
 
-    /// Returns the intervals that a picture shows: an instant of waiting is none, an instant of work is one.
+    /// Returns the intervals to draw: waiting of zero length is left out, work of zero length is drawn.
     pub(super) fn drawn(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
         let is_drawn = |interval: &Interval| interval.length_ns() > 0 || interval.state.0 == TaskState::Ongoing;
         self.intervals(from_ns, to_ns).filter(is_drawn)

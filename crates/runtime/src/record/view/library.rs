@@ -1,4 +1,4 @@
-//! The program of a record: its files, and what they declare. All of it is known from the start of the flight.
+//! The program of a record: its files and their declarations. All of it is known from the start of the flight.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -53,7 +53,7 @@ pub struct DeclaredName {
 pub struct ProcedureRow {
     /// `procedure`, `primitive` or `solver`.
     pub kind: String,
-    /// The class of goals that it serves.
+    /// The class of goals that the definition serves.
     pub index: String,
     /// `file:line:column`
     pub place: String,
@@ -73,9 +73,9 @@ pub struct StepRow {
     pub activity: String,
     /// `file:line:column`
     pub place: String,
-    /// The tags of the steps whose end it waits for.
+    /// The tags of the steps for whose end it waits.
     pub after: Vec<String>,
-    /// Other conditions that it waits for, as PDL text.
+    /// Other conditions for which it waits, as PDL text.
     pub waits: Vec<String>,
     /// True if it repeats or responds.
     pub repeats: bool,
@@ -94,7 +94,7 @@ pub struct ProgramText {
 }
 
 impl RecordView {
-    /// Returns the files of the record's program, and what `library` declares.
+    /// Returns the files of the record's program, and the declarations of `library`.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -205,7 +205,7 @@ fn step(library: &Library, step: &Step) -> StepRow {
     }
 }
 
-/// Ends of other steps that are all awaited become edges; what else is awaited stays text.
+/// Sorts the conditions of a `waitfor`: ends of other steps that must all occur become edges, all other conditions remain text.
 fn sort(condition: &Condition, after: &mut Vec<String>, waits: &mut Vec<String>) {
     match &condition.kind {
         ConditionKind::TaskEnded(tag) => after.push(tag.to_string()),

@@ -1,4 +1,4 @@
-//! The mission: what was flown, over which time, and whether the record still grows.
+//! The mission: its name, its span of time, and whether the record still grows.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-/// An incomplete record that was not written to for this long has no writer. A live flight commits several times a
-/// second; the margin is for a machine under load.
+/// An incomplete record without a write for this long has no writer. A live flight commits several times a second; the margin is for a
+/// machine under load.
 const WRITER_SILENCE: Duration = Duration::from_secs(10);
 
 /// State of the record.
@@ -35,7 +35,7 @@ impl RecordStatus {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Growth {
-    /// Mission time in nanoseconds of the last thing recorded.
+    /// Mission time in nanoseconds of the last recorded step.
     pub end_ns: i64,
     /// Number of executive steps.
     pub batches: i64,
@@ -69,25 +69,25 @@ pub struct Mission {
     pub record: String,
     /// Civil time of mission time 0, RFC 3339.
     pub epoch_utc: Option<String>,
-    /// Mission time in nanoseconds of the first thing recorded.
+    /// Mission time in nanoseconds of the first recorded step.
     pub from_ns: i64,
     /// End of the flight; `None` before.
     pub ending: Option<Ending>,
     /// Growth of the record.
     #[serde(flatten)]
     pub growth: Growth,
-    /// Number of tasks created so far.
+    /// Number of tasks created by the instant.
     pub tasks: usize,
-    /// Number of observation targets known so far.
+    /// Number of observation targets known by the instant.
     pub targets: usize,
-    /// Number of them that were observed so far.
+    /// Number of these targets that were observed by the instant.
     pub observed: usize,
-    /// The mission's score, if the report has one; none before the flight's end.
+    /// The mission's score, if the report contains one; `None` before the flight's end.
     pub score: Option<f64>,
 }
 
 impl RecordView {
-    /// Facts about the flight as known at mission time `at_ns` (nanoseconds); none means the record's end.
+    /// Returns facts about the flight as known at mission time `at_ns` (nanoseconds); `None` means the record's end.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -149,7 +149,7 @@ impl RecordView {
         })
     }
 
-    /// Returns mission time in nanoseconds of the first thing recorded.
+    /// Returns the mission time in nanoseconds of the first recorded step.
     pub(super) fn first_ns(&self) -> Result<i64, RecordError> {
         let starts = [
             self.number("the steps", "SELECT t_ns FROM batch ORDER BY id LIMIT 1")?,
@@ -174,9 +174,9 @@ fn has_writer(path: &Path) -> bool {
     log.push("-wal");
     [path.to_path_buf(), PathBuf::from(log)].iter().any(|file| {
         let Ok(data) = std::fs::metadata(file) else { return false };
-        // Opening a record makes an empty log next to it: that is this reader, not a writer.
+        // Opening a record creates an empty log next to it, so an empty log does not indicate a writer.
         let Some(written) = data.modified().ok().filter(|_| data.len() > 0) else { return false };
-        // A time in the future means that the clock was set back: better to call it live than broken.
+        // A time in the future means that the clock was set back: the record then counts as live rather than as interrupted.
         SystemTime::now().duration_since(written).map_or(true, |silence| silence < WRITER_SILENCE)
     })
 }

@@ -1,10 +1,10 @@
 //! The record view: typed answers to the questions that the server and the page ask of a flight record.
 //!
-//! One file per question. Every answer is plain data (serde) with its units in the names of its fields; the TypeScript
-//! types of the page are generated from these types (`src/typescript.rs`). A record that is still being written is
-//! read in the same way; each answer shows what was committed when it was asked for.
+//! One file per question. Every answer is plain data (serde) with units in its field names; the page's TypeScript types are generated
+//! from these types (`src/typescript.rs`). A record that is still being written is read in the same way; each answer contains what was
+//! committed at that moment.
 //!
-//! An answer for an instant holds what was known at that instant and nothing that was recorded later: decision 0088.
+//! An answer for an instant contains what was known at that instant, and nothing that was recorded later: decision 0088.
 
 mod announcements;
 mod commands;
@@ -65,13 +65,13 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use trouble_index::TroubleIndex; // english: allow
 
-/// A flight record opened for questions about one agent. Owns its connection, so it can move to another thread.
+/// A flight record opened for queries about one agent. It owns its connection, so it can move to another thread.
 pub struct RecordView {
     reader: RecordReader,
     indexes: Arc<Indexes>,
 }
 
-/// Indexes of a record in memory, for one agent: shared by its views, and brought up to date before each use.
+/// In-memory indexes of a record for one agent: shared by its views, and updated before each use.
 #[derive(Default)]
 struct Indexes {
     /// The states of all tasks over time.
@@ -103,7 +103,7 @@ impl RecordView {
         RecordView { reader, indexes }
     }
 
-    /// Returns another view of the same record with a separate connection, for a question at the same time.
+    /// Returns another view of the same record with its own connection, for concurrent queries.
     ///
     /// # Errors
     /// Like [`RecordReader::open`].
@@ -116,7 +116,7 @@ impl RecordView {
         &self.reader
     }
 
-    /// Reads what questions about tasks, resources and signals need, so that the first of each finds it.
+    /// Builds the indexes for queries about tasks, resources and signals, so that the first query of each kind is fast.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -133,7 +133,7 @@ impl RecordView {
         self.current(&self.indexes.tasks, TaskIndex::read_to, TaskIndex::refresh)
     }
 
-    /// Returns an index, brought up to date with the last effect; `read_to` says how far it is. Only a view that finds it behind
+    /// Returns an index, updated to the last effect; `read_to` returns how far an index is. Only a view that must update the index
     /// excludes the others meanwhile.
     fn current<'a, T>(
         &self,
@@ -158,14 +158,14 @@ impl RecordView {
         self.reader.effects()
     }
 
-    /// Runs queries; `what` names in errors what they read.
+    /// Runs queries; `what` names their subject in error messages.
     fn query<T>(&self, what: &str, read: impl FnOnce(&Connection) -> rusqlite::Result<T>) -> Result<T, RecordError> {
         self.reader.check_growth()?;
         read(&self.reader.connection).map_err(|error| self.reader.damaged(what, error))
     }
 }
 
-/// Returns a lock for reading. A panic while it was written leaves an index that the next refresh continues.
+/// Returns a lock for reading. A panic during an update leaves an index that the next update continues.
 fn for_reading<T>(lock: &RwLock<T>) -> RwLockReadGuard<'_, T> {
     lock.read().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! The plan in force: the last one that the executive had adopted by an instant.
+//! The plan in force: the last plan that the executive had adopted by an instant.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -13,17 +13,17 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct PlanInForce {
-    /// Number of plans adopted so far: 1 for the first.
+    /// Number of plans adopted so far: 1 for the first plan.
     pub number: i64,
     /// Mission time in nanoseconds of its adoption.
     pub adopted_ns: i64,
     /// One line about it.
     pub summary: String,
-    /// Its visits in order, with the times that it predicts.
+    /// Its visits in order, with the predicted times.
     pub visits: Vec<PlannedVisit>,
-    /// Positions along its way, `[longitude, latitude]` in degrees; empty if it states none.
+    /// Positions along its route, `[longitude, latitude]` in degrees; empty if the plan states none.
     pub route: Vec<[f64; 2]>,
-    /// The targets that it leaves out.
+    /// The targets that the plan leaves out.
     pub left_out: Vec<LeftOutTarget>,
 }
 
@@ -55,7 +55,7 @@ pub struct LeftOutTarget {
 pub struct Plans {
     /// By number. Only the last two have their routes.
     pub plans: Vec<PlanInForce>,
-    /// Earlier plans that are left out, because there are more than [`PLANS_MAX`].
+    /// Number of earlier plans that are not listed, because there are more than [`PLANS_MAX`].
     pub left_out: i64,
 }
 
@@ -83,7 +83,7 @@ impl RecordView {
         Ok(Plans { plans, left_out: first - 1 })
     }
 
-    /// Returns the plan in force at mission time `at_ns` (nanoseconds; none means the record's end); `None` before the first one.
+    /// Returns the plan in force at mission time `at_ns` (nanoseconds; `None`: the record's end); `None` before the first plan.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -94,7 +94,7 @@ impl RecordView {
         Ok(last.transpose()?.map(in_force))
     }
 
-    /// Returns the plan whose adoption is at a place among the effects.
+    /// Returns the plan that was adopted by the effect at `place`.
     fn adopted(&self, effects: &Effects<'_>, place: usize, number: i64) -> Result<Adopted, RecordError> {
         let (request, summary) = match effects.effect(place)? {
             Effect::Decided(Decision { kind: DecisionKind::ProcedureAdded { request, summary, .. }, .. }) => {
@@ -113,7 +113,7 @@ impl RecordView {
 }
 
 impl PlanInForce {
-    /// Returns a plan as the page shows it.
+    /// Returns a plan in the form of the page.
     pub fn of_plan(plan: Plan, number: i64, adopted_ns: i64) -> PlanInForce {
         let summary = plan.summary().to_owned();
         let (visits, route, left_out) = shown(plan);

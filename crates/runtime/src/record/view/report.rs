@@ -1,4 +1,4 @@
-//! The report: what `apex fly` printed at the end, by section.
+//! The final report of `apex fly`, by section.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -19,7 +19,7 @@ pub struct Report {
 pub struct Section {
     /// Its name.
     pub section: String,
-    /// JSON if the record has JSON, else a text.
+    /// JSON if the record contains JSON, otherwise text.
     #[cfg_attr(test, ts(type = "unknown"))]
     pub body: Value,
 }
@@ -48,8 +48,8 @@ impl RecordView {
 }
 
 impl Report {
-    /// Returns the mission's score: section `score`, as a number or as an object with a member `score` or `total`; else a
-    /// member `score` of any section.
+    /// Returns the mission's score: section `score`, as a number or as an object with a member `score` or `total`; otherwise a member
+    /// `score` of any section.
     pub fn score(&self) -> Option<f64> {
         let own = self.sections.iter().find(|section| section.section == "score").and_then(|section| {
             section.body.as_f64().or_else(|| member(&section.body, "score")).or_else(|| member(&section.body, "total"))

@@ -1,4 +1,4 @@
-//! Questions about signals: which were measured by an instant, and their samples in a window of time.
+//! Queries about signals: which were measured by an instant, and their samples in a window of time.
 
 use super::RecordView;
 use super::signals::{PIXELS_DEFAULT, PIXELS_MAX, Raised, SIGNALS_MAX, SignalQuery, SignalWindows, Signals};
@@ -21,7 +21,7 @@ impl RecordView {
         Ok(Signals { signals: known.map(|known| known.signal(program)).collect() })
     }
 
-    /// Returns the windows of the signals asked for.
+    /// Returns the windows of the requested signals.
     ///
     /// # Errors
     /// [`RecordError::Damaged`]; [`RecordError::Question`] for more than [`SIGNALS_MAX`] names and for names that the

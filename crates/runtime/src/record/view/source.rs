@@ -1,4 +1,4 @@
-//! Source lines: a few lines of the mission's own files around a place.
+//! Source lines: some lines of the mission's files around a place.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -44,7 +44,7 @@ impl SourceLine {
 }
 
 impl RecordView {
-    /// Returns the lines around a place; `None` if the record has no such file.
+    /// Returns the lines around a place; `None` if the record does not contain the file.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -28,7 +28,7 @@ pub struct Zone {
     pub altitude_m_min: f64,
     /// Upper face, metres above mean sea level; none if the file states none.
     pub altitude_m_max: Option<f64>,
-    /// Active intervals, hours of mission time from and until; empty if it is always active.
+    /// Active intervals as start and end in hours of mission time; empty if it is always active.
     pub active_h: Vec<[f64; 2]>,
     /// GeoJSON.
     #[cfg_attr(test, ts(type = "GeoJSON.Geometry"))]
@@ -57,7 +57,7 @@ impl RecordView {
     pub fn surroundings(&self) -> Result<Surroundings, RecordError> {
         let mut surroundings = Surroundings::default();
         for source in self.reader.sources()?.into_iter().filter(|source| source.role == "data") {
-            // Other data, tables of wind and the like, are not JSON.
+            // Other data files, such as wind tables, are not JSON.
             let Ok(data) = serde_json::from_slice::<Value>(&source.body) else { continue };
             for feature in data.get("features").and_then(Value::as_array).into_iter().flatten() {
                 surroundings.zones.extend(zone(feature));

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Maximum number of changes in one target's history; the oldest are left out. A target watched in cycles has many.
+/// Maximum number of changes in one target's history; the oldest are left out. A target that is watched in cycles has many.
 const HISTORY_MAX: usize = 500;
 
 /// The targets that are known at an instant.
@@ -36,13 +36,13 @@ pub struct Target {
     /// GeoJSON.
     #[cfg_attr(test, ts(type = "GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null"))]
     pub geometry: Option<Value>,
-    /// `planned`, `observing`, `observed` or `skipped` at the instant asked for; none before the first.
+    /// `planned`, `observing`, `observed` or `skipped` at the requested instant; `None` before the first state.
     pub state: Option<String>,
     /// Reason for its state: the reason of the change to it, and for `planned` that of the latest plan.
     pub detail: Option<String>,
     /// Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
     pub since_ns: Option<i64>,
-    /// Mission time in nanoseconds at which it was announced; none if it was known from the start.
+    /// Mission time in nanoseconds of its announcement; `None` if it was known from the start.
     pub announced_ns: Option<i64>,
     /// Recorded changes up to that instant, oldest first, at most 500 entries.
     pub history: Vec<TargetChange>,
@@ -61,8 +61,7 @@ pub struct TargetChange {
 }
 
 impl RecordView {
-    /// Returns the targets that were known at mission time `at_ns` (nanoseconds), with what was known of them; none means the
-    /// record's end.
+    /// Returns the targets known at mission time `at_ns` (nanoseconds; `None`: the record's end), with their states at that time.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -109,8 +108,8 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
     Ok(Targets { targets })
 }
 
-/// Returns the present state with the instant and the reason of the change to it. A plan has a new time for every target that
-/// it keeps, so the last reason for `planned` counts.
+/// Returns the present state, its instant and its reason. Each plan has a new time for every target that it keeps, so the latest reason
+/// for `planned` counts.
 fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
     let last = history.last()?;
     let first = history.iter().rev().take_while(|change| change.state == last.state).last()?;

@@ -1,4 +1,4 @@
-//! The task tree as it was at an instant.
+//! The task tree at an instant.
 
 use super::RecordView;
 use super::index::{IndexedTask, TaskIndex};
@@ -7,8 +7,7 @@ use crate::error::RecordError;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum number of selected tasks, unless the query states one: more than an operator reads, few enough to draw while
-/// time runs.
+/// Default maximum number of selected tasks: more than an operator reads, and few enough to draw during a flight.
 const LIMIT_DEFAULT: usize = 1_000;
 /// Maximum number of selected tasks of any answer.
 const LIMIT_MAX: usize = 20_000;
@@ -22,7 +21,7 @@ pub struct TasksQuery {
     pub at_ns: Option<i64>,
     /// True leaves out tasks that have ended.
     pub alive_only: bool,
-    /// Only tasks whose number (`T12`), tag or goal has this text, in any case.
+    /// Only tasks whose number (`T12`), tag or goal contains this text, in any case.
     pub find: Option<String>,
     /// A task that is selected in any case.
     pub with: Option<u64>,
@@ -64,7 +63,7 @@ pub struct Task {
     pub since_ns: i64,
     /// Mission time in nanoseconds of its creation.
     pub created_ns: i64,
-    /// `procedure file.pdl:3:1`, if one was selected by then.
+    /// `procedure file.pdl:3:1`, if a method was selected by the instant.
     pub method: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
@@ -85,7 +84,7 @@ pub enum TaskLookup {
         /// Mission time in nanoseconds of its creation.
         created_ns: i64,
     },
-    /// The record has no such task.
+    /// The record does not contain the task.
     Unknown,
 }
 
@@ -109,7 +108,7 @@ impl Task {
 }
 
 impl RecordView {
-    /// Returns the task tree. If the limit applies, tasks that have not ended come first, then those that changed last.
+    /// Returns the task tree. At the limit, tasks that have not ended are kept first, then those that changed last.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -169,7 +168,7 @@ fn with_ancestors(index: &TaskIndex, ids: impl Iterator<Item = u64>) -> BTreeSet
     let mut chosen = BTreeSet::new();
     for id in ids {
         let mut next = Some(id);
-        // A task is chosen with all its ancestors, so the climb ends at the first one that is there already.
+        // A task is selected with all its ancestors, so the ascent ends at the first ancestor that is selected already.
         while let Some(id) = next.filter(|&id| chosen.insert(id)) {
             next = index.get(id).and_then(|task| task.parent);
         }

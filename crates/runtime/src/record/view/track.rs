@@ -1,4 +1,4 @@
-//! The track: where the vehicle was, as columns.
+//! The track: the positions of the vehicle, as columns.
 
 use super::RecordView;
 use crate::error::RecordError;
@@ -21,7 +21,7 @@ pub struct TrackQuery {
     pub points: Option<usize>,
 }
 
-/// One list per quantity, all of the same length, by time.
+/// One list per quantity, all of the same length, in order of time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Track {

@@ -16,13 +16,13 @@ pub struct Trouble {
     pub t_ns: i64,
     /// Kind of the entry.
     pub kind: TroubleKind,
-    /// The goal, target or message that it is about.
+    /// The goal, target or message concerned.
     pub subject: String,
     /// Cause.
     pub cause: String,
-    /// The task's number, if it is about one.
+    /// The number of the task concerned, if there is one.
     pub task: Option<u64>,
-    /// The target's identifier, if it is about one.
+    /// The target's identifier, if the entry concerns a target.
     pub target: Option<String>,
 }
 
@@ -63,7 +63,7 @@ impl TroubleIndex {
         self.entries.get(..end).unwrap_or_default()
     }
 
-    /// Reads effects up to `last`. Of the tasks that one decision interrupts at an instant, the first is kept.
+    /// Reads effects up to `last`. If one decision interrupts several tasks at an instant, only the first is kept.
     pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
         let effects = reader.effects()?;
         for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
@@ -90,7 +90,7 @@ impl TroubleIndex {
     }
 }
 
-/// Returns the kind of the entry that an effect makes; `None` if it makes none.
+/// Returns the kind of the entry for an effect; `None` if the effect makes no entry.
 fn kind_of(kind: &EffectKind) -> Option<TroubleKind> {
     match (kind.word, kind.to, kind.outcome) {
         (FAULT, ..) => Some(TroubleKind::Fault),

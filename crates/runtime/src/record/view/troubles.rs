@@ -51,7 +51,7 @@ impl RecordView {
             let kind = TroubleKind::Ended;
             troubles.push(Trouble { t_ns, kind, subject, cause: ending.reason, task: None, target: None });
         }
-        // Stable: what the executive did at one instant keeps its order.
+        // A stable sort: entries of one instant keep the order of the effects.
         troubles.sort_by_key(|trouble| trouble.t_ns);
         let left_out = troubles.len().saturating_sub(TROUBLES_MAX);
         troubles.drain(..left_out);

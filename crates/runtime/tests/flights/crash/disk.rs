@@ -1,12 +1,12 @@
-//! A disk that forgets: the files of a folder as they may stand after a program is killed, or after the power is cut, in the
-//! middle of what it wrote (`writes.c` logs that).
+//! A disk that loses unsynchronised writes: the files of a folder as they may be after a program is killed, or the power is cut, in the
+//! middle of its writes (`writes.c` logs them).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Disks write sectors, whole or not at all.
+/// Size of a sector, which a disk writes whole or not at all.
 const SECTOR_BYTES: usize = 512;
 
 /// One operation of the program.
@@ -60,7 +60,7 @@ impl Files {
         }
     }
 
-    /// Writes all of them into an empty folder.
+    /// Writes all files into an empty folder.
     pub(crate) fn put(&self, folder: &Path) {
         for entry in std::fs::read_dir(folder).unwrap() {
             std::fs::remove_file(entry.unwrap().path()).unwrap();
@@ -88,7 +88,7 @@ pub(crate) struct Disk {
 }
 
 impl Disk {
-    /// The program does the operation; a sync makes what waits for its file safe.
+    /// Performs a logged operation; a sync makes the waiting writes of its file permanent.
     pub(crate) fn apply(&mut self, name: &str, operation: &Operation) {
         let is_safe_now = |waiting: &str, other: &Operation| match operation {
             // A synced file is found again: its name is safe, too.
@@ -109,15 +109,16 @@ impl Disk {
         }
     }
 
-    /// The files after the power is cut now: of what waits, the disk has written what chance wills, in any order, sector by sector.
+    /// Returns the files after the power is cut now: of the waiting writes, the disk has performed a random part, in any order, sector by
+    /// sector.
     pub(crate) fn cut(&self, dice: &mut ChaCha8Rng) -> Files {
         let mut files = self.safe.clone();
-        // All of it, none of it, or each with this chance.
+        // All writes, none, or each with this chance.
         let kept = [0, 255, 32, 128, 224][(dice.next_u32() % 5) as usize];
         let chance = |dice: &mut ChaCha8Rng| kept == 255 || (dice.next_u32() & 0xff) < kept;
         for (name, operation) in &self.waiting {
             if !files.0.contains_key(name) && !matches!(operation, Operation::Create) {
-                // Its creation is lost, and so is what it held.
+                // The creation of the file is lost, and so is its content.
                 continue;
             }
             let Operation::Write { offset, data } = operation else {

@@ -1,10 +1,9 @@
-//! Lower bound on the cost per second of any flight without end, and a cycle that comes near to it.
+//! Lower bound on the cost per second of any endless flight, and a cycle whose cost is close to it.
 //!
-//! A cost per second is proven if values can be given to the points of the grid so that no visit leads to less than it
-//! began with, when that cost is subtracted for each of its seconds. Then a flight of any length costs at least that
-//! much per second, except for the differences of the values. Repeated sweeps over the grid find the values for a trial
-//! cost, and halving finds the cost; any values prove something. A flight that follows the values shows a cycle that
-//! comes near.
+//! A cost per second is proven if each grid point can be given a value such that no visit leads to a lower value than the one it started
+//! with, after that cost is subtracted for each second of the visit. A flight of any length then costs at least that much per second,
+//! except for the differences of the values. Repeated sweeps over the grid find the values for a trial cost, and bisection finds the
+//! cost; any values prove a valid bound. A flight that follows the values gives a cycle whose cost is close to the bound.
 //! Bound: O(sweeps x points x targets x 2^targets).
 
 use super::{Grid, LONG_S, gathered, leg_s};
@@ -17,7 +16,7 @@ use apex_planning::solver::WorkBudget;
 const POINTS_MAX: usize = 56_000;
 /// Points of the grid on which good values are sought first.
 const POINTS_COARSE: usize = 20_000;
-/// Numbers on trial, and how often the grid is gone over for each.
+/// Number of trial costs, and of sweeps over the grid for each.
 const TRIALS_MAX: usize = 12;
 const SWEEPS_MAX: usize = 120;
 /// Number of sweeps before the cost is computed.
@@ -25,7 +24,7 @@ const SWEEPS_AT_ONCE: usize = 20;
 /// Shares of the cost within which a number counts as proven, and at which trials end.
 const NEAR: f64 = 1e-5;
 const ENOUGH: f64 = 2e-3;
-/// Visits that are flown after the values, and of the longest cycle that is sought among them.
+/// Number of visits flown by the values, and greatest length of a cycle searched among them.
 const VISITS: usize = 900;
 const CYCLE_MAX: usize = 300;
 /// Visits at which a cycle may begin.
@@ -34,10 +33,10 @@ const BEGINNINGS: usize = 60;
 const FLOWN_NS: f64 = 1e7;
 /// Least share by which a cycle must be cheaper to be reported as better.
 const BETTER: f64 = 1e-3;
-/// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
+/// Relative amount by which the bound is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 1e-9;
 
-/// A cycle with what it costs in the long run, and what proves how good it is.
+/// A cycle with its cost per second and the proof of its quality.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BestCycle {
     /// Indices of the targets in the order of their visits, again and again.
@@ -57,12 +56,11 @@ pub struct WithoutEnd {
     pub cost_per_s: f64,
     /// No flight without end that never waits costs less per second.
     pub cost_per_s_bound: f64,
-    /// Names of the targets of a cycle that costs less, with its cost per second, where one is known.
+    /// Names of the targets of a cheaper cycle with its cost per second, if one is known.
     pub better: Option<(Vec<String>, f64)>,
 }
 
-/// Evaluates the plan's cycle without end, within the budget. `None` if the plan is not a cycle, or there is no bound
-/// for it.
+/// Evaluates the plan's cycle as an endless flight, within the budget. `None` if the plan is not a cycle, or no bound exists for it.
 pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<WithoutEnd> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) else { return None };
     let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
@@ -75,14 +73,14 @@ pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<
     Some(WithoutEnd { cost_per_s: own, cost_per_s_bound: best.cost_per_s_bound, better })
 }
 
-/// Returns the best cycle that is found, beginning with those in `known`, and the bound; `None` with too many targets, where a cost is
-/// not concave, or where no cycle can be flown.
+/// Returns the best cycle found, starting with those in `known`, and the bound; `None` if there are too many targets, a cost is not
+/// concave, or no cycle can be flown.
 pub fn best(problem: &SurveillanceProblem, known: &[Vec<usize>]) -> Option<BestCycle> {
     best_within(problem, known, POINTS_MAX, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// Like [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
-/// sweeps would make greater.
+/// Like [`best`], with a grid of another size, as far as the budget suffices: otherwise on a coarser grid, or with a bound that more
+/// sweeps would raise.
 pub fn best_within(
     problem: &SurveillanceProblem,
     known: &[Vec<usize>],
@@ -100,7 +98,7 @@ pub fn best_within(
         return Some(found);
     }
     let known: Vec<Vec<usize>> = known.iter().cloned().chain([found.cycle.clone()]).collect();
-    // What was proven on the coarse grid stays proven, should the fine one come to less.
+    // The proof of the coarse grid stays valid if the fine grid proves less.
     let finer = on_grid(problem, &known, &fine, Some((&coarse, &found.proof)), meter)?;
     Some(if finer.cost_per_s_bound >= found.cost_per_s_bound {
         finer
@@ -109,7 +107,7 @@ pub fn best_within(
     })
 }
 
-/// Returns the grid of at most so many points that the budget is enough to sweep some times; `None` if it is for none, or there is none.
+/// Returns the largest grid of at most `points_max` points that the budget can sweep several times; `None` if there is none.
 fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'_>) -> Option<Grid> {
     let grid = Grid::new(problem, points_max, LONG_S)?;
     let share = meter.left_ns() / sweeps_ns(&grid);
@@ -120,7 +118,7 @@ fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'
     Grid::new(problem, (share * grid.size() as f64) as usize, LONG_S)
 }
 
-/// Returns the work of the sweeps that a grid needs to prove anything, in nanoseconds.
+/// Returns the work in nanoseconds of the sweeps that a grid needs for any proof.
 fn sweeps_ns(grid: &Grid) -> f64 {
     3.0 * SWEEPS_AT_ONCE as f64 * grid.visits() * grid.step_ns()
 }
@@ -167,20 +165,20 @@ fn on_grid(
     Some(best)
 }
 
-/// Returns what the values prove, computed from the problem and them alone: expected cost per second below which no
-/// flight without end falls that never waits.
+/// Returns the bound that the values prove, computed from the problem and the values alone: a lower bound on the expected cost per second
+/// of any endless flight that never waits.
 pub fn verified(problem: &SurveillanceProblem, proof: &[f64]) -> f64 {
     let grid = Grid::new(problem, proof.len(), LONG_S).filter(|grid| grid.size() == proof.len());
     grid.map_or(0.0, |grid| proven(&grid, proof))
 }
 
-/// Goes over the grid until the number on trial is proven, or long enough; what is proven on the way is kept.
+/// Sweeps the grid until the trial cost is proven or the sweeps are used up; intermediate proofs are kept.
 fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, meter: &mut Meter<'_>) -> bool {
     let once_ns = grid.visits() * grid.step_ns();
     for number in 1..=SWEEPS_MAX {
         improve(grid, values, trial);
         meter.spend(once_ns);
-        // A caller that has to stop asks once more.
+        // A caller that must stop asks for a last sweep.
         let last = meter.left_ns() <= once_ns;
         if number % SWEEPS_AT_ONCE == 0 || last {
             meter.spend(once_ns);
@@ -201,8 +199,8 @@ fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, mete
     false
 }
 
-/// Updates each value from those that visits lead to, the greatest ages first, because visits lead to greater ones.
-/// Then it subtracts the first value from all, since only their differences count.
+/// Updates each value from those that visits lead to, the greatest ages first, because visits lead to greater ages. Then subtracts the
+/// first value from all, because only their differences count.
 fn improve(grid: &Grid, values: &mut [f64], per_s: f64) {
     let length = grid.row();
     let (mut sums, mut best) = (vec![0.0; length], vec![0.0; length]);
@@ -244,7 +242,7 @@ fn proven(grid: &Grid, values: &[f64]) -> f64 {
     if proven.is_finite() { proven.max(0.0) } else { 0.0 }
 }
 
-/// Returns the best cycle of a flight that always goes where the values say.
+/// Returns the best cycle within a flight that always makes the visit of the best value.
 fn flown(problem: &SurveillanceProblem, grid: &Grid, values: &[f64], per_s: f64) -> (Vec<usize>, f64) {
     let mut ages_s = vec![0.0; problem.targets.len()];
     let (mut here, mut word) = (0, Vec::new());
@@ -280,7 +278,7 @@ fn flown(problem: &SurveillanceProblem, grid: &Grid, values: &[f64], per_s: f64)
     best
 }
 
-/// Returns the expected cost per second of a cycle that is flown again and again without end; without bound where it cannot be flown.
+/// Returns the expected cost per second of a cycle that is flown endlessly; infinite if it cannot be flown.
 pub fn cost_per_s(problem: &SurveillanceProblem, cycle: &[usize]) -> f64 {
     let legs = cycle.iter().zip(cycle.iter().cycle().skip(1));
     let mut ends_s = vec![Vec::new(); problem.targets.len()];

@@ -1,8 +1,8 @@
-//! Lower bound on the cost of any flight over the horizon that never waits: backwards in time over the grid of ages.
+//! Lower bound on the cost of any flight over the horizon that never waits: dynamic programming backwards in time over the grid of ages.
 //!
-//! Time advances in equal ticks. A visit that ends between two of them leaves the remaining whole ticks, and for the
-//! rest of the tick at least what all targets accumulate at any instant when all but one have an age: a vehicle with
-//! less time could fly the same, cut off earlier. Endurance and the way back are ignored: they make no flight cheaper.
+//! Time advances in equal ticks. A visit that ends between two ticks leaves the remaining whole ticks; the rest of its tick costs at
+//! least what all targets accumulate at any instant when all but one have an age. This is valid because a vehicle with less time could
+//! fly the same visits, cut off earlier. Endurance and the way back are ignored, because neither makes a flight cheaper.
 //! Bound: O(ticks x points x targets x 2^targets), limited by [`GridResolution::steps`].
 
 use super::{Grid, first_leg_s, gathered, leg_s};
@@ -13,13 +13,13 @@ use apex_planning::meter::Meter;
 
 /// Ticks for the shortest leg to another target.
 const TICKS_PER_LEG: f64 = 24.0;
-/// With fewer ticks times visits between points nothing is worth proving.
+/// Least product of ticks and visits between points that gives a useful bound.
 const STEPS_MIN: f64 = 1e5;
 /// Share of the remaining budget that may be used: cycles need their bound too.
 const LEFT_SHARE: f64 = 0.5;
-/// If only a share of the work of the finest grid can be done, the grid has this power of it as its share of points.
+/// With a share of the work of the finest grid, the grid has this power of the share as its share of points.
 const POINTS_POWER: f64 = 0.5;
-/// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
+/// Relative amount by which the bound is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 3e-9;
 /// A number this little above a whole number of ticks counts as whole.
 const WHOLE: f64 = 1e-9;
@@ -38,8 +38,8 @@ impl GridResolution {
     pub const CLOSEST: GridResolution = GridResolution { points: 9_000, steps: 4e8 };
 }
 
-/// Returns the bound with the closest look that the budget is enough for; `None` with too many targets, where a cost is not concave,
-/// if nothing can be reached, or where the budget is too small for any look.
+/// Returns the bound on the finest grid that the budget permits; `None` if there are too many targets, a cost is not concave, nothing can
+/// be reached, or the budget is too small for any grid.
 pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, GridResolution)> {
     let (grid, time) = prepared(problem, GridResolution::CLOSEST)?;
     let (left_ns, wanted_ns) = (LEFT_SHARE * meter.left_ns(), time.steps(&grid) * grid.step_ns());
@@ -115,7 +115,7 @@ impl Time {
         if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
             return None;
         }
-        // A vehicle that stays has no broken ticks: they would be a cheap way to let time pass.
+        // A vehicle that stays at a target has no partial ticks: these would make waiting too cheap.
         let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(is_leg);
         let stay_s = stays.fold(f64::INFINITY, f64::min);
         let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
@@ -130,7 +130,7 @@ impl Time {
         self.ticks as f64 * grid.visits()
     }
 
-    /// Ticks that are gone after so many seconds, the broken one included.
+    /// Returns the ticks that `seconds` use, including a partial one.
     fn ticks_of(&self, seconds: f64) -> usize {
         libm::ceil(seconds / self.tick_s - WHOLE) as usize
     }
@@ -141,8 +141,8 @@ impl Time {
     }
 }
 
-/// Returns the least cost that all targets accumulate per second at any instant of the last tick: all but one have at
-/// least the first age of the grid, or that of the whole flight.
+/// Returns the least cost that all targets accumulate per second at any instant of the last tick: all but one have at least the first age
+/// of the grid, or the age after the whole flight.
 fn least_per_s(problem: &SurveillanceProblem, grid: &Grid, tick_s: f64) -> f64 {
     let at = |target: usize| {
         let of = problem.targets.get(target)?;
@@ -192,7 +192,7 @@ fn backwards(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<
     Some(layers)
 }
 
-/// Accumulates all costs to the end where no further visit is possible. Where one is possible, nothing is lost by it.
+/// Adds the costs up to the end where no further visit is possible; where a visit is possible, this changes nothing.
 fn stop(problem: &SurveillanceProblem, grid: &Grid, layer: &mut [f64], left_s: f64) {
     for target in 0..problem.targets.len() {
         let Some(own) = layer.get_mut(grid.first(target)..) else { return };

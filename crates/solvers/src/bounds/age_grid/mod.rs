@@ -1,11 +1,10 @@
-//! Bounds for few targets by the ages of all of them: for one horizon, and for flights without end.
+//! Bounds for few targets by the ages of all of them: for one horizon, and for endless flights.
 //!
-//! After a visit the vehicle is at a target of age zero; the cost of the rest of the flight depends on the ages of the
-//! others alone. It is concave in them where the cost of an age is concave, since any flight accumulates a concave cost
-//! from each target, and the best flight is the least of them. So values on a grid of ages, each no greater than the
-//! truth, stay lower bounds between its points when they are joined (linearly in each age), and from values of the rest
-//! of a flight come values of a flight that is a visit longer. Ages beyond the grid count as its last, which is not
-//! more expensive. Flights never wait: a waiting vehicle is not bounded here.
+//! After a visit the vehicle is at a target of age zero, and the cost of the rest of the flight depends only on the ages of the others.
+//! It is concave in them if the cost of an age is concave: any flight accumulates a concave cost from each target, and the best flight is
+//! the minimum over all flights. So values at grid points that are lower bounds stay lower bounds when interpolated linearly in each age,
+//! and values of the rest of a flight give values of a flight that is one visit longer. Ages beyond the grid count as the last age of the
+//! grid, which is not more expensive. Flights never wait: this bounds no waiting vehicle.
 //! Bound: O(targets x points x 2^targets) for all visits once.
 
 pub mod cycles;
@@ -27,13 +26,13 @@ const SATURATED: f64 = 0.995;
 const LONG_S: f64 = 1e7;
 /// Length of the grid where a cost grows without limit, in tours through all targets.
 const TOURS: f64 = 20.0;
-/// Work of a visit from a point for each corner of the cell in a row of points, in nanoseconds. Measured over a horizon
-/// were 2.0 with 3 targets, 2.1 with 4 and 2.4 with 5; in sweeps about the same.
+/// Work of a visit from a point, for each corner of the grid cell, in nanoseconds. Measured over a horizon: 2.0 with 3 targets, 2.1 with
+/// 4 and 2.4 with 5; about the same in sweeps.
 const STEP_CORNER_NS: f64 = 2.3;
 /// Halvings in the search for an age.
 const HALVINGS: usize = 60;
 
-/// A visit of one target after another one, from every point of the grid.
+/// A visit from one target to another, for every point of the grid.
 #[derive(Debug)]
 pub(super) struct GridVisit {
     pub(super) from: usize,
@@ -41,14 +40,14 @@ pub(super) struct GridVisit {
     pub(super) seconds: f64,
     /// Cost that the departed target accumulates meanwhile.
     user_cost: f64,
-    /// The age of the target that is left, on the grid of the other one.
+    /// Interpolated position of the age of the target that is left, on the grid of the visited one.
     own: Option<GridInterpolation>,
-    /// For each age of a point: where it is afterwards, and what its target gathers meanwhile.
+    /// For each age of a point: its position after the visit, and the cost that its target accumulates during it.
     others: Vec<Vec<(Option<GridInterpolation>, f64)>>,
 }
 
-/// Position of an age on a grid: offset of its point from the first, its share of the distance to the next, and the
-/// offset of that one.
+/// Position of an age on a grid: the offset of its grid point, its share of the distance to the next point, and the offset of that next
+/// point.
 #[derive(Clone, Copy, Debug)]
 struct GridInterpolation {
     offset: u32,
@@ -56,23 +55,23 @@ struct GridInterpolation {
     next: u32,
 }
 
-/// Ages that are distinguished, and all visits between them.
+/// The grid ages, and all visits between grid points.
 #[derive(Debug)]
 pub(super) struct Grid {
     levels: Vec<Vec<f64>>,
-    /// In the order of the targets they leave.
+    /// Visits in the order of the targets from which they depart.
     pub(super) steps: Vec<GridVisit>,
     /// For each row of points the numbers of their ages, except for the first, which is distinguished within the row.
     rows: Vec<Vec<u8>>,
 }
 
 impl Grid {
-    /// Returns a grid of at most so many points, with ages up to `longest_s` after that at the start; `None` with too many targets, where a
-    /// cost is not concave, or where times of ways depend on the departure.
+    /// Returns a grid of at most `points_max` points, with ages up to `longest_s` beyond those at the start; `None` if there are too many
+    /// targets, a cost is not concave, or travel times depend on the departure.
     pub(super) fn new(problem: &SurveillanceProblem, points_max: usize, longest_s: f64) -> Option<Grid> {
         let count = problem.targets.len();
         let concave = problem.targets.iter().all(|target| is_concave(&target.cost));
-        // Where a way takes longer at some times, its least time and a wait would be another flight.
+        // If travel takes longer at some times, its least time followed by a wait would be a different flight.
         if count == 0 || count > TARGETS_MAX || !concave || !problem.travel.is_constant() {
             return None;
         }
@@ -101,7 +100,7 @@ impl Grid {
         (self.steps.len() * self.size() / self.levels.len().max(1)) as f64
     }
 
-    /// Returns the work for one of them, in nanoseconds.
+    /// Returns the work of one visit from one point, in nanoseconds.
     pub(super) fn step_ns(&self) -> f64 {
         STEP_CORNER_NS * libm::exp2(self.levels.len().saturating_sub(2) as f64)
     }
@@ -129,7 +128,7 @@ impl Grid {
         }
     }
 
-    /// Visits after one of this target.
+    /// Returns the visits that follow a visit of this target.
     pub(super) fn steps_from(&self, target: usize) -> &[GridVisit] {
         let begin = self.steps.partition_point(|step| step.from < target);
         let end = self.steps.partition_point(|step| step.from <= target);
@@ -162,7 +161,7 @@ impl Grid {
         })
     }
 
-    /// Returns the position of an age of `target` among the points at `at`; `None` if it is that target, whose age is
+    /// Returns the position of an age of `target` among the points at `at`; `None` if `target` is the one just visited, whose age is
     /// zero.
     fn place(&self, at: usize, target: usize, age_s: f64) -> Option<GridInterpolation> {
         let levels = self.levels.get(target).filter(|_| at != target)?;
@@ -175,12 +174,12 @@ impl Grid {
         Some(GridInterpolation { offset: (below * distance) as u32, share, next: distance as u32 })
     }
 
-    /// Ages of the first of the other targets that are distinguished: points follow one another in rows of so many.
+    /// Number of ages of the first of the other targets: grid points are stored in rows of this length.
     pub(super) fn row(&self) -> usize {
         if self.levels.len() > 1 { self.levels.first().map_or(1, Vec::len) } else { 1 }
     }
 
-    /// For all points of a row, which has these other ages: what a visit gathers, with the value where it leads to.
+    /// For all points of a row, with these ages of the other targets, computes the cost of a visit plus the value of its destination.
     pub(super) fn ahead(&self, step: &GridVisit, others: &[u8], values: &[f64], sums: &mut [f64]) {
         let mut corners = Corners::new(self.first(step.to));
         let mut cost = step.user_cost;
@@ -198,7 +197,7 @@ impl Grid {
             return;
         };
         let Some(next) = first.first().and_then(|(place, _)| *place).map(|place| place.next as usize) else {
-            // The first of the others is visited: its age no longer counts.
+            // The first of the other targets is visited, so its age no longer matters.
             let value = cost + corners.value(values);
             sums.iter_mut().zip(first).for_each(|(sum, (_, gathered))| *sum = value + gathered);
             return;
@@ -269,7 +268,7 @@ fn is_concave(cost: &CostFunction) -> bool {
     }
 }
 
-/// Ages that are distinguished: from the least that a target has when another one has been visited, ever farther apart.
+/// Returns the ages of the grid: from the least age that a target has when another was just visited, in increasing distances.
 fn levels(problem: &SurveillanceProblem, target: usize, number: usize, longest_s: f64) -> Vec<f64> {
     let Some(of) = problem.targets.get(target) else { return Vec::new() };
     let count = problem.targets.len();

@@ -1,4 +1,4 @@
-//! No flight costs less, by trying all of few visits; whatever values are given, they prove nothing untrue; and bounds come near.
+//! Tests of the bounds: no flight of few visits costs less (exhaustive), arbitrary values prove nothing false, and the bounds are tight.
 
 use super::*;
 use crate::bounds;
@@ -10,7 +10,7 @@ use apex_planning::solver::WorkBudget;
 use apex_planning::surveillance::scenario::Scenario;
 use proptest::prelude::*;
 
-/// Returns all words of so many letters.
+/// Returns all words of `length` letters out of `letters`.
 fn words(letters: usize, length: u32) -> impl Iterator<Item = Vec<usize>> {
     (0..letters.pow(length)).map(move |number| (0..length).map(|place| number / letters.pow(place) % letters).collect())
 }
@@ -81,7 +81,7 @@ fn the_cost_of_a_cycle_is_that_of_many_laps() {
     let mean = scenario.cycle_cost(&cycle, &mut WorkBudget::new(1)) / problem.horizon_s;
     let cost = cycles::cost_per_s(&problem, &cycle);
     assert!((mean - cost).abs() < 1e-3 * cost, "{mean} {cost}");
-    // The third target is never seen there, and costs as much as it can.
+    // The third target is never observed, and costs its maximum.
     let without = cycles::cost_per_s(&problem, &[0, 1]);
     assert!(without > eci::cost_at(&problem.targets[2].cost, f64::MAX), "{without}");
 }
@@ -108,7 +108,7 @@ fn nonsense_as_a_proof_proves_nothing() {
     assert_eq!(cycles::verified(&problem, &vec![0.0; proof.len() + 1]), 0.0);
 }
 
-/// A plan that never waits is held to what such plans can do; one that waits, to what all can.
+/// A plan that never waits is compared with the bound for such plans; a plan that waits with the bound for all plans.
 #[test]
 fn who_waits_is_not_held_to_those_who_do_not() {
     let problem = examples::random(3, 5);

@@ -1,9 +1,9 @@
-//! Groups of near targets: each target's chain of ever larger ones, as they merge by the mean of the ways between them.
+//! Groups of near targets: for each target a chain of growing groups, from hierarchical clustering by mean travel time.
 //!
-//! The choice of groups decides how strong a bound is, never whether it holds. Bound: O(targets^3).
+//! The choice of groups affects how tight a bound is, never its validity. Bound: O(targets^3).
 
-/// Returns for each target its groups, from itself alone to the greatest that leaves out another target. `between` is
-/// the time from one target to another one; times beyond all bounds count as `far`.
+/// Returns for each target its groups, from itself alone to the largest one that excludes a target. `between` is the travel time between
+/// two targets; infinite times count as `far`.
 pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f64) -> Vec<Vec<Vec<usize>>> {
     let mut groups: Vec<Vec<usize>> = (0..count).map(|target| vec![target]).collect();
     let mut chains: Vec<Vec<Vec<usize>>> = groups.iter().map(|alone| vec![alone.clone()]).collect();
@@ -23,7 +23,7 @@ pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f
             }
         }
         let Some((_, first, second)) = nearest else { break };
-        // The later one goes first, so that the earlier one stays where it is.
+        // The group with the later index is removed first, so that the earlier index stays valid.
         let joined = groups.swap_remove(second);
         let Some(group) = groups.get_mut(first) else { break };
         group.extend(joined);
@@ -37,7 +37,7 @@ pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f
     chains
 }
 
-/// So many groups of a chain at most, from its first to its last in equal strides; of one, the first, which is the smallest.
+/// Returns at most `groups_max` groups of a chain, at equal intervals from the first to the last; if `groups_max` is one, the smallest.
 pub(super) fn thinned(chain: &[Vec<usize>], groups_max: usize) -> Vec<Vec<usize>> {
     let last = chain.len().saturating_sub(1);
     let kept = groups_max.min(chain.len());

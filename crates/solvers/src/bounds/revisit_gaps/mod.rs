@@ -1,14 +1,14 @@
-//! A bound by how often legs are flown and how long groups of targets are without a visit.
+//! A bound by the number of times that legs are flown, and the time that groups of targets are without a visit.
 //!
-//! What a plan is to the program: how often each leg is flown (time and flow must come out even), and for each target the gaps
-//! between its observations, `visits + 1` of them, which fill the horizon and its age. While the vehicle is away from a group
-//! of targets, all of them have a gap. A group that is entered `f` times has `f + 1` such absences (`f`, where the flight ends
-//! in it), and they last as long as the legs within the group leave over. Each target has a chain of growing groups, and each
-//! of its gaps a level: the greatest group of the chain of which it holds an absence. So at most `f + 1` gaps are of a
-//! group's level or above, and together they last at least as long as its absences; and longer by the ways from the
-//! target to where the group is left and from where it is entered, except for stays that pass the target by, of which there
-//! are at most `f + 1` less these gaps. What gaps of one level cost is convex in their number and length together; tangents
-//! enclose it from below, and more are added where the best answer needs them.
+//! The linear program represents a plan by the number of times each leg is flown (time and flow are conserved), and by the gaps between
+//! observations of each target: `visits + 1` gaps, which fill the horizon plus the target's age. While the vehicle is away from a group
+//! of targets, all of them have a gap. A group that is entered `f` times has `f + 1` such absences (`f` if the flight ends in it), and
+//! they last as long as the legs within the group leave over. Each target has a chain of growing groups, and each of its gaps a level:
+//! the greatest group of the chain whose absence the gap contains. So at most `f + 1` gaps have a group's level or a higher one, and
+//! together they last at least as long as its absences; and longer by the ways between the target and the points where the group is left
+//! and entered, except for stays that do not visit the target, of which there are at most `f + 1` less these gaps. The cost of the gaps
+//! of one level is jointly convex in their number and total length; tangents bound it from below, and further tangents are added where
+//! the optimum needs them.
 //! Bound: O(targets^2 + targets x levels x tangents) rows, [`ROUNDS_MAX`] programs.
 
 mod groups;
@@ -22,18 +22,18 @@ use program::{LinearProgram, STEPS_MAX};
 
 /// With more targets the program has too many legs, and no bound is sought in this way.
 pub const TARGETS_MAX: usize = 48;
-/// Programs solved, each with tangents where the one before needed them.
+/// Number of programs solved; each adds tangents where the previous solution needed them.
 pub const ROUNDS_MAX: usize = 4;
 /// Tangents that every level has from the beginning: at lengths of a geometric row.
 const TANGENTS: usize = 12;
-/// Numbers of visits between which the cost of a target is joined by chords, since there is nothing between whole numbers.
+/// Numbers of visits between which the cost of a target is linear (chords), because only integers occur.
 const CHORDS: u32 = 12;
 /// Tangents are added where the cost is understated by more than this share of all cost.
 const UNDERSTATED: f64 = 1e-5;
 /// More visits than any plan has.
 const VISITS_MAX: f64 = 1e5;
 
-/// Steps that a program takes, as far as one can tell before.
+/// Expected number of steps of the solver.
 const STEPS_USUAL: f64 = 40.0;
 /// Numbers of groups of a target, if the budget is too small for the whole chain: as many as fit.
 const GROUPS: [usize; 9] = [0, 1, 2, 4, 6, 8, 12, 16, 24];
@@ -50,8 +50,8 @@ pub struct Multipliers {
     of_rows: Vec<f64>,
 }
 
-/// Returns the best bound found with its proof; `None` with too many targets, where the solver goes astray, or where the budget is too
-/// small for the smallest program.
+/// Returns the best bound found with its certificate; `None` if there are too many targets, the solver fails, or the budget is too small
+/// for the smallest program.
 pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, Multipliers)> {
     if problem.targets.len() > TARGETS_MAX {
         return None;
@@ -86,7 +86,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     best
 }
 
-/// Returns the greatest program that the budget is enough for, and the number of groups of each target in it.
+/// Returns the largest program that the budget permits, and the number of groups of each target in it.
 fn fitting<'a>(problem: &'a SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(Model<'a>, usize)> {
     let mut greatest = None;
     let fewer = GROUPS.into_iter().filter(|groups| groups + 1 < problem.targets.len());
@@ -102,24 +102,24 @@ fn fitting<'a>(problem: &'a SurveillanceProblem, meter: &mut Meter<'_>) -> Optio
     greatest
 }
 
-/// Returns what the multipliers prove, computed from the problem and them alone.
+/// Returns the bound that the multipliers prove, computed from the problem and the multipliers alone.
 pub fn verified(problem: &SurveillanceProblem, multipliers: &Multipliers) -> f64 {
     let Some(mut model) = Model::new(problem, multipliers.groups_max) else { return 0.0 };
     multipliers.tangents.iter().for_each(|(level, at)| model.tangent(*level, *at));
     (model.program.proven(&multipliers.of_rows) * model.cost_unit).max(0.0)
 }
 
-/// Gaps of one level of one target: how many, how long together, what they cost.
+/// The gaps of one level of one target: their number, total length and cost.
 struct Level {
     target: usize,
-    /// The column of their number, and what is added to it.
+    /// The column of their number, and the constant added to it.
     count: (usize, f64),
-    /// The column of their length; none where that is the whole span.
+    /// The column of their length; `None` if it is the whole time of the target.
     length: Option<usize>,
     cost: usize,
 }
 
-/// The program of a problem. Times are in shares of the horizon, costs in shares of what it costs to stay at home.
+/// The program of a problem. Times are relative to the horizon, costs relative to the cost of staying at home.
 struct Model<'a> {
     problem: &'a SurveillanceProblem,
     program: LinearProgram,
@@ -130,7 +130,7 @@ struct Model<'a> {
     ends: Vec<usize>,
     waits: Vec<usize>,
     levels: Vec<Level>,
-    /// Shortest time from the end of one target's observation to that of another one's, over any others.
+    /// Shortest time from the end of one target's observation to that of another's, with detours over other targets.
     ways: Vec<Vec<f64>>,
 }
 
@@ -163,7 +163,7 @@ impl<'a> Model<'a> {
         Some(model)
     }
 
-    /// Legs, their flow through each target, and the time they take.
+    /// Adds the columns of the legs, and the rows of their flow through each target and their total time.
     fn flight(&mut self) {
         let (problem, horizon_s) = (self.problem, self.problem.horizon_s);
         let travel = &problem.travel;
@@ -303,7 +303,7 @@ impl<'a> Model<'a> {
         self.program.at_most(terms, limit);
     }
 
-    /// Returns the levels whose cost the tangents understate in this answer, and the length of their gaps.
+    /// Returns the levels whose cost the tangents underestimate in this solution, and the length of their gaps.
     fn understated(&self, columns: &[f64]) -> Vec<(usize, f64)> {
         let value = |column: usize| columns.get(column).copied().unwrap_or(0.0);
         let understated = |(number, level): (usize, &Level)| {

@@ -1,18 +1,17 @@
-//! A linear program with columns between nothing and a most, and the value that multipliers of its rows prove.
+//! A linear program whose columns lie between zero and an upper bound, and the value that multipliers of its rows prove.
 //!
-//! `clarabel` (an interior-point solver) finds the multipliers; what they prove is computed here, from the rows alone, and
-//! holds whatever they are: weak duality with bounded columns (Neumaier and Shcherbina 2004).
+//! `clarabel` (an interior-point solver) finds the multipliers. The proven value is computed here from the rows alone and holds for any
+//! multipliers: weak duality with bounded columns (Neumaier and Shcherbina 2004).
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-/// Share of all terms by which a proven value is lowered, so that rounding cannot lift it above the truth.
+/// Relative amount, of all terms, by which a proven value is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 1e-12;
 /// Steps of the solver.
 pub(super) const STEPS_MAX: u32 = 100;
-/// Work of a step, in nanoseconds: a constant for each entry of the matrix, which grows with the root of their number,
-/// since factors fill up. Measured at 1,100 entries 0.15 ms, 20,000 5 ms, 75,000 38 ms, 397,000 430 ms a step; this is
-/// within a sixth of all.
+/// Work of a step in nanoseconds for each entry of the matrix; multiplied by the root of their number because factors fill in. Measured
+/// per step: 0.15 ms at 1,100 entries, 5 ms at 20,000, 38 ms at 75,000, 430 ms at 397,000; the formula is within a sixth of all.
 const ENTRY_NS: f64 = 80.0;
 const ENTRY_FILLED_NS: f64 = 1.4;
 
@@ -45,18 +44,18 @@ pub(super) struct DualSolution {
 }
 
 impl LinearProgram {
-    /// Adds a column with a cost per unit, and the most that it can be in anything the program represents.
+    /// Adds a column with a cost per unit, and its upper bound in anything that the program represents.
     pub(super) fn column(&mut self, cost: f64, most: f64) -> usize {
         self.columns.push(Column { cost, most });
         self.columns.len() - 1
     }
 
-    /// The terms are `limit` together. No column stands twice in a row.
+    /// Adds a row: the terms sum to `limit`. A row contains each column at most once.
     pub(super) fn equal(&mut self, terms: Vec<(usize, f64)>, limit: f64) {
         self.equal.push(ProgramRow { terms, limit });
     }
 
-    /// The terms are not more than `limit` together. No column stands twice in a row.
+    /// Adds a row: the terms sum to at most `limit`. A row contains each column at most once.
     pub(super) fn at_most(&mut self, terms: Vec<(usize, f64)>, limit: f64) {
         self.at_most.push(ProgramRow { terms, limit });
     }
@@ -76,7 +75,7 @@ impl LinearProgram {
         entries * (ENTRY_NS + ENTRY_FILLED_NS * libm::sqrt(entries))
     }
 
-    /// Returns the best columns and multipliers, or how far these came in so many steps; `None` if the solver goes astray.
+    /// Returns the best columns and multipliers after at most `steps_max` steps; `None` if the solver fails.
     pub(super) fn solve(&self, steps_max: u32) -> Option<DualSolution> {
         let (count, rows) = (self.columns.len(), self.equal.len() + self.at_most.len());
         let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
@@ -87,7 +86,7 @@ impl LinearProgram {
         }
         let (mut starts, mut numbers, mut factors) = (vec![0], Vec::new(), Vec::new());
         for (column, entries) in by_column.iter().enumerate() {
-            // No column is below nothing: a row for each of them follows the others.
+            // No column is negative: a row for each column follows the other rows.
             for (number, factor) in entries.iter().copied().chain([(rows + column, -1.0)]) {
                 numbers.push(number);
                 factors.push(factor);
@@ -126,7 +125,7 @@ impl LinearProgram {
         rows.chain(bounds).fold(0.0, f64::max)
     }
 
-    /// Returns a value that no columns within their bounds and under the rows go below.
+    /// Returns a lower bound on the value of all columns that satisfy their bounds and the rows.
     pub(super) fn proven(&self, multipliers: &[f64]) -> f64 {
         let mut reduced: Vec<f64> = self.columns.iter().map(|column| column.cost).collect();
         let (mut value, mut size) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Plans that were flown keep every row of the program: what the bound says of plans in general is true of each of them.
+//! Flown plans satisfy every row of the program: each statement of the bound about plans is true of each of them.
 
 use super::*;
 use apex_model::problem::CostFunction;
@@ -6,7 +6,7 @@ use apex_planning::examples::surveillance as examples;
 use apex_planning::surveillance::scenario::{Scenario, Stop};
 use proptest::prelude::*;
 
-/// Returns the stretches of time without an observation in the group, between legs within it.
+/// Returns the intervals without an observation in the group, apart from legs within it.
 fn absences_of(group: &[usize], flown: &[Stop], horizon_s: f64) -> Vec<(f64, f64)> {
     let inside = |stop: &Stop| group.contains(&stop.target);
     let mut found = Vec::new();
@@ -99,7 +99,7 @@ proptest! {
         }
         prop_assume!(Scenario::new(&problem).is_ok());
         let scenario = Scenario::new(&problem).unwrap();
-        // A vehicle in a group stays there for some visits, as good plans do.
+        // A vehicle makes several visits within a group, as good plans do.
         let word = word.iter().enumerate().map(|(index, place)| (place - (place + index / stays) % 2.min(*place + 1)) % count);
         let mut flown = Vec::new();
         scenario.fly(word, |stop| flown.push(stop));

@@ -41,7 +41,7 @@ impl LabelCompletion {
             let gain = reduced_profit.get(node as usize).copied().unwrap_or(0.0);
             let (mut waiting, mut front, mut left_out) =
                 (list.iter().peekable(), ParetoFront::default(), f64::NEG_INFINITY);
-            // The later a visit begins, the less can follow: what can follow in a bucket can follow in every earlier one.
+            // Fewer continuations remain the later a visit begins: those of one bucket are possible in every earlier one too.
             for bucket in (0..BUCKETS).rev() {
                 while let Some(label) = waiting.next_if(|label| label.time <= limit - bucket * width) {
                     let (value, memory) = (label.value - gain, label.memory & !own);
@@ -59,8 +59,8 @@ impl LabelCompletion {
         LabelCompletion { width, fronts }
     }
 
-    /// Returns true if a route that visits `node` at `time` with `memory`, the target of the node not included, may still
-    /// gain `cutoff` after it. May err towards true, never towards false.
+    /// Returns true if a route that visits `node` at `time` with `memory`, the target of the node not included, may still gain `cutoff`
+    /// after it. An error is possible only towards true.
     #[inline]
     pub(super) fn may(&self, node: u32, time: i32, memory: Targets, cutoff: f64, steps: &mut u64) -> bool {
         let index = node as usize * BUCKETS as usize + (time / self.width) as usize;

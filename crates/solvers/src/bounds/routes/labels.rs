@@ -66,7 +66,7 @@ pub(super) struct Labelling<'a> {
     pub(super) successors: &'a [Vec<u32>],
     pub(super) completion_bound: CompletionBound<'a>,
     pub(super) refund: MultiplierRefund<'a>,
-    /// Routes of less profit are pruned. It stays as it is, however good a route is found: the completion bounds that the
+    /// Routes with less profit are pruned. The cutoff stays constant even when better routes are found: the completion bounds that the
     /// labels give to the opposite direction must hold for all routes above it.
     pub(super) cutoff: f64,
     /// A label dominates others of up to this much more profit; above zero the result is not a proof.
@@ -103,7 +103,7 @@ impl Labelling<'_> {
         let mut settled: Vec<u32> = Vec::new();
         let mut fronts = vec![ParetoFront::default(); self.network.nodes.len()];
         let mut recent = vec![made.first().copied(); RECENT];
-        // Time and index in one integer: earlier labels first, of equal times the first made.
+        // Time and index in one integer: earlier labels first, and of equal times the one made first.
         let mut open = BinaryHeap::from([Reverse(0_u64)]);
         // For each last node the greatest profit above the cutoff, and its label.
         let mut homes = vec![(f64::NEG_INFINITY, 0_u32); self.network.nodes.len()];

@@ -3,7 +3,7 @@
 use super::ng_sets::{Targets, bit_of};
 use crate::routing::network::{FIRST, Network};
 
-/// For each node the latest departures in order of time, each with the targets that are out of reach after it.
+/// For each node the latest departures in order of time, each with the targets that cannot be reached after it.
 pub(super) struct LatestDepartures(Vec<Vec<(i32, Targets)>>);
 
 impl LatestDepartures {
@@ -29,7 +29,7 @@ impl LatestDepartures {
         LatestDepartures(quickest.chunks(nodes.max(1)).map(of).collect())
     }
 
-    /// Targets that no path from `node` reaches in time when it departs at `time`.
+    /// Returns the targets that no path from `node` with departure at `time` reaches in time.
     #[inline]
     pub(super) fn missed(&self, node: u32, time: i32) -> Targets {
         let Some(order) = self.0.get(node as usize) else { return 0 };

@@ -87,7 +87,7 @@ impl<'n> BoundSearch<'n> {
     /// Returns the bound, and takes the better route out.
     pub(crate) fn told(&mut self) -> Proven {
         let bound = self.value_step.below(self.bound);
-        // Rounding is taken off; a bound that is truly below a known route is a contradiction, which is not hidden.
+        // A rounding error is removed; a bound that is truly below a known route is a contradiction and is not hidden.
         let is_same = bound < self.incumbent && self.incumbent - bound <= SAME_SHARE * (1.0 + self.incumbent.abs());
         Proven { bound: if is_same { self.incumbent } else { bound }, better: self.better.take() }
     }
@@ -97,8 +97,7 @@ impl<'n> BoundSearch<'n> {
         self.value_step.below(self.bound) <= self.incumbent
     }
 
-    /// Runs labels alone for `units`: they often settle the problem early, or fail at once. `incumbent` is the profit of a known
-    /// route.
+    /// Runs labels alone for `units`: they often solve the problem early, or fail at once. `incumbent` is the profit of a known route.
     pub(crate) fn ask_labels(&mut self, incumbent: f64, units: u64, budget: &mut dyn Budget) {
         self.incumbent = self.incumbent.max(incumbent);
         self.label(budget.used().saturating_add(units), budget);

@@ -153,7 +153,7 @@ impl<'n> ProofSearch<'n> {
         self.multipliers = multipliers;
     }
 
-    /// Restarts with fine passes and these multipliers, if any: ng-sets of the fast passes would make labels many.
+    /// Restarts with fine passes and these multipliers, if any; the ng-sets of fast passes would create too many labels.
     pub(super) fn restart_fine(&mut self, multipliers: Option<Vec<f64>>) {
         self.multipliers = multipliers.unwrap_or_else(|| vec![0.0; self.network.targets]);
         (self.is_fine_pass, self.pass, self.priced) = (true, 0, false);
@@ -162,7 +162,7 @@ impl<'n> ProofSearch<'n> {
     }
 
     /// Continues until the budget has used `until`, and updates the least bound and the best route ([`ProofSearch::known`]). `incumbent`
-    /// is the profit of a known route. Returns false if even the first labels did not end: then nothing new is known.
+    /// is the profit of a known route. Returns false if the first labels did not finish: then nothing new is known.
     pub(super) fn run(&mut self, incumbent: f64, until: u64, budget: &mut dyn Budget) -> bool {
         (self.incumbent, self.known.better) = (incumbent, None);
         while let Some(pass) = self.passes().get(self.pass).copied() {
@@ -226,7 +226,7 @@ impl<'n> ProofSearch<'n> {
         found
     }
 
-    /// Keeps a route of more profit than the incumbent. Returns true if it was kept.
+    /// Keeps a route with more profit than the incumbent. Returns true if it was kept.
     fn hear(&mut self, walk: Vec<u32>) -> bool {
         let value = value_of(self.network, &walk).unwrap_or(f64::NEG_INFINITY);
         let better = value >= self.value_step.above(self.incumbent);

@@ -1,4 +1,4 @@
-//! Subgradient ascent for the multipliers, on heuristic labels: good walks, not proven best ones.
+//! Subgradient ascent for the multipliers, with heuristic labels: good walks, not proven best ones.
 //!
 //! The bound under any multipliers is valid, so they may be found heuristically: labels dominate others of slightly more profit,
 //! and continue to near targets only. Each step moves multipliers along the visits of the best walk, by decreasing lengths. From
@@ -43,7 +43,7 @@ pub(super) struct SubgradientAscent<'a> {
 }
 
 impl SubgradientAscent<'_> {
-    /// Improves `multipliers`, with steps of `share` of the gap at first. Passes each walk to `hear`. Returns false if the first
+    /// Improves `multipliers`; the first steps have the length `share` of the gap. Passes each walk to `hear`. Returns false if the first
     /// step does not end before the budget has used `first`.
     pub(super) fn run(
         &self,

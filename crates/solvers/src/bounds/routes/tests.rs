@@ -1,4 +1,4 @@
-//! Bounds and what they are made of against naive twins, on networks if nothing is symmetric.
+//! Tests of the bounds and their parts against naive twins, on asymmetric networks.
 
 use super::label_completion::LabelCompletion;
 use super::labels::{CompletionBound, Labelling, MultiplierRefund};
@@ -16,8 +16,8 @@ use proptest::prelude::*;
 /// Sizes with which walks over few targets revisit some, and pairs are left out.
 const SMALL: MemorySizes = MemorySizes { remembered: 3, first_remembered: [1, 2, 3, 4], listed_max: 2 };
 
-/// Up to eight targets with one or two nodes each; windows wide and narrow, waiting, one-way legs of any length. Of every
-/// other network the targets that can be visited are far apart in the list of all.
+/// Returns a network of up to eight targets with one or two nodes each, wide and narrow windows, waiting, and one-way legs of any length.
+/// In every second network the targets that can be visited are far apart in the list of all targets.
 fn random(seed: u64) -> Network {
     let (nodes, legs, targets) = parts(seed);
     Network::given(nodes, legs, targets)
@@ -27,7 +27,7 @@ fn parts(seed: u64) -> (Vec<Node>, Vec<i32>, usize) {
     parts_apart(seed, if seed.is_multiple_of(2) { 1 } else { 17 })
 }
 
-/// Only every so many-th target can be visited.
+/// Returns parts of a network in which only every `apart`-th target can be visited.
 fn parts_apart(seed: u64, apart: u32) -> (Vec<Node>, Vec<i32>, usize) {
     let mut rng = Generator::new(seed);
     let targets = 3 + rng.below(6);
@@ -69,7 +69,7 @@ fn flies(network: &Network, visits: &[u32]) -> bool {
     })
 }
 
-/// All routes, each with what it is worth.
+/// Returns all routes with their values.
 fn routes(network: &Network) -> Vec<(f64, Vec<u32>)> {
     let (mut all, mut open) = (vec![(0.0, Vec::new())], vec![Vec::new()]);
     while let Some(visits) = open.pop() {
@@ -102,7 +102,7 @@ fn most(routes: &[(f64, Vec<u32>)]) -> f64 {
     routes.iter().map(|(value, _)| *value).fold(0.0, f64::max)
 }
 
-/// Prices of any height, some of them nothing.
+/// Returns multipliers of any size, some of them zero.
 fn random_multipliers(network: &Network, rng: &mut Generator) -> Vec<f64> {
     let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len() as f64;
     (0..network.targets).map(|_| (1.5 * rng.unit() - 0.4).max(0.0) * mean).collect()
@@ -119,7 +119,7 @@ proptest! {
         for sizes in [SMALL, MemorySizes::SHIPPED] {
             let mut proof = ProofSearch::new(&network, sum, sizes).unwrap();
             let (mut reached, mut bound) = (incumbent, f64::INFINITY);
-            // The fast passes may leave a gap, which the fine ones close.
+            // Fast passes may leave a gap, which fine passes close.
             for is_fine in [false, true] {
                 if is_fine {
                     proof.restart_fine(None);
@@ -299,7 +299,7 @@ fn between_multiples_there_is_no_route() {
     let tens = valued(&[10.0, 30.0, 50.0]);
     assert_eq!((tens.below(1_207.3), tens.below(1_210.0), tens.below(1_209.999_999_999)), (1_200.0, 1_210.0, 1_210.0));
     assert!(tens.above(1190.0) > 1199.9 && tens.above(1190.0) < 1200.0);
-    // A plan may be worth what no route is: its values change with the time.
+    // The value of a plan may be one that no route has, because its values change with time.
     assert!(tens.above(1194.5) > 1199.9 && tens.above(1194.5) < 1200.0);
     let tenths = valued(&[0.3, 0.6, 1.5]);
     assert!((tenths.below(0.1 + 0.2) - 0.3).abs() < 1e-6 && tenths.below(0.1 + 0.2) >= 0.1 + 0.2);

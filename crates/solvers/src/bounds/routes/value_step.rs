@@ -1,4 +1,4 @@
-//! Common step of all values: if all values are multiples of a number, so are their sums.
+//! Common divisor of all values: if all values are multiples of a number, so are their sums.
 
 use crate::routing::network::Network;
 
@@ -6,12 +6,12 @@ use crate::routing::network::Network;
 const DECIMALS_MAX: i32 = 3;
 /// Tolerance of values and sums around a multiple, in units of the last decimal.
 const SAME: f64 = 1e-6;
-/// Greatest error of one value, in units of the last decimal: a thousand such errors stay within `SAME`.
+/// Greatest error of one value, in units of the last decimal: the sum of a thousand such errors stays within `SAME`.
 const OFF_MAX: f64 = 1e-9;
 const TARGETS_MAX: usize = 1_000;
 /// Greatest value considered: larger ones lose their last decimals in a sum.
 const VALUE_MAX: f64 = 1e9;
-/// Share by which a bound is raised, so that rounding cannot put it below the true value.
+/// Relative amount by which a bound is raised, so that rounding cannot put it below the true value.
 const ROUNDING: f64 = 1e-9;
 
 /// Step of which all values are multiples.

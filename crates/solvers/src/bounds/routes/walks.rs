@@ -9,13 +9,13 @@ const BUCKETS_MIN: i32 = 60;
 /// No node.
 const NONE: u32 = u32::MAX;
 
-/// State of the dynamic program at a node and a bucket: its profit, and the state before it.
+/// State of the dynamic program at a node and a bucket: its profit, and its predecessor.
 #[derive(Clone, Copy, Debug)]
 struct WalkState {
     value: f64,
     node: u32,
     state: u32,
-    /// Whether the predecessor is the second entry of its state.
+    /// True if the predecessor is the second entry of its state.
     second: bool,
 }
 
@@ -26,7 +26,7 @@ const NO_WALK: WalkState = WalkState { value: f64::NEG_INFINITY, node: NONE, sta
 pub(super) struct Layout {
     /// Length of a bucket in ticks.
     pub(super) bucket: i32,
-    /// For each node its first state and its first bucket, and how many it has.
+    /// For each node its first state, its first bucket, and the number of its states.
     first: Vec<(usize, i32, i32)>,
     /// All states.
     pub(super) count: usize,
@@ -45,7 +45,7 @@ impl Layout {
         Layout { bucket, first, count }
     }
 
-    /// Returns the state of `node` in a bucket, where it has one.
+    /// Returns the state of `node` in a bucket; `None` if it has none there.
     #[inline]
     pub(super) fn state(&self, node: u32, bucket: i32) -> Option<usize> {
         let (first, from, count) = self.first.get(node as usize).copied()?;

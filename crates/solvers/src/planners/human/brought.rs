@@ -1,9 +1,9 @@
-//! Plans from outside: drawn, or edited after a planner made them (paper, section V.C: an operator is one of the
+//! Plans from outside: drawn by an operator, or edited after a planner made them (paper, section V.C: an operator is one of the
 //! planners).
 //!
-//! An operator's choices are taken as they are, what follows is computed here: [`scored`] takes visits with their times
-//! and computes worth, cost and left-out targets again; [`retimed`] takes the order alone (of single visits the
-//! manoeuvres too) and makes the times. Neither states that the plan may be flown: that is the task of the checker.
+//! The operator's choices are kept; everything derived from them is computed here. [`scored`] keeps visits with their times and computes
+//! value, cost and left-out targets again; [`retimed`] keeps only the order (for single visits the manoeuvres too) and computes the
+//! times. Neither states that the plan may be flown: the checker decides that.
 //! Bound: O(visits x targets), and what [`Human`] takes.
 
 use super::{Human, NAME};
@@ -19,10 +19,10 @@ use apex_planning::surveillance::scenario::Scenario;
 /// Reason for left-out targets if the plan states none.
 const NOT_WANTED: &str = "the plan that was brought does not visit it";
 
-/// Returns the plan with its visits and times as they are, by planner `human`, and computes all that follows from them.
+/// Returns the plan with its visits and times unchanged, by planner `human`, and with all derived figures computed.
 ///
 /// # Errors
-/// The plan answers another kind of problem, or a visit names what does not exist.
+/// If the plan answers another kind of problem, or a visit names something that does not exist.
 pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
     match (problem, plan) {
         (Problem::Surveillance(problem), Plan::Surveillance(plan)) => {
@@ -35,11 +35,11 @@ pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
     }
 }
 
-/// Returns the order of the plan's visits with new times, by planner `human`. If the visits are laps of the plan's
-/// cycle, or there are none, the cycle is flown repeatedly; edited visits are kept, and their cycle is not.
+/// Returns a plan with the order of the given one and new times, by planner `human`. If the visits are laps of the plan's cycle, or there
+/// are none, the cycle is flown repeatedly; otherwise the edited visits are kept and the cycle is dropped.
 ///
 /// # Errors
-/// Like [`scored`]; or a visit cannot be made, and why.
+/// Like [`scored`]; also the reason for which a visit is impossible.
 pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>) -> Result<Plan, String> {
     match (problem, plan) {
         (Problem::Surveillance(of), Plan::Surveillance(plan)) => {
@@ -60,7 +60,7 @@ pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>
     }
 }
 
-/// Returns true if the visits are those of flying the plan's cycle until the flight has to end. For a cycle without visits they are derived
+/// Returns true if the visits are those of the plan's cycle, flown until the flight must end. For a cycle without visits they are derived
 /// from it.
 fn is_flown_in_laps(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> Result<bool, String> {
     if plan.cycle.is_empty() {
@@ -164,7 +164,7 @@ fn visited(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Result<Si
     }
     let names = problem.targets.iter().map(|target| target.name.as_str());
     let left_out = left_out(names, |name| plan.visits.iter().any(|visit| visit.target == name), &plan.left_out);
-    // What the bringer claims to be the most may be true of another problem only.
+    // The bound in a plan from outside may be valid for another problem only.
     let plan = SingleVisitPlan { solver: NAME.to_string(), left_out, benefits_bound: Some(most(problem)), ..plan };
     Ok(single_visit::scored(problem, plan))
 }
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!((&kept.cycle, names(&kept)), (&plan.cycle, names(&plan)));
         let unflown = SurveillancePlan { visits: Vec::new(), ..plan.clone() };
         assert_eq!(names(&of(again(&problem, &Plan::Surveillance(unflown)).unwrap())), names(&plan));
-        // Fewer laps than there is time for, and another order that takes longer than the cycle's.
+        // Fewer laps than the time permits, and another order that takes longer than the cycle's.
         let mut fewer = plan.clone();
         fewer.visits.truncate(plan.visits.len() - 1);
         let mut other = fewer.clone();
@@ -285,7 +285,7 @@ mod tests {
         let problem = fires::western_states(40_000.0);
         let asked = Problem::SingleVisit(problem.clone());
         let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else { panic!("of another kind") };
-        // What takes longer in another manoeuvre still fits.
+        // Visits that take longer in another manoeuvre still fit.
         edited.visits.truncate(4);
         let ways = |name: &str| problem.targets.iter().find(|target| target.name == name).unwrap().manoeuvres.len();
         let at = edited.visits.iter().position(|visit| ways(&visit.target) > 1).unwrap();

@@ -1,8 +1,8 @@
 //! Operators' plans: the operator states which targets are visited in which order; the rest is computed, and the plan
 //! is checked and scored like any other (paper, section V.C: an operator is one of the planners that are compared).
 //!
-//! Of surveillance the order is flown once, or again and again until the mission ends. Of single visits each is made in the way
-//! (manoeuvre, waiting for a better time) that is worth most next to the others.
+//! In surveillance the order is flown once, or repeated until the mission ends. Of single visits each is made in the way (manoeuvre,
+//! waiting for a better time) with the highest value, given the others.
 //! Bound: O(visits) of surveillance; of single visits O(visits^2 x ways of a target).
 
 pub mod brought;
@@ -15,7 +15,7 @@ use apex_planning::surveillance::scenario::Scenario;
 /// The planner's name, also of imported plans.
 const NAME: &str = "human";
 
-/// Order of visits that an operator wants flown.
+/// Planner for an order of visits that an operator states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Human {
     /// Names of targets in the order of visits.

@@ -1,4 +1,4 @@
-//! Nearest neighbour: a cycle through every reachable target, always on to the nearest one not yet in it.
+//! Nearest neighbour: a cycle through every reachable target; each visit is followed by the nearest target not in the cycle yet.
 //!
 //! The simplest planner and the yardstick of the others. Bound: O(n^2).
 

@@ -1,8 +1,8 @@
-//! The first plan: every target once, by estimated times, before anything else is compared.
+//! The first plan: inserts every target by estimated times, before the search compares alternatives.
 //!
-//! Which gap between two visits a target takes, and which target comes next, is decided by great-circle times alone; only the
-//! insertion that is chosen is flown through wind and around zones. So the work is two legs for each target, however many
-//! manoeuvres and starts there are to choose from, and the search has a whole plan to improve from the beginning.
+//! Great-circle times alone decide which target is inserted next, and into which gap; only the chosen insertion is computed with wind and
+//! around zones. So the work is two legs for each target, however many manoeuvres and start times exist, and the search can improve a
+//! complete plan from the beginning.
 //! Bound: O(n^2) estimates and n judgements for n targets; does not end with the budget, so that the smallest has a plan.
 
 use super::search::{Candidate, LocalSearch, inserted};
@@ -16,7 +16,7 @@ struct Open {
     choice: Choice,
     worth: f64,
     duration_s: f64,
-    /// Estimated time that it adds in its best gap.
+    /// Estimated time that the target adds in its best gap.
     added_s: f64,
     at: usize,
 }
@@ -28,7 +28,7 @@ impl Open {
 }
 
 impl LocalSearch<'_, '_, '_> {
-    /// Inserts targets, each time the one with the most worth per estimated time, where the schedule allows it.
+    /// Inserts targets where the schedule permits it, each time the one with the highest value per estimated time.
     pub(super) fn construct(&mut self, current: &mut Candidate) {
         let mut open: Vec<Open> = self.missing(&current.order).into_iter().filter_map(|it| self.opened(it)).collect();
         for target in &mut open {
@@ -45,7 +45,7 @@ impl LocalSearch<'_, '_, '_> {
             }
             *current = Candidate { order, judged };
             for target in &mut open {
-                // The gap that was filled is two now; those behind it have moved by one.
+                // The filled gap is now two gaps; the gaps behind it have moved by one.
                 match target.at.cmp(&next.at) {
                     Ordering::Equal => {
                         target.added_s = f64::INFINITY;
@@ -76,13 +76,13 @@ impl LocalSearch<'_, '_, '_> {
         Some(Open { choice, worth, duration_s: with.duration_s, added_s: f64::INFINITY, at: 0 })
     }
 
-    /// Returns a second of the flight, if all targets were worth their best in the time there is.
+    /// Returns the value of a second of flight, if all targets had their best value within the available time.
     fn price_per_s(&self) -> f64 {
         let worth: f64 = self.usable.iter().map(|target| self.worth_max(*target)).sum();
         worth / (self.schedule.limit_s - self.schedule.problem.start_s).max(1.0)
     }
 
-    /// Takes the best of these gaps if it is better than the one known.
+    /// Keeps the best of these gaps if it is better than the known one.
     fn look(&self, current: &Candidate, open: &mut Open, gaps: std::ops::Range<usize>) {
         let Choice { target, manoeuvre, .. } = open.choice;
         let (entry, exit) = (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre));

@@ -6,19 +6,19 @@ use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_planning::solver::{Budget, WorkBudget};
 
-/// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
+/// Number of positions, those with the shortest detours, that are examined to explain why a target does not fit.
 const GAPS_EXPLAINED: usize = 6;
 
 /// Obstacles of visits of single targets.
 pub(super) struct Troubles {
-    /// For each target why it cannot be visited as the only one; none where it can.
+    /// For each target the reason why it cannot be the only visit; `None` if it can.
     alone: Vec<Option<String>>,
-    /// For each target whether no plan visits it.
+    /// For each target true if no plan can visit it.
     impossible: Vec<bool>,
 }
 
 impl Troubles {
-    /// Tries each target alone, and proves of those that cannot be visited so which ones no plan visits.
+    /// Tries each target as the only visit, and proves which of the failing ones no plan can visit.
     pub(super) fn new(schedule: &mut Schedule<'_>) -> Troubles {
         let count = schedule.problem.targets.len();
         let mut alone: Vec<Option<String>> = Vec::with_capacity(count);
@@ -32,7 +32,7 @@ impl Troubles {
             false => reach::out_of_reach(schedule, &suspects),
         };
         let mut troubles = Troubles { alone, impossible };
-        // What must follow an impossible target is impossible too; a chain is as long as there are targets.
+        // A target that must follow an impossible one is impossible too; a chain has at most as many links as there are targets.
         for _ in 0..schedule.problem.precedence.len() {
             for target in 0..count {
                 troubles.follow(schedule, target);
@@ -41,7 +41,7 @@ impl Troubles {
         troubles
     }
 
-    /// Makes a target impossible that must follow an impossible one.
+    /// Marks a target as impossible if it must follow an impossible target.
     fn follow(&mut self, schedule: &Schedule<'_>, target: usize) {
         let blocked = schedule.earlier(target).iter().find(|earlier| !self.is_possible(**earlier));
         let name = blocked.and_then(|earlier| schedule.problem.targets.get(*earlier)).map(|target| &target.name);
@@ -62,19 +62,19 @@ impl Troubles {
         (0..self.impossible.len()).filter(|target| self.is_possible(*target)).collect()
     }
 
-    /// Returns the targets that a plan may visit, but not as the only ones.
+    /// Returns the targets that a plan may visit, but not as the only visit.
     pub(super) fn with_others(&self) -> Vec<usize> {
         let is_in_trouble = |target: &usize| self.alone(*target).is_some();
         self.possible().into_iter().filter(is_in_trouble).collect()
     }
 
-    /// Returns the reason for which the target cannot be visited as the only one; `None` if it can.
+    /// Returns the reason for which the target cannot be the only visit; `None` if it can.
     pub(super) fn alone(&self, target: usize) -> Option<&String> {
         self.alone.get(target).and_then(Option::as_ref)
     }
 }
 
-/// Returns the reason for which a visit of the target earns nothing; `None` if it earns something.
+/// Returns the reason for which a visit of the target has no value; `None` if it has one.
 fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<&'static str> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
@@ -83,7 +83,7 @@ fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<&'static str
 
 fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
     let data = schedule.problem.targets.get(target)?;
-    // What is closed now may be open after other visits: when a zone's time is over.
+    // A way that is closed now may be open after other visits, when a zone is no longer active.
     let openings: Vec<f64> = schedule
         .problem
         .zones
@@ -123,7 +123,8 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     }
 }
 
-/// Checks that the one target can be flown to, observed, and flown home from, leaving at `start_s`. Names airspace before anything else.
+/// Checks that a single target can be reached, observed and left for home, with departure at `start_s`. Reports airspace before other
+/// reasons.
 fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Infeasibility> {
     let entry = PointKey::Entry(choice.target, choice.manoeuvre);
     let exit = PointKey::Exit(choice.target, choice.manoeuvre);
@@ -179,7 +180,7 @@ pub(super) fn left_out(
     all
 }
 
-/// Like [`left_out`], without looking for reasons that are not known yet.
+/// Like [`left_out`], without computing reasons that are not known yet.
 pub(super) fn left_out_quickly(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
@@ -203,7 +204,7 @@ pub(super) fn left_out_quickly(
         .collect()
 }
 
-/// Returns the reason for which a target that could be visited alone does not fit next to the others.
+/// Returns the reason for which a target that could be the only visit does not fit into the plan.
 fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged, target: usize) -> String {
     let earlier =
         schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));

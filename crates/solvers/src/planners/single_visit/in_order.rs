@@ -1,5 +1,4 @@
-//! Visits in a given order: each first in the way that ends first, then in the way that is worth most next to the
-//! others.
+//! Visits in a given order: each first in the way that ends first, then in the way with the highest value, given the others.
 
 use super::explain::{self, Troubles};
 use super::plan;
@@ -11,8 +10,8 @@ use apex_planning::solver::{Budget, Environment};
 /// Iterations over all visits in which better choices are sought.
 const PASSES_MAX: usize = 8;
 
-/// Returns the plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one
-/// at once; the others in the way that is worth most.
+/// Returns the plan that visits these targets, by index, in this order; `solver` is its planner. A target with a given manoeuvre is
+/// observed by that manoeuvre at once, the others in the way with the highest value.
 ///
 /// # Errors
 /// The first visit that cannot be made, and why.
@@ -33,7 +32,7 @@ pub fn in_order(
         }
         let is_last = at + 1 == targets.len();
         let with = added(&mut schedule, best.as_ref(), ((*target, *manoeuvre), is_last), environment.budget);
-        // What prevents a visit of the target alone says more than what prevents it with the others.
+        // The reason against the target as the only visit is more specific than the reason against it in the plan.
         let alone = troubles.alone(*target).filter(|_| !troubles.is_possible(*target));
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }
@@ -41,7 +40,8 @@ pub fn in_order(
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
 }
 
-/// Returns all ways to observe `target`: the manoeuvre that is given, at once; else each, at once or from each corner of its timing on.
+/// Returns all ways to observe `target`: by the given manoeuvre at once; otherwise by each manoeuvre, at once or from each corner of its
+/// timing on.
 fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>)) -> Vec<Choice> {
     let Some(data) = problem.targets.get(target) else { return Vec::new() };
     if let Some(manoeuvre) = manoeuvre {
@@ -52,8 +52,8 @@ fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>
     (0..data.manoeuvres.len()).flat_map(way).collect()
 }
 
-/// Returns `before` with the visit of the target that ends first, or the reason why it is impossible. Only the last target needs a path to
-/// the base.
+/// Returns `before` extended by the visit of the target that ends first, or the reason for which it is impossible. Only the last target
+/// needs a path to the base.
 fn added(
     schedule: &mut Schedule<'_>,
     before: Option<&Candidate>,
@@ -87,7 +87,7 @@ fn added(
     first.ok_or(trouble)
 }
 
-/// Returns the same order, each visit in another way where that is worth more and the others can still be made.
+/// Returns the same order with each visit in another way, if that has a higher value and the other visits remain feasible.
 fn improved(
     schedule: &mut Schedule<'_>,
     mut best: Candidate,

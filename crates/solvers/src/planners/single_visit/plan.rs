@@ -1,4 +1,4 @@
-//! The plan made of the best order: routes, times, fuel, costs, reasons.
+//! Makes the plan of the best order: routes, times, fuel, costs, reasons.
 
 use super::explain::{self, Troubles};
 use super::search::Candidate;
@@ -45,7 +45,7 @@ pub(super) fn plan_of(
         });
     }
     let back = match schedule.problem.base {
-        // Between given places a vehicle that visits nothing stays where it is.
+        // Between places with given times, a vehicle without visits stays where it is.
         Some(_) if !best.order.is_empty() || schedule.problem.travel.is_none() => {
             schedule.travel.way(node, PointKey::Base, ready_s)?
         }
@@ -55,7 +55,7 @@ pub(super) fn plan_of(
     Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
 }
 
-/// Returns a plan in progress for those who watch: reasons that take time to find are not looked for. `None` if a way is missing.
+/// Returns an unfinished plan for display: reasons that take time to compute are left out. `None` if a path is missing.
 pub(super) fn sketch(
     schedule: &mut Schedule<'_>,
     solver: &str,
@@ -99,7 +99,7 @@ fn assembled(
     scored(problem, plan)
 }
 
-/// Returns the plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for operators.
+/// Returns the plan with all figures derived from its visits and its end: fuel, benefits, costs, score and the summary for operators.
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
     plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;

@@ -1,4 +1,4 @@
-//! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
+//! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
 use super::companions;
 use super::explain::Troubles;
@@ -12,7 +12,7 @@ pub(super) const STALE_ROUNDS_MAX: usize = 3_000;
 
 /// The search continues from plans that are worse than the best by a random part of this share.
 const DETOUR_SHARE: f64 = 0.08;
-/// Rounds without a better plan after which it returns to the best, again and again.
+/// Rounds without a better plan after which the search returns to the best plan.
 const RETURN_ROUNDS: usize = 60;
 /// Share by which a random number may lower the merit of an insertion after a ruin.
 const REFILL_NOISE: f64 = 0.3;
@@ -33,16 +33,16 @@ pub(super) struct LocalSearch<'s, 'p, 'b> {
     pub(super) schedule: &'s mut Schedule<'p>,
     pub(super) usable: Vec<usize>,
     troubles: &'s Troubles,
-    /// Targets that can be visited with others only: after what leads to them, or after what must come earlier.
+    /// Targets that can be visited only with others: after those on the way to them, or after those that must precede them.
     pub(super) companions: Vec<usize>,
     pub(super) budget: &'b mut dyn Budget,
     pub(super) random: Generator,
-    /// Targets that the next filling leaves out, so that others get their turn.
+    /// Targets that the next filling leaves out, so that others are tried.
     banned: Vec<usize>,
 }
 
-/// Returns the best order found within the budget, over the targets that can be visited: never worse than the remaining part of the
-/// plan `previous`.
+/// Returns the best order found within the budget, over the targets that can be visited; never worse than the remainder of the plan
+/// `previous`.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,
     troubles: &Troubles,
@@ -78,13 +78,13 @@ pub(super) fn run(
         search.fill(&mut next, REFILL_NOISE);
         search.banned.clear();
         if next.judged.beats(&best.judged) {
-            // A descent takes as much work as dozens of ruins: only the best plan is worth it.
+            // A descent takes as much work as dozens of ruins, so it is made only from a new best plan.
             search.descend(&mut next);
             best = next.clone();
             stale = 0;
             tell(&mut search, &best, report);
         }
-        // Continues from plans a little worse than the best, so that the search does not circle around one summit.
+        // Continues from plans slightly worse than the best, so that the search does not stay at one local optimum.
         let detour = DETOUR_SHARE * search.random.unit() * best.judged.score.abs();
         if stale % RETURN_ROUNDS == 0 {
             current = best.clone();
@@ -95,7 +95,7 @@ pub(super) fn run(
     best
 }
 
-/// Returns `order` after judgement, without its last visits if the judge finds something too late.
+/// Returns `order` with its evaluation, without its last visits if these are too late.
 pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
     let mut free = WorkBudget::new(u64::MAX);
     loop {
@@ -111,10 +111,10 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
     }
 }
 
-/// Returns `best`, or no visit at all if that has a higher score: visits may cost more than they are worth.
+/// Returns `best`, or no visit at all if that has a higher score: visits may cost more than their value.
 ///
 /// # Errors
-/// Why there is no plan at all: `best` has no visits, and the vehicle cannot be back at the base in time even without one.
+/// The reason if there is no plan at all: `best` has no visits, and the vehicle cannot return to the base in time even without one.
 pub(super) fn or_idle(schedule: &mut Schedule<'_>, best: Candidate) -> Result<Candidate, String> {
     match schedule.idle() {
         Ok(judged) if best.order.is_empty() || judged.score > best.judged.score => {
@@ -136,7 +136,7 @@ fn tell(search: &mut LocalSearch<'_, '_, '_>, best: &Candidate, report: &mut dyn
 }
 
 impl LocalSearch<'_, '_, '_> {
-    /// Judges `order`, whose first `same` visits are those of `current`.
+    /// Evaluates `order`, whose first `same` visits are those of `current`.
     pub(super) fn judge(&mut self, current: &Candidate, same: usize, order: &[Choice]) -> Option<Judged> {
         if self.budget.exhausted() {
             return None;
@@ -145,7 +145,7 @@ impl LocalSearch<'_, '_, '_> {
         self.schedule.judge_after(known, order, self.budget).ok()
     }
 
-    /// Takes `order`, whose first `same` visits are those of `current`, when it is better; says whether it was.
+    /// Adopts `order`, whose first `same` visits are those of `current`, if it is better; returns true if it did.
     pub(super) fn try_order(&mut self, current: &mut Candidate, same: usize, order: Vec<Choice>) -> bool {
         match self.judge(current, same, &order) {
             Some(judged) if judged.beats(&current.judged) => {
@@ -156,8 +156,8 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// Tries every order, cutting off those that cannot beat the best even if all that is missing came at its full worth.
-    /// True where the search came to its end: `best` is then proven best, as far as later departures never arrive earlier.
+    /// Enumerates all orders, pruning those that cannot exceed the best even if all missing targets had their full value. Returns true if
+    /// the enumeration is complete: `best` is then optimal, provided that a later departure never arrives earlier.
     fn exact(&mut self, best: &mut Candidate) -> bool {
         let end_s = self.schedule.problem.start_s;
         let root =
@@ -209,8 +209,7 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// Returns the remainder of a plan: its visits in their order, without those that are gone or cannot be made any
-    /// longer.
+    /// Returns the remainder of a plan: its visits in their order, without those that no longer exist or are no longer possible.
     fn left_of(&mut self, plan: &SingleVisitPlan) -> Option<Candidate> {
         let mut left: Option<Candidate> = None;
         for visit in &plan.visits {
@@ -232,7 +231,7 @@ impl LocalSearch<'_, '_, '_> {
             *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
         let data = targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
         let corners = data.timing.iter().map(|(time_s, _)| *time_s);
-        // It waits for the corner of its timing at which it begins.
+        // The visit waits for the corner of its timing at which it begins.
         let waits = |corner_s: &f64| (corner_s - visit.begin_s).abs() < 1e-6;
         let not_before_s = corners.rev().find(waits).unwrap_or(f64::NEG_INFINITY);
         Some(Choice { target, manoeuvre: visit.manoeuvre, not_before_s })
@@ -255,8 +254,8 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// Returns `best` without a few visits: a run of neighbours, or some at random; now and then a visit anywhere instead, so that every
-    /// region has a plan grown from it. Half of the time what was taken out stays out of the next filling.
+    /// Returns `best` without a few visits: a run of neighbours, or random ones; sometimes instead a single visit anywhere, so that a
+    /// plan grows from every region. In half of the calls the removed targets are excluded from the next filling.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
         let take = 1 + self.random.below(count.div_ceil(3).max(1));

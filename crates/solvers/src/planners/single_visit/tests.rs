@@ -78,7 +78,7 @@ fn windows_order_light_and_timing_are_obeyed() {
 
 #[test]
 fn nothing_feasible_names_what_binds() {
-    // A plan without visits is a plan; it says why.
+    // A plan without visits is valid; its summary states the reason.
     let message = solve(&few(3, 3_000.0), 1000).unwrap().summary;
     assert!(message.starts_with("No target can be visited.") && message.contains("endurance"), "{message}");
     let mut far = few(2, 40_000.0);
@@ -189,7 +189,7 @@ fn where_even_the_way_home_is_too_late_there_is_no_plan_and_no_price() {
     assert_eq!(reported, 0, "an infeasible order is not offered for the case that the time runs out");
     let visit = OrderedVisit { target: 0, manoeuvre: 0, not_before_s: f64::NEG_INFINITY };
     assert_eq!(order_value(&problem, &[visit]), Err(refused));
-    // With the time for it, the flight home is a plan.
+    // With enough time for it, the flight home alone is a plan.
     problem.end_s = Some(problem.start_s + 39_000.0);
     let plan = solve(&problem, 20_000).unwrap();
     assert_eq!(apex_planning::checker::violations(&Problem::SingleVisit(problem), &Plan::SingleVisit(plan)), [""; 0]);

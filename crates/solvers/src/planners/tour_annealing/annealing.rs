@@ -1,4 +1,4 @@
-//! Annealing: changes that cost more are taken too, the less often the more they cost and the colder it is.
+//! Annealing: accepts changes that raise the cost with a probability that falls with the increase and with cooling.
 
 use super::moves::{self, Draw};
 use super::tour_evaluation::TourEvaluation;
@@ -6,14 +6,14 @@ use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 use apex_planning::surveillance::scenario::Scenario;
 
-/// Letters beyond those that are flown: they come into play when the tour gets faster.
+/// Letters beyond the flown ones: they are used when the tour becomes faster.
 const SPARE_LETTERS: usize = 12;
-/// Targets that count as near to one.
+/// Number of targets that count as near to a target.
 const NEAR_MAX: usize = 6;
 /// Moves between two checks of the budget and two steps of temperature.
 const STRIDE: u64 = 64;
 
-/// Work of examining another target when the near ones are sought, and of proposing a change, in nanoseconds.
+/// Work of examining a target in the search for near ones, and of proposing a change, in nanoseconds.
 const NEAR_NS: u64 = 12;
 const PROPOSAL_NS: u64 = 80;
 

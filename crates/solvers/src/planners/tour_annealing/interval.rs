@@ -30,7 +30,7 @@ impl Coefficients {
     }
 }
 
-/// Coefficients of every target; those of targets that only fill up the last lanes are 0.
+/// Coefficients of every target; those of padding lanes are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Intervals {
     lanes: Vec<Coefficients>,

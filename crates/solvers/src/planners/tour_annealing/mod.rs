@@ -1,9 +1,9 @@
-//! The anytime planner: annealing over tours of visits, begun from the best plan of the other planners.
+//! The anytime planner: annealing over tours of visits, starting from the best plan of the other planners.
 //!
-//! A tour may visit a target any number of times in any order, so it can express plans that a cycle cannot: visits every
-//! other lap, and a last lap fitted to the horizon. Annealing runs follow each other, each longer than the one before and
-//! from the best tour so far, until the budget is exhausted or runs stop improving it. In between, tours from other start
-//! heuristics are tried ([starts]). A change of a tour is evaluated from its [timetable](timetable), without a new simulation.
+//! A tour may visit a target any number of times in any order, so it can express plans that a cycle cannot: visits in every second lap,
+//! and a last lap fitted to the horizon. Annealing runs follow each other, each longer than the previous one and starting from the best
+//! tour so far, until the budget is exhausted or runs stop improving it. In between, tours of other start heuristics are tried
+//! ([starts]). A change of a tour is evaluated from its [timetable](timetable), without a new simulation.
 //! Bound: the budget; the search ends early after [`STALE_ROUNDS_MAX`] rounds without gain.
 
 mod annealing;
@@ -23,7 +23,7 @@ use starts::Starts;
 
 /// Rounds in a row without gain after which the search ends.
 pub const STALE_ROUNDS_MAX: u32 = 24;
-/// Moves of the first round per visit, with minimum and maximum; each round has half as many again as the one before.
+/// Moves of the first round per visit, with minimum and maximum; each round has half as many again as the previous one.
 const FIRST_MOVES: (u64, u64, u64) = (150, 2_000, 20_000);
 /// Maximum number of moves of a round.
 const ROUND_MOVES_MAX: u64 = 2_000_000;
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_vehicle_stays_where_staying_is_best() {
-        // The targets lie far apart: the best tours see one target about twenty times before they leave it.
+        // The targets are far apart: the best tours observe one target about twenty times before they leave it.
         let cell: apex_portfolio::cell::Cell = "large-uniform-uniform-4-globular".parse().unwrap();
         let found = cost(&TourAnnealing, &cell.mission(0), 100_000);
         assert!(found < 1_435.0, "{found}, where words that hardly stay cost 1442");

@@ -1,4 +1,4 @@
-//! Rows of lanes that can be taken out and put in between others without moving them.
+//! Rows of lanes that can be removed and inserted without moving the other rows.
 
 use smallvec::SmallVec;
 
@@ -25,7 +25,7 @@ impl<T: Copy> Rows<T> {
         begin.and_then(|begin| self.lanes.get(begin..begin + self.width)).unwrap_or(&[])
     }
 
-    /// Returns the same, to be written.
+    /// Returns the row at `place`, mutably.
     #[inline(always)]
     pub(super) fn at_mut(&mut self, place: usize) -> &mut [T] {
         let (begin, width) = (self.begin(place), self.width);
@@ -37,7 +37,7 @@ impl<T: Copy> Rows<T> {
         self.order.get(place).map(|row| *row as usize * self.width)
     }
 
-    /// Writes the row at `to` from the one at `from`, each lane through `map`.
+    /// Writes the row at `to` from the one at `from`, applying `map` to each lane.
     #[inline(always)]
     pub(super) fn derive(&mut self, to: usize, from: usize, map: impl Fn(T) -> T) {
         let (Some(to), Some(from)) = (self.begin(to), self.begin(from)) else { return };
@@ -51,7 +51,7 @@ impl<T: Copy> Rows<T> {
         }
     }
 
-    /// Rows `from..until` give way to `count` rows whose lanes are yet to be written.
+    /// Replaces the rows `from..until` by `count` rows, whose lanes the caller writes.
     pub(super) fn splice(&mut self, from: usize, until: usize, count: usize) {
         let from = from.min(self.order.len());
         let until = until.clamp(from, self.order.len());

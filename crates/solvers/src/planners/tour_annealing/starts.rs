@@ -1,8 +1,8 @@
-//! Starts of the search: first the other planners with little work, later their results with more work, and the best
-//! cycles of groups of near targets.
+//! Starting tours of the search: first those of the other planners with little work, later with more work, and the best cycles of groups
+//! of near targets.
 //!
-//! Annealing does not leave the group of targets that its first tour stays in where the next group is far, so tours that
-//! begin elsewhere are tried, each as soon as it takes a small share of the work done so far.
+//! If the next group of targets is far away, annealing does not leave the group of its first tour. Tours that start elsewhere are
+//! therefore tried, each once it costs only a small share of the work done so far.
 //! Bound: what the other planners take, and O(targets) for the groups.
 
 use super::annealing::{Annealing, CostedTour};
@@ -16,9 +16,9 @@ use std::collections::VecDeque;
 
 /// Work of each of the planners for the first tour: little for both.
 const QUICK_UNITS: u64 = 2_000;
-/// Starts may take one part in so many of the work after the first.
+/// Starts may take one part in this many of the work after the first tour.
 const START_SHARE: u64 = 4;
-/// Work of the search from the first tour before there are others.
+/// Work of the search from the first tour before other starts are tried.
 const ALONE_UNITS: u64 = 20_000;
 /// Least allowed work before a start.
 const START_UNITS_MIN: u64 = 4_000;
@@ -49,7 +49,7 @@ fn best_cycle(scenario: &Scenario<'_>, units: u64, budget: &mut dyn Budget) -> V
     scenario.flown(cycle.iter().copied().cycle())
 }
 
-/// One way to a tour.
+/// One heuristic for a starting tour.
 #[derive(Clone, Debug)]
 enum StartHeuristic {
     /// 2-Opt with more work.
@@ -60,7 +60,7 @@ enum StartHeuristic {
     Wam(usize),
 }
 
-/// The starts that are still to come.
+/// The starts that have not been tried yet.
 #[derive(Debug)]
 pub(super) struct Starts {
     ways: VecDeque<StartHeuristic>,
@@ -73,7 +73,7 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Returns all start heuristics; the first tour has taken `first_units`, with many targets more than it was allowed.
+    /// Returns all start heuristics. The first tour took `first_units`, which with many targets is more than its limit.
     pub(super) fn new(scenario: &Scenario<'_>, first_units: u64) -> Starts {
         let mut ways: VecDeque<StartHeuristic> = VecDeque::from([StartHeuristic::TwoOpt]);
         ways.extend(groups(scenario).into_iter().map(StartHeuristic::Group));
@@ -81,8 +81,8 @@ impl Starts {
         Starts { ways, least_units: first_units.max(START_UNITS_MIN), wam_units: 0.0, taken: 0 }
     }
 
-    /// Tries the next tours for which there is time: each with a short round, and where that comes near to `cost` with a longer
-    /// one. Returns a tour that costs less.
+    /// Tries the next tours for which there is time: each with a short round and, if that comes near to `cost`, with a longer one.
+    /// Returns a tour that costs less.
     pub(super) fn try_next(
         &mut self,
         annealing: &mut Annealing<'_, '_>,
@@ -111,7 +111,7 @@ impl Starts {
         }
     }
 
-    /// Returns the next tour, where there is one and it is time for it.
+    /// Returns the next tour, if there is one and its work is permitted.
     fn next(&mut self, scenario: &Scenario<'_>, allowed: u64, budget: &mut dyn Budget) -> Option<Vec<usize>> {
         let known = match self.ways.front()? {
             StartHeuristic::Wam(number) => (self.wam_units * wam::weight(*number)) as u64,
@@ -132,7 +132,7 @@ impl Starts {
                 let tour = wam::pass(scenario, number, &mut Share { whole: &mut *budget, until });
                 self.wam_units = (budget.used() - before) as f64 / wam::weight(number);
                 if tour.is_none() {
-                    // It takes more than is allowed: again when twice as much is.
+                    // The start needs more work than permitted: it is tried again when twice as much is available.
                     self.wam_units *= 2.0;
                     self.ways.push_front(StartHeuristic::Wam(number));
                 }
@@ -142,7 +142,7 @@ impl Starts {
     }
 }
 
-/// Groups of targets that are near each other: all of them in two, and each of these in two.
+/// Returns groups of near targets: all targets divided in two, and each of these groups in two.
 fn groups(scenario: &Scenario<'_>) -> Vec<Vec<usize>> {
     let mut groups = Vec::new();
     let mut last = vec![scenario.usable().to_vec()];
@@ -153,7 +153,7 @@ fn groups(scenario: &Scenario<'_>) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Returns a group in two: those nearer to one of two places that are far from each other, and the others.
+/// Divides a group in two by two places that are far apart: each target joins the nearer one.
 fn halves(scenario: &Scenario<'_>, group: &[usize]) -> [Vec<usize>; 2] {
     let travel = scenario.typical();
     let way_s = |from: usize, to: usize| travel.between(from, to) + travel.between(to, from);
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn what_other_planners_find_with_time_is_not_missed() {
-        // Here 2-Opt with little work begins in the cluster that is worse, and annealing never leaves it.
+        // In this problem 2-Opt with little work starts in the worse cluster, and annealing never leaves it.
         let cell: Cell = "large-fixed-fixed-16-two-cluster".parse().unwrap();
         let problem = cell.mission(0);
         let scenario = Scenario::new(&problem).unwrap();

@@ -1,8 +1,8 @@
-//! A tour with everything that is needed to price a change of it without flying it again.
+//! A tour with all data that are needed to compute the cost of a change without flying the tour again.
 //!
-//! For every place in the tour two rows are kept, one number a target: how long ago each target was seen when the place
-//! is left, and how long after the place each is seen for the first time. A change then costs the visits that it puts in
-//! and two intervals per target: the one across the change and the open one at the end.
+//! For every position in the tour two rows are kept, with one number per target: the time since each target was last observed when the
+//! position is left, and the time until each is next observed. The cost of a change then consists of its inserted visits and two
+//! intervals per target: the one across the change and the open one at the end.
 //! Bound: O(targets + letters) to price a change, O(visits x targets) to carry it out.
 
 use super::change::Change;
@@ -15,8 +15,8 @@ use wide::f64x4;
 /// Numbers that the rows of one tour may have: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
-/// Work in nanoseconds: of pricing a change, each letter and each four targets of it; of carrying one out, each row and
-/// each four targets of it.
+/// Work in nanoseconds: of computing the cost of a change, for each letter and for each four targets of it; of applying one, for each row
+/// and for each four targets of it.
 const PRICE_NS: u64 = 170;
 const LETTER_NS: u64 = 25;
 const LANE_NS: u64 = 25;
@@ -24,7 +24,7 @@ const CHANGE_NS: u64 = 300;
 const ROW_NS: u64 = 12;
 const ROW_LANE_NS: u64 = 3;
 
-/// See the head of this file. A place is a number of visits before it.
+/// See the module documentation. A position is the number of visits before it.
 #[derive(Clone, Debug)]
 pub(super) struct Timetable<'s, 'p> {
     scenario: &'s Scenario<'p>,
@@ -34,16 +34,16 @@ pub(super) struct Timetable<'s, 'p> {
     ends_s: Vec<f64>,
     /// Cost of the interval that each visit closes.
     costs: Vec<f64>,
-    /// By place: the sum of those before it.
+    /// By position: the sum of the closed intervals before it.
     closed: Vec<f64>,
-    /// Visits that are flown; the rest comes too late.
+    /// Number of flown visits; the others come too late.
     flown: usize,
     /// By place: time from each target's last end to the end of the visit before the place.
     since_s: Rows<f64x4>,
     /// By place: the first visit of each target from there on.
     ahead: Rows<Ahead>,
     scratch: Vec<f64x4>,
-    /// Marks of targets, by the count of the sweep that set them.
+    /// Marks of targets: the number of the sweep that set them.
     marks: Vec<u64>,
     sweep: u64,
     /// Rows that the last change has written, of both kinds.
@@ -83,7 +83,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         table
     }
 
-    /// Returns the tour, with visits beyond those that are flown.
+    /// Returns the tour, including visits beyond the flown ones.
     pub(super) fn tour(&self) -> &[usize] {
         &self.tour
     }
@@ -132,7 +132,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.ends_s.splice(from..until, std::iter::repeat_n(0.0, count));
         self.costs.splice(from..until, std::iter::repeat_n(0.0, count));
         self.closed.resize(self.tour.len() + 1, 0.0);
-        // What was seen before a place belongs to the places after a visit, what comes to the places before it.
+        // Times since an observation belong to the positions after a visit, times until one to the positions before it.
         self.since_s.splice(from + 1, until + 1, count);
         self.ahead.splice(from, until, count);
         self.fly(from);
@@ -172,7 +172,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.flown = self.flown.min(from);
         for index in from..self.tour.len() {
             let Some(target) = self.tour.get(index).copied() else { break };
-            // Where there is no way the rest is far too late, but not so late that its times lose their digits.
+            // If no path exists, later visits are far too late, by an amount at which their times keep their digits.
             time_s += self.leg_s(place, target).min(2.0 * self.scenario.limit_s()) + self.dwell_s(target);
             place = Some(target);
             open &= time_s + self.home_s(target) <= self.scenario.limit_s();
@@ -185,9 +185,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         }
     }
 
-    /// Updates the visits seen before each position after `from`, as far as they differ from those before a change
-    /// whose letters end before `until`: until every target has been visited again. Returns the first position that is
-    /// unchanged.
+    /// Updates the visits before each position after `from` that differ from those before a change whose letters end before `until`: up
+    /// to where every target has been visited again. Returns the first unchanged position.
     fn look_back(&mut self, from: usize, until: usize) -> usize {
         self.sweep += 1;
         let (mut missing, mut before_s) = (self.marks.len(), self.end_before(from));
@@ -229,8 +228,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.marks.get_mut(target).is_some_and(|mark| std::mem::replace(mark, sweep) != sweep)
     }
 
-    /// Updates the visits that follow each position before `settled`, down to where every target is visited between the
-    /// position and a change at `from`. Returns that position.
+    /// Updates the visits that follow each position before `settled`, back to where every target is visited between the position and a
+    /// change at `from`. Returns that position.
     fn look_ahead(&mut self, from: usize, settled: usize) -> usize {
         self.sweep += 1;
         let mut missing = self.marks.len();
@@ -316,7 +315,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         cost + closed(flown) - closed(change.until) + self.across(since_s, &after)
     }
 
-    /// Returns the number of flown visits when those from `place` on are shifted.
+    /// Returns the number of flown visits if those from `place` on are shifted by `shift_s`.
     fn flown_with(&self, place: usize, shift_s: f64) -> usize {
         let limit_s = self.scenario.limit_s();
         let in_time = |index: usize| {
@@ -331,7 +330,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
             return flown;
         }
         if self.scenario.problem().return_to_base {
-            // The way home differs from target to target, so the first visit that is too late may be anywhere.
+            // The way home differs between targets, so the first late visit may be at any position.
             return (place..self.flown).find(|index| !in_time(*index)).unwrap_or(self.flown);
         }
         while flown > place && !in_time(flown - 1) {
@@ -347,7 +346,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         open.fold(f64x4::ZERO, |sum, (since_s, lane)| sum + lane.cost(*since_s + left_s)).reduce_add()
     }
 
-    /// Intervals across the change and open ones at the end, without what the first visits after it used to close.
+    /// Returns the cost of the intervals across the change and of the open ones at the end, less that of the intervals that the first
+    /// visits after it closed before.
     fn across(&self, since_s: &[f64x4], after: &After) -> f64 {
         let horizon_s = self.scenario.problem().horizon_s;
         let alone_s = f64x4::splat(horizon_s - after.base_s);
@@ -372,7 +372,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
 struct Ahead {
     /// Time from the end of the visit at the place to their ends.
     until_s: f64x4,
-    /// Visits from the place to them; infinite where there is none.
+    /// Time from the position to the next visits; infinite if there is none.
     visits: f64x4,
     /// Cost of the intervals that they close.
     cost: f64x4,

@@ -1,4 +1,4 @@
-//! A tour under search: priced by its timetable where costs have the fast formula, else by flying it.
+//! A tour under search: evaluated by its timetable if costs have the fast formula, otherwise by flying it.
 
 use super::change::Change;
 use super::interval::Intervals;
@@ -10,8 +10,8 @@ use apex_planning::surveillance::scenario::Scenario;
 pub(super) enum TourEvaluation<'s, 'p> {
     /// Changes are priced without flying the tour.
     Quick(Box<Timetable<'s, 'p>>),
-    /// Changes are flown: rates or travel times that change with time, steps, tables, very long tours, and ways home over
-    /// other targets.
+    /// Changes are evaluated by flying: for rates or travel times that change with time, steps, tables, very long tours, and ways home
+    /// over other targets.
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,

@@ -1,9 +1,9 @@
 //! Modified 2-Opt (paper, section V.C): the best repeatable cycle over a set or subset of targets.
 //!
-//! For a given set the cycle is the shortest directed tour: exact for up to nine targets, else 2-opt and Or-opt from
-//! several starts. Around that, targets are dropped, added and exchanged, and the cycle is begun elsewhere, as long as the
-//! expected cost of ignorance over the horizon falls. At last the order itself is bent to the cost where targets differ:
-//! with equal targets and linear cost the shortest tour is the best in the long run, and stays.
+//! For a given set the cycle is the shortest directed tour: exact for up to nine targets, otherwise by 2-opt and Or-opt from several
+//! starts. Targets are then dropped, added and exchanged, and the first target of the cycle is changed, as long as the expected cost of
+//! ignorance over the horizon falls. At last the order itself is improved by the cost if targets differ: with equal targets and linear
+//! cost the shortest tour is the best in the long run, and is kept.
 //! Bound: none but the budget.
 
 mod order;
@@ -47,7 +47,7 @@ impl Solver for TwoOpt {
                 report(&Plan::Surveillance(scenario.cycle_plan("two-opt", cycle)));
             }
         });
-        // What is flown now may be better than any cycle.
+        // The plan in execution may be better than any cycle.
         let plan = match left {
             Some((least, word)) if least < cost => scenario.plan(self.name(), word),
             _ => scenario.cycle_plan(self.name(), &cycle),
@@ -56,8 +56,8 @@ impl Solver for TwoOpt {
     }
 }
 
-/// Returns the best repeatable cycle found within the budget, with its cost, from the cycle `start` if there is one; `report` sees each
-/// better one.
+/// Returns the best repeatable cycle found within the budget, with its cost, starting from the cycle `start` if there is one; `report`
+/// receives each better one.
 pub fn best_cycle(
     scenario: &Scenario<'_>,
     start: Option<Vec<usize>>,
@@ -81,7 +81,7 @@ pub fn best_cycle(
     (search.best_cost, search.into_best())
 }
 
-/// Returns the shortest tour of `targets` found within the budget, begun where flying it again and again costs least.
+/// Returns the shortest tour of `targets` found within the budget, starting at the target for which repeated flying costs least.
 pub fn cycle_of(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Budget) -> Vec<usize> {
     let tour = tour::shortest(scenario, targets, budget);
     subset::best_beginning(scenario, tour, budget).1

@@ -1,4 +1,4 @@
-//! Choice of targets for the cycle: drop, add and exchange around shortest tours, judged by expected cost.
+//! Choice of targets for the cycle: drops, adds and exchanges targets, each with the shortest tour, evaluated by expected cost.
 
 use super::report::CycleObserver;
 use apex_planning::solver::Budget;
@@ -24,7 +24,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
         self.best
     }
 
-    /// Takes `cycle`, begun where it costs least, if it is better than the best. The first one is always taken.
+    /// Adopts `cycle`, with its cheapest first target, if it is better than the best. The first cycle is always adopted.
     pub(super) fn offer(&mut self, cycle: Vec<usize>, budget: &mut dyn Budget, report: CycleObserver<'_>) -> bool {
         let (cost, cycle) = best_beginning(self.scenario, cycle, budget);
         let better = self.best.is_empty() || cost < self.best_cost * (1.0 - 1e-12);
@@ -43,7 +43,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
 
     fn step(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) -> bool {
         let missing = self.missing();
-        // Dropped alone, or with another one instead; at last added alone. Each is made when its turn comes: there are many.
+        // For each target: drop it, or replace it; finally add one. Candidates are made one by one, because there are many.
         for at in 0..=self.best.len() {
             let dropped = self.best.get(at).copied();
             let mut without = self.best.clone();
@@ -68,8 +68,8 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
         false
     }
 
-    /// Starts again with the single best target and adds as long as it helps: reaches small cycles that dropping from
-    /// the full set cannot.
+    /// Starts again with the single best target and adds targets while that helps: reaches small cycles that dropping from the full set
+    /// cannot.
     pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) {
         let mut grown = SubsetSearch::new(self.scenario);
         for target in self.scenario.usable() {

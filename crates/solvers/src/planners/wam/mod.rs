@@ -1,10 +1,10 @@
-//! WAM (paper, section V.C): best-first search with replacement that builds the full plan bit by bit.
+//! WAM (paper, section V.C): best-first search with replacement that builds the full plan visit by visit.
 //!
-//! From where the vehicle is, a window of time is searched: open nodes are partial tours, each expanded to the targets
-//! with the highest `importance x obsolescence / transit`; a node is worth the expected cost of ignorance over the whole
-//! window, so that all nodes are compared over the same span. The list of open nodes is bounded and better nodes replace
-//! worse ones. The first visit of the best tour is committed and the search begins again from there.
-//! Windows and list sizes are tried from small to large while the budget lasts; the best full plan wins.
+//! From the vehicle's position a window of time is searched. Open nodes are partial tours, each expanded to the targets with the highest
+//! `importance x obsolescence / transit`. A node's cost is the expected cost of ignorance over the whole window, so that all nodes are
+//! compared over the same span. The list of open nodes is bounded, and better nodes replace worse ones. The first visit of the best tour
+//! is committed, and the search starts again from there. Windows and list sizes are tried from small to large while the budget lasts; the
+//! best full plan wins.
 //! Bound: O(visits x depth x open x children) per pass.
 
 use apex_metrics::eci;
@@ -16,7 +16,7 @@ use apex_planning::surveillance::scenario::{Scenario, Stop};
 /// Window in mean transit times, size of the open list, children per node: from greedy to thorough.
 const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
-/// Visits that one window may hold.
+/// Maximum number of visits in one window.
 const DEPTH_MAX: usize = 64;
 /// Work of the priority of a visit in nanoseconds, and in addition of the copy for a node of the search.
 const PRIORITY_NS: u64 = 30;
@@ -57,7 +57,7 @@ impl Solver for Wam {
     }
 }
 
-/// Returns the best tour found within the budget; `report` sees each better one. The greedy pass is always made to its end.
+/// Returns the best tour found within the budget; `report` receives each better one. The greedy pass is always completed.
 pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> Vec<usize> {
     best_of_passes(scenario, budget, &mut |_, tour| report(tour)).1
 }
@@ -191,7 +191,7 @@ fn change(scenario: &Scenario<'_>, state: &TourState, stop: Stop, until_s: f64) 
 /// Returns the possible visits with the highest priority.
 fn children(scenario: &Scenario<'_>, state: &TourState, most: usize, budget: &mut dyn Budget) -> Vec<Stop> {
     scenario.charge(scenario.usable().len() as u64 * (PRIORITY_NS + scenario.departure_ns()), budget);
-    // The best so far, best first; of equals the earlier.
+    // The best candidates so far, best first; of equal ones the earlier first.
     let mut ranked: Vec<(f64, Stop)> = Vec::with_capacity(most + 1);
     for target in scenario.usable() {
         let Some(found) = priority(scenario, state, *target) else { continue };

@@ -1,4 +1,4 @@
-//! The memory of messages: what conditions ask for, and what is logged by first words.
+//! The memory of messages: those that conditions need, and those that are logged by first words.
 
 use super::{Histories, Occurrence};
 use crate::state::histories::event_log::OpenEventLog;
@@ -6,8 +6,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 
 impl Histories {
-    /// Puts a message into the memory of events. True when an earlier one that a clause may need was dropped for it,
-    /// because of the limit, and none was before.
+    /// Records a message. Returns true if an earlier one that a clause may need was dropped at the limit for the first time.
     pub fn record_event(&mut self, event: Occurrence) -> bool {
         let before = self.events_overflowed;
         let log_overflows = self.event_logs.record(&event, self.most.events);
@@ -32,8 +31,7 @@ impl Histories {
         }
     }
 
-    /// Records the number of further messages from outside at the same instant or a later one: several messages of one instant are all
-    /// kept.
+    /// Records the number of further messages from outside at the same instant or a later one: all messages of one instant are kept.
     pub fn expect_events(&mut self, messages: usize, is_same_instant: bool) {
         let before = if is_same_instant { self.most.burst } else { 0 };
         self.most.burst = before.saturating_add(messages);
@@ -70,7 +68,7 @@ impl Histories {
         whole.then(|| kept.filter(|event| event.at >= start).filter(of_it).collect())
     }
 
-    /// Opens a policy of messages: those that are still remembered count; the number closes it again.
+    /// Opens a policy of messages and returns the number that closes it. Messages that are still remembered count.
     pub fn open_event_log(&mut self, log: OpenEventLog) -> u64 {
         let number = self.next_log;
         self.next_log = self.next_log.saturating_add(1);

@@ -1,9 +1,9 @@
-//! Limits of a signal: the comparisons with fixed figures in the conditions that the mission's PDL watches, and the
-//! stretches of samples beyond them.
+//! Limits of a signal: the comparisons with fixed figures in the conditions that the mission's PDL watches, and the excursions of samples
+//! beyond them.
 //!
-//! What a condition compares is read from the checked program. A condition of a step that repeats or responds is a limit:
-//! such a step answers each excursion. Comparisons elsewhere are thresholds. Figures that depend on a task's variables are
-//! not known without the task and give no limit.
+//! Comparisons are read from the checked program. A condition of a step that repeats or responds is a limit, because such a step answers
+//! each excursion; other comparisons are thresholds. Figures that depend on a task's variables are unknown without the task and give no
+//! limit.
 
 use super::sample::StoredSample;
 use crate::error::RecordError;
@@ -22,26 +22,26 @@ use apex_model::value::Value;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Maximum number of excursions of an answer; those that the executive answered and the longest are kept.
+/// Maximum number of excursions in an answer; those that the executive answered and the longest are kept.
 const EXCURSIONS_MAX: usize = 300;
 /// Maximum depth of references between indexicals and functions.
 const DEPTH_MAX: usize = 16;
 
-/// A limit, or a threshold, of a signal. Values beyond it satisfy the condition.
+/// A limit or threshold of a signal. Values beyond it satisfy the condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct SignalLimit {
-    /// Values below it are beyond, in the signal's unit; none if low values are not.
+    /// Values below this one are beyond the limit, in the signal's unit; `None` if low values are within.
     pub low: Option<f64>,
-    /// Values above it are beyond, in the signal's unit; none if high values are not.
+    /// Values above this one are beyond the limit, in the signal's unit; `None` if high values are within.
     pub high: Option<f64>,
-    /// For how many seconds values must be beyond it; none if one sample is enough.
+    /// Seconds for which values must be beyond it; `None` if one sample suffices.
     pub duration_s: Option<f64>,
     /// Further conditions as PDL text; empty if there are none.
     pub also: String,
-    /// True if a step that repeats or responds watches it; false for a threshold that is waited for once.
+    /// True if a step that repeats or responds watches it; false for a threshold that a step awaits once.
     pub guarded: bool,
-    /// The step that it starts, by its tag.
+    /// The step that its condition starts, by its tag.
     pub step: String,
     /// `file:line:column` of the condition.
     pub place: String,
@@ -61,8 +61,8 @@ pub struct Excursion {
     pub peak: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Instant at which the executive found the condition satisfied in it, nanoseconds of mission time; `None` if it did not: too short,
-    /// not watched then, or what else must hold did not.
+    /// Instant at which the executive found the condition satisfied by the excursion, nanoseconds of mission time. `None` if it did not:
+    /// the excursion was too short, the condition was not watched, or another part did not hold.
     pub raised_ns: Option<i64>,
 }
 
@@ -122,7 +122,7 @@ fn parts(condition: &Condition, visit: &mut impl FnMut(&Condition)) {
     }
 }
 
-/// Returns the variable, the constraints on its values and those on the length of their run.
+/// Returns the variable, the constraints on its values and those on the duration of their run.
 fn compared(condition: &Condition) -> Option<(&VariablePattern, &[Constraint], &[Constraint])> {
     match &condition.kind {
         ConditionKind::Measurement(one) => Some((&one.variable, &one.value, &[])),
@@ -180,7 +180,8 @@ impl Bounds {
         }
     }
 
-    /// Recognises `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with some.
+    /// Recognises `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with such
+    /// comparisons.
     fn predicate(&mut self, library: &Library, name: &Symbol, arguments: &[Expr]) -> bool {
         let Some(function) = library.functions.get(name) else { return false };
         let ([value, others @ ..], [body]) = (&*function.parameters.required, &*function.body) else { return false };
@@ -243,7 +244,7 @@ fn least(library: &Library, constraint: &Constraint) -> Option<f64> {
     }
 }
 
-/// Returns the value in SI of an expression that has the same one at all times.
+/// Returns the value in SI of an expression whose value never changes.
 fn number(library: &Library, expr: &Expr, locals: &BTreeMap<&Symbol, f64>, depth: usize) -> Option<f64> {
     if depth > DEPTH_MAX {
         return None;
@@ -300,13 +301,13 @@ impl Raised {
         Ok(raised)
     }
 
-    /// Returns the first one in `from..=to`.
+    /// Returns the first instant in `from..=to` at which the condition at `place` was satisfied.
     fn within(&self, place: &str, from: i64, to: i64) -> Option<i64> {
         self.0.get(place)?.iter().copied().find(|at| (from..=to).contains(at))
     }
 }
 
-/// Returns the excursions that touch the window, by time, and how many shorter ones are left out.
+/// Returns the excursions that touch the window, in order of time, and the number of shorter ones that are left out.
 pub(in crate::record::view) fn excursions(
     limits: &[SignalLimit],
     samples: &[StoredSample],
@@ -324,7 +325,7 @@ pub(in crate::record::view) fn excursions(
             }
             let farthest = |a: f64, b: f64| if limit.distance(b) > limit.distance(a) { b } else { a };
             let peak = run.iter().map(|sample| sample.value).fold(first.value, farthest);
-            // The executive may find it out with the next sample, which is back inside.
+            // The executive may recognise the excursion with the next sample, which is back inside.
             let until = samples.get(end).map_or(i64::MAX, |next| next.arrived_ns);
             found.push(Excursion {
                 limit: index,

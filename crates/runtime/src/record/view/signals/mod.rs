@@ -1,7 +1,7 @@
 //! Signals: every recorded state variable over time, with the limits that the mission's PDL watches.
 //!
-//! An answer for an instant holds the samples that had arrived by then. Its statistics and extremes are those of all
-//! samples of the window; only the drawing is thinned, to one bucket per pixel.
+//! An answer for an instant contains the samples that had arrived by then. Its statistics and extremes are those of all samples of the
+//! window; only the drawing is thinned, to one bucket per pixel.
 //! Bound: the first question reads all steps once; later ones read what was added.
 
 mod limits;

@@ -1,4 +1,4 @@
-//! The samples of a record, kept in memory and grown with it.
+//! The samples of a record, kept in memory and extended with it.
 
 use super::limits;
 use super::sample::StoredSample;
@@ -13,7 +13,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Up to this many samples all signals are kept; beyond, those that were asked for. A sample takes 24 bytes.
+/// Up to this number of samples all signals are kept; above it, only the requested ones. A sample takes 24 bytes.
 const SAMPLES_KEPT_MAX: usize = 6_000_000;
 
 /// The samples of one signal, by time.
@@ -29,7 +29,7 @@ pub(in crate::record::view) struct MeasuredVariable {
     pub(in crate::record::view) number: u64,
     variable: StateVariable,
     kind: SignalKind,
-    /// Printing unit and how many SI units it is.
+    /// Printing unit, and its size in SI units.
     unit: (&'static str, f64),
     pub(in crate::record::view) first_ns: i64,
 }
@@ -44,7 +44,7 @@ pub(in crate::record::view) struct SampleIndex {
     numbers: BTreeMap<StateVariable, u64>,
     series: BTreeMap<u64, Series>,
     samples: usize,
-    /// True if only asked signals are kept: the record is too large for all.
+    /// True if only requested signals are kept, because the record is too large for all.
     choosy: bool,
 }
 
@@ -82,7 +82,7 @@ impl SampleIndex {
         self.series.get(&number)
     }
 
-    /// Reads what was added since the last time, and all samples of those `names` that are not kept yet.
+    /// Reads the samples added since the last call, and all samples of the signals in `names` that are not kept yet.
     pub(in crate::record::view) fn refresh(
         &mut self,
         reader: &RecordReader,
@@ -151,7 +151,7 @@ impl SampleIndex {
             SignalKind::Words => Some(series.word(value.to_string())),
             SignalKind::Other => None,
         };
-        // Values of another kind than the first one have no place on its axis.
+        // Values of another kind than the first one cannot be drawn on its axis.
         let Some(value) = value else { return };
         let place = match series.samples.last() {
             Some(last) if last.at_ns > at_ns => series.samples.partition_point(|sample| sample.at_ns <= at_ns),

@@ -43,7 +43,7 @@ pub struct Signal {
     pub attribute: String,
     /// Its object, `aircraft-1`.
     pub object: String,
-    /// The unit of its numbers as PDL writes it; empty for numbers without a unit and for words.
+    /// The unit of its numbers in PDL; empty for numbers without a unit and for words.
     pub unit: String,
     /// Kind of its values.
     pub kind: SignalKind,
@@ -76,12 +76,12 @@ pub struct SignalWindows {
     pub to_ns: i64,
     /// Mission time in nanoseconds up to which the flight is known.
     pub at_ns: i64,
-    /// One for each name, in the order asked for; names without samples by the instant have none.
+    /// One window for each requested name, in that order; names without samples by the instant have none.
     pub windows: Vec<SignalWindow>,
 }
 
-/// A signal in a window of time. The lists have one length: one entry for each sample, or for each pixel with samples if
-/// there are more. The last sample before the window comes first, so that a line enters it.
+/// A signal in a window of time. All lists have the same length: one entry for each sample, or, if there are more samples, for each pixel
+/// that has samples. The last sample before the window comes first, so that a line enters the window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct SignalWindow {
@@ -94,7 +94,7 @@ pub struct SignalWindow {
     pub low: Vec<f64>,
     /// The largest value.
     pub high: Vec<f64>,
-    /// The mean of the values; for words the place in `words` of the last one.
+    /// The mean of the values; for words the index in `words` of the last one.
     pub mean: Vec<f64>,
     /// Number of samples.
     pub count: Vec<u32>,

@@ -1,4 +1,4 @@
-//! The samples of a signal in a window of time: thinned for drawing, with statistics and excursions of all.
+//! The samples of a signal in a window of time: thinned for drawing, with statistics and excursions of all samples.
 
 use super::limits::{self, Raised};
 use super::sample::StoredSample;
@@ -6,7 +6,7 @@ use super::store::Series;
 use super::types::{Signal, SignalKind, SignalWindow, Statistics};
 use std::borrow::Cow;
 
-/// Up to this many samples for each pixel are given one by one.
+/// Up to this number of samples per pixel each sample is returned.
 const SAMPLES_PER_PIXEL: usize = 2;
 
 impl Series {
@@ -135,7 +135,7 @@ mod tests {
     }
 
     proptest! {
-        /// Rule L4 of the design: whatever is thinned, extremes, mean and number are those of the samples.
+        /// Rule L4 of the design: extremes, mean and number are those of all samples, however much is thinned.
         #[test]
         fn buckets_hold_every_sample_of_the_window(
             values in prop::collection::vec(-50.0..50.0f64, 1..400),

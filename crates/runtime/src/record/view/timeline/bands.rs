@@ -1,4 +1,4 @@
-//! Density bands: many intervals as a count and a share for each pixel.
+//! Density bands: many intervals as a count and a share of ongoing time for each pixel.
 
 use super::super::index::Interval;
 use super::shapes::Band;
@@ -8,7 +8,7 @@ use apex_model::task::TaskState;
 /// Intervals gathered by pixel.
 pub(super) struct Bands {
     window: Window,
-    /// Up to the last one that has anything.
+    /// The pixels up to the last one that has an interval.
     pixels: Vec<Option<Pixel>>,
 }
 
@@ -23,15 +23,15 @@ impl Bands {
         Bands { window, pixels: Vec::new() }
     }
 
-    /// Adds an interval, which must lie in the window: it is counted in the pixel of its start.
-    /// Bound: one entry for each pixel that it touches.
+    /// Adds an interval, which must lie in the window; it is counted in the pixel of its start. Bound: one entry for each pixel that it
+    /// touches.
     pub(super) fn add(&mut self, interval: Interval) {
         let first = self.window.pixel(interval.from_ns);
         for at in first..=self.window.pixel(interval.to_ns) {
             let start_ns = self.window.start_ns(at);
             let end_ns = start_ns.saturating_add(self.window.pixel_ns);
             let inside_ns = interval.to_ns.min(end_ns).saturating_sub(interval.from_ns.max(start_ns));
-            // An interval that ends where a pixel begins does not touch it.
+            // An interval that ends at the beginning of a pixel does not touch it.
             if at > first && inside_ns <= 0 {
                 continue;
             }
@@ -47,14 +47,14 @@ impl Bands {
         }
     }
 
-    /// Returns the bands by time; neighbours that only continue what began earlier are one band.
+    /// Returns the bands in order of time; neighbouring pixels that only continue earlier intervals form one band.
     pub(super) fn finish(self) -> Vec<Band> {
         let pixel_ns = self.window.pixel_ns;
         let mut bands: Vec<Band> = Vec::new();
         for (at, pixel) in self.pixels.into_iter().enumerate().filter_map(|(at, pixel)| Some((at, pixel?))) {
             let from_ns = self.window.start_ns(at);
             let to_ns = from_ns.saturating_add(pixel_ns).min(self.window.known_ns()).max(from_ns);
-            // In thousandths, as it is sent.
+            // The share is in thousandths, as in the answer.
             let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64 * 1e3).round().min(1e3) / 1e3;
             match bands.last_mut() {
                 Some(last) if pixel.count == 0 && last.to_ns == from_ns && last.ongoing == ongoing => {

@@ -1,4 +1,4 @@
-//! Lanes: which tasks lie in which lane, and what of a lane is bars and what is bands.
+//! Lanes: assigns tasks to lanes, and divides each lane into bars and bands.
 
 use super::super::index::{Interval, TaskIndex};
 use super::bands::Bands;
@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of rows of a lane: more tasks at once than this cannot be distinguished in a picture.
 pub(super) const ROWS_MAX: usize = 8;
-/// Intervals below a pixel in one pixel from which on they are a band.
+/// Number of intervals shorter than a pixel, within one pixel, from which on they form a band.
 pub(super) const DENSE_MIN: usize = 3;
 
-/// The tasks of one lane while lanes are gathered.
+/// The tasks of one lane while lanes are collected.
 pub(super) struct LaneTasks {
     parent: Option<usize>,
     depth: usize,
@@ -29,7 +29,7 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// Returns the lane of a task and those above it.
+    /// Returns the lane of a task and the lanes above it.
     pub(super) fn lanes_above(&self, task: u64) -> BTreeSet<usize> {
         let mut next = self.lane_of_task.get(&task).copied();
         let mut lanes = BTreeSet::new();
@@ -75,7 +75,7 @@ pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize>
     order
 }
 
-/// Returns one lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
+/// Returns one lane: intervals of at least a pixel, and shorter ones that are not dense, are bars; the others form bands.
 pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
     let drawn: Vec<(u64, Vec<Interval>)> = group

@@ -1,8 +1,8 @@
-//! The timeline: lanes of task states over a window of time, as drawn with a number of pixels.
+//! The timeline: lanes of task states over a window of time, for a drawing with a given number of pixels.
 //!
-//! A lane holds the tasks that one step of one procedure made (same parent lane, same tag), so that a step that
-//! repeats for hours stays one lane. Tasks of a lane that overlap lie in rows below each other. Stretches too dense for
-//! bars are bands (`bands.rs`). Every interval is in exactly one bar or counted in exactly one band: decision 0089.
+//! A lane contains the tasks that one step of one procedure made (same parent lane, same tag), so that a step that repeats for hours
+//! remains one lane. Overlapping tasks of a lane are in rows below each other. Spans too dense for bars are bands (`bands.rs`). Every
+//! interval is exactly one bar or counted in exactly one band: decision 0089.
 
 mod bands;
 mod lanes;
@@ -42,7 +42,7 @@ pub struct TimelineQuery {
     pub lanes: Option<usize>,
     /// Width of the drawing in pixels; default 1,000, at most 8,000.
     pub pixels: Option<usize>,
-    /// A task whose lane and the lanes above it are shown in any case.
+    /// A task whose lane, with the lanes above it, is always shown.
     pub with: Option<u64>,
 }
 
@@ -64,7 +64,7 @@ pub struct Timeline {
     pub more: More,
 }
 
-/// The lanes beyond the limit, drawn as one.
+/// The lanes beyond the limit, combined.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct More {

@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 pub struct Lane {
     /// The step's tag.
     pub tag: String,
-    /// The goal of the first task in the window, as known at the instant asked for.
+    /// The goal of the first task in the window, as known at the requested instant.
     pub goal: String,
     /// Nesting in the tree of all lanes; a root has 0.
     pub depth: usize,
@@ -23,7 +23,7 @@ pub struct Lane {
     pub bands: Vec<Band>,
 }
 
-/// A stretch of time that a task spent in one state.
+/// A span of time that a task spent in one state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Bar {
@@ -37,7 +37,7 @@ pub struct Bar {
     pub to_ns: i64,
 }
 
-/// A stretch of time, about a pixel wide, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
+/// A span of time, about a pixel wide, with more intervals than can be drawn. Its JSON is the list of its first pixel, its number of
 /// pixels, its count, and its ongoing share in thousandths.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(test, derive(ts_rs::TS), ts(type = "[number, number, number, number]"))]

@@ -18,7 +18,7 @@ impl Dice {
     }
 }
 
-/// Returns a root with steps whose tasks repeat, run side by side, or take no time.
+/// Returns a root with steps whose tasks repeat, run concurrently, or take no time.
 fn flight(dice: &mut Dice) -> TaskIndex {
     let mut index = TaskIndex::default();
     index.insert(0, None, "root", &[(0, TaskState::Pending), (0, TaskState::Ongoing)]);

@@ -5,7 +5,7 @@
 pub(super) struct Window {
     pub(super) from_ns: i64,
     pub(super) to_ns: i64,
-    /// Nothing later is known.
+    /// End of the known time: nothing later is known.
     pub(super) at_ns: i64,
     pub(super) pixels: usize,
     /// Nanoseconds of a pixel, at least 1.
@@ -13,14 +13,14 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The window `from_ns ..= to_ns` on at least one pixel.
+    /// Returns the window `from_ns ..= to_ns` on at least one pixel.
     pub(super) fn new((from_ns, to_ns): (i64, i64), at_ns: i64, pixels: usize) -> Window {
         let count = i64::try_from(pixels).unwrap_or(i64::MAX).max(1);
         let pixel_ns = to_ns.saturating_sub(from_ns).saturating_add(count - 1) / count;
         Window { from_ns, to_ns, at_ns, pixels: pixels.max(1), pixel_ns: pixel_ns.max(1) }
     }
 
-    /// The end of what is known of the window.
+    /// Returns the end of the known part of the window.
     pub(super) fn known_ns(self) -> i64 {
         self.to_ns.min(self.at_ns)
     }

@@ -1,4 +1,4 @@
-//! Missing targets in, those that are worth most for the time that they add first.
+//! Move that inserts missing targets, the one with the most value per added time first.
 
 use super::super::search::{Candidate, LocalSearch, inserted};
 use super::{arrival, exit_before};
@@ -42,8 +42,8 @@ impl PartialEq for Offer {
 impl Eq for Offer {}
 
 impl LocalSearch<'_, '_, '_> {
-    /// Inserts missing targets, each time the one with the most gain per added time, while the score grows.
-    /// `noise` blurs the choice so that repeated fillings differ.
+    /// Inserts missing targets, each time the one with the most gain per added time, while the score increases. `noise` perturbs the
+    /// choice so that repeated fillings differ.
     pub(in super::super) fn fill(&mut self, current: &mut Candidate, noise: f64) {
         self.fill_one_by_one(current, noise);
         while self.insert_together(current) {
@@ -88,7 +88,7 @@ impl LocalSearch<'_, '_, '_> {
         offers
     }
 
-    /// Takes the best offer out of `offers`: merits are computed only while a bound promises more than the best known.
+    /// Returns the best of `offers`: a merit is computed only while its bound exceeds the best known merit.
     pub(super) fn best_offer(&mut self, current: &Candidate, offers: &mut BinaryHeap<Offer>) -> Option<Offer> {
         while let Some(offer) = offers.pop().filter(|_| !self.budget.exhausted()) {
             if offer.known {
@@ -111,7 +111,7 @@ impl LocalSearch<'_, '_, '_> {
         self.end_before(current, at) + least_s - arrival(current, at)
     }
 
-    /// Returns the gain per added time of inserting `choice`, by its own legs; `None` if it cannot be worth it.
+    /// Returns the gain per added time of inserting `choice`, computed from its own legs; `None` if it cannot be worthwhile.
     fn merit(&mut self, current: &Candidate, at: usize, choice: Choice) -> Option<f64> {
         let exit = PointKey::Exit(choice.target, choice.manoeuvre);
         self.budget.charge(2 * UNITS_PER_LEG + self.schedule.travel.take_work());
@@ -133,7 +133,7 @@ impl LocalSearch<'_, '_, '_> {
         Some(gain / added_s.max(1.0))
     }
 
-    /// Fills; says whether anything got in.
+    /// Inserts missing targets; returns true if at least one was inserted.
     pub(super) fn insert(&mut self, current: &mut Candidate) -> bool {
         let before = current.order.len();
         self.fill(current, 0.0);

@@ -3,7 +3,7 @@
 use super::super::search::{Candidate, LocalSearch};
 
 impl LocalSearch<'_, '_, '_> {
-    /// Leaves out the first visit without which the plan is better. Says whether there is one.
+    /// Removes the first visit whose removal improves the plan. Returns false if there is none.
     pub(super) fn leave_out(&mut self, current: &mut Candidate) -> bool {
         (0..current.order.len()).any(|at| {
             let mut order = current.order.clone();

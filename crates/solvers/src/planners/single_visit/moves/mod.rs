@@ -1,7 +1,7 @@
 //! The moves of the search, one per file: insertion of missing targets and changes of an order.
 //!
-//! Most candidates are turned away by an estimate: the legs that change, flown at the times known from the order as it is.
-//! Only what may be better by it is judged as a whole, with all that follows later or earlier.
+//! An estimate rejects most candidates: the legs that change, at the times of the present order. Only a candidate with a promising
+//! estimate is evaluated as a whole, including the shifts of all later visits.
 
 mod exchange;
 mod fill;
@@ -22,7 +22,7 @@ const ESTIMATE_SLACK_S: f64 = 60.0;
 const ESTIMATE_SLACK_SHARE: f64 = 0.01;
 
 impl LocalSearch<'_, '_, '_> {
-    /// Applies improving moves until there is none.
+    /// Applies improving moves until none is left.
     pub(super) fn descend(&mut self, current: &mut Candidate) {
         while !self.budget.exhausted()
             && (self.relocate(current)
@@ -34,7 +34,7 @@ impl LocalSearch<'_, '_, '_> {
         {}
     }
 
-    /// Turns the part between any two visits round, or exchanges the two. Says whether anything got better.
+    /// Reverses the part between any two visits, or exchanges the two. Returns true if the plan improved.
     fn turn_or_exchange(&mut self, current: &mut Candidate) -> bool {
         let mut better = false;
         for from in 0..current.order.len() {
@@ -46,8 +46,8 @@ impl LocalSearch<'_, '_, '_> {
         better
     }
 
-    /// Like `try_order` for the same visits in another order that differs only in `first..last`, if the legs there promise to take less
-    /// time.
+    /// Like `try_order` for another order of the same visits that differs only in `first..last`, but only if the estimated time of its
+    /// legs is less.
     fn try_promising(&mut self, current: &mut Candidate, first: usize, last: usize, order: Vec<Choice>) -> bool {
         if self.budget.exhausted() || !self.is_promising(current, first, last, &order) {
             return false;
@@ -87,8 +87,8 @@ impl LocalSearch<'_, '_, '_> {
         true
     }
 
-    /// Returns the greatest error of an estimate of the visits from `at` on: waiting may become shorter, wind and zones
-    /// may change; if worth changes with time no estimate is trusted.
+    /// Returns the greatest error of an estimate for the visits from `at` on: waiting may become shorter, and wind and zones may change.
+    /// If values change with time, no estimate is trusted.
     fn slack_s(&self, current: &Candidate, at: usize) -> f64 {
         let targets = &self.schedule.problem.targets;
         let visits = current.judged.visits.iter().zip(&current.order).skip(at);

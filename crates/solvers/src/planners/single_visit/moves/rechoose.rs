@@ -1,4 +1,4 @@
-//! Another manoeuvre or another time for a visit.
+//! Move that changes the manoeuvre or the time of a visit.
 
 use super::super::search::{Candidate, LocalSearch};
 

@@ -1,4 +1,4 @@
-//! Relocation of a visit or a short run of visits, also reversed.
+//! Move that relocates a visit or a short run of visits, also reversed.
 
 use super::super::search::{Candidate, LocalSearch};
 use crate::routing::schedule::Choice;

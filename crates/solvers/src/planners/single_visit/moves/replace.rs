@@ -1,12 +1,13 @@
-//! Another target in place of one.
+//! Move that replaces one target by another.
 
 use super::super::search::{Candidate, LocalSearch, inserted};
 
-/// Insertions judged in place of one visit taken out.
+/// Number of insertions evaluated in place of one removed visit.
 const REPLACEMENTS_MAX: usize = 12;
 
 impl LocalSearch<'_, '_, '_> {
-    /// Replaces one visit by another target, or by the same target with another manoeuvre, at any place.
+    /// Replaces one visit by another target, or by the same target with another manoeuvre, at any position. Returns true if the plan
+    /// improved.
     pub(super) fn replace(&mut self, current: &mut Candidate) -> bool {
         for out in 0..current.order.len() {
             let mut order = current.order.clone();

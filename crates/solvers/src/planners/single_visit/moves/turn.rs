@@ -1,9 +1,9 @@
-//! Reversal of a part of the order.
+//! Move that reverses a part of the order.
 
 use super::super::search::{Candidate, LocalSearch};
 
 impl LocalSearch<'_, '_, '_> {
-    /// Turns the visits `from` to `to` round. Says whether that was better.
+    /// Reverses the visits `from` to `to`. Returns true if the plan improved.
     pub(super) fn turn(&mut self, current: &mut Candidate, from: usize, to: usize) -> bool {
         let mut turned = current.order.clone();
         if let Some(part) = turned.get_mut(from..=to) {

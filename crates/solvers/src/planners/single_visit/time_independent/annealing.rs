@@ -10,16 +10,16 @@ use apex_planning::solver::Budget;
 
 /// Examined positions per unit of work, which is about a microsecond.
 const LOOKS_PER_UNIT: u64 = 230;
-/// Work of an iteration whatever it finds, in looks: its chance, and copies and timetables of so many stops.
+/// Fixed work of an iteration, in looks: random choices, and copies and timetables of this many stops.
 const LOOKS_PER_ITERATION: u64 = 60;
 const LOOKS_PER_STOP: u64 = 2;
-/// All of the time counts as much as this share of a mean visit, so that of equal routes the shorter is kept.
+/// Weight of the total time, as a share of a mean visit, so that of equal routes the shorter one is kept.
 const THRIFT: f64 = 0.3;
 /// Share of all values within which scores are equal.
 const SAME_SHARE: f64 = 1e-10;
 /// Iterations at one temperature.
 const STEP: u64 = 32;
-/// In problems of more nodes only what is near to what was taken out is put back.
+/// Number of missing nodes above which only those near the removed ones are inserted again.
 pub(super) const ALL_MISSING_MAX: usize = 160;
 /// Runs that are reversed for each ruin, with few targets and with many.
 const TURNS: u32 = 1;
@@ -36,9 +36,9 @@ pub(super) struct Annealing<'n> {
     looked: u64,
     gone: Vec<u32>,
     missing: Vec<u32>,
-    /// Ease of reaching each node: one over the mean path to its nearest neighbours.
+    /// Ease of reaching each node: the reciprocal of the mean path to its nearest neighbours.
     ease: Vec<f64>,
-    /// Weight of a tick of flight next to its cost, so that of equal routes the shorter is kept.
+    /// Weight of a tick of flight in addition to its cost, so that of equal routes the shorter one is kept.
     thrift: f64,
     /// Scores that differ by no more than this are equal: sums are summed in any order.
     same: f64,
@@ -78,7 +78,7 @@ impl<'n> Annealing<'n> {
         route.value - self.network.cost_per_tick * f64::from(route.end())
     }
 
-    /// Returns true if `route` is worth more than `other`, or as much and shorter.
+    /// Returns true if `route` has more value than `other`, or the same value and is shorter.
     pub(super) fn is_better(&self, route: &Route, other: &Route) -> bool {
         let more = self.score(route) - self.score(other);
         more > self.same || more > -self.same && route.length() < other.length()
@@ -95,14 +95,14 @@ impl<'n> Annealing<'n> {
         route
     }
 
-    /// Inserts of all missing nodes what fits and pays.
+    /// Inserts all missing nodes that fit and are worthwhile.
     pub(super) fn fill_all(&mut self, route: &mut Route, budget: &mut dyn Budget) {
         self.missing.clear();
         self.missing.extend(self.network.visits());
         self.fill(route, false, budget);
     }
 
-    /// Inserts of the missing nodes what fits.
+    /// Inserts missing nodes that fit.
     fn fill(&mut self, route: &mut Route, may_be_generous: bool, budget: &mut dyn Budget) {
         let looked =
             self.recreation.run(self.network, route, &self.missing, &self.ease, may_be_generous, &mut self.rng);
@@ -111,14 +111,14 @@ impl<'n> Annealing<'n> {
         self.looked %= LOOKS_PER_UNIT;
     }
 
-    /// Chooses the nodes that may be put back after others were taken out.
+    /// Chooses the nodes that may be inserted after others were removed.
     fn choose_missing(&mut self, route: &Route) {
         self.missing.clear();
         let visits = self.network.visits();
         if visits.len() <= ALL_MISSING_MAX {
             let mut bits = 1;
             for node in visits {
-                // A bit of chance for each, below a one that says when all are used.
+                // One random bit per neighbour; a leading bit marks when all bits are used.
                 if bits == 1 {
                     bits = self.rng.bits() | 1 << 63;
                 }
@@ -142,7 +142,7 @@ impl<'n> Annealing<'n> {
         self.missing.dedup();
     }
 
-    /// Runs one round from `start`; returns the best route that it visited.
+    /// Runs one round from `start`; returns the best route found in it.
     pub(super) fn round(&mut self, start: &Route, round: Round, budget: &mut dyn Budget) -> Route {
         let mut current = start.clone();
         let mut best = start.clone();

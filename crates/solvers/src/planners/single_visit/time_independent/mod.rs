@@ -63,15 +63,15 @@ pub(super) fn run(
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
 }
 
-/// Maximum work of a proof if the user asks for the quality of a plan, in units; it takes some seconds.
+/// Maximum work of a proof if the user requests the quality of a plan, in units; it takes some seconds.
 const PROOF_UNITS: u64 = 4_000_000;
 
 /// Returns an upper bound on the benefits of all plans over the `usable` targets, for problems that need the general search.
 /// The relaxation flies every leg at its best departure and ignores costs and order. The bound is at least `reached`, the benefits
 /// of a known plan.
 ///
-/// `None` if there are too many targets, if the budget is too small to compute the legs, or for problems that this search serves:
-/// their plans have bounds already.
+/// `None` if there are too many targets, if the budget is too small to compute the legs, or for problems that this search serves, whose
+/// plans have bounds already.
 pub(super) fn at_best_departures(
     schedule: &mut Schedule<'_>,
     usable: &[usize],

@@ -1,4 +1,4 @@
-//! Putting visits back: each missing node, in an order of chance, at its best place if it fits.
+//! Re-insertion of visits: each missing node, in random order, at its best position if it fits.
 
 use super::route::{InsertionPoint, Route};
 use crate::routing::network::{Network, Node};
@@ -7,11 +7,11 @@ use apex_planning::random::Generator;
 /// In routes of more stops only positions next to a node's neighbours are examined.
 const SCANNED_MAX: usize = 60;
 
-/// Denominator of the chances that two positions are skipped: one of them and another that many positions farther on.
+/// Denominator of the chances to skip two positions: one, and another this many positions later.
 const SKIPPED_OF: usize = 100;
 const SKIPPED_BELOW: usize = 33;
 
-/// Of so many chances to visit what is worth nothing one is taken.
+/// One in this many nodes without value is inserted nevertheless.
 const WORTHLESS_ONE_OF: usize = 3;
 
 /// Weights of a delay of the next stop against longer legs.
@@ -26,7 +26,7 @@ enum InsertionOrder {
     Value,
     /// The most value for the way from the neighbourhood first.
     Worth,
-    /// Those whose window closes first.
+    /// Nodes whose window closes first.
     Closing,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Recreation {
 }
 
 impl Recreation {
-    /// Inserts of `missing` what fits and, unless `generous`, pays; returns the number of examined positions.
+    /// Inserts those of `missing` that fit and, unless `generous`, are worthwhile; returns the number of examined positions.
     pub(super) fn run(
         &mut self,
         network: &Network,
@@ -67,7 +67,7 @@ impl Recreation {
             self.keys.push((key, node));
         }
         self.keys.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
-        // Some places are overlooked, so that not always the same is found.
+        // Some positions are skipped at random, so that results differ.
         let blind = rng.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(rng.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
         // Of two visits that pay together neither may pay alone.
@@ -89,8 +89,8 @@ impl Recreation {
     }
 }
 
-/// Returns the position at which `node` takes least, `None` if it fits nowhere, or costs more than it is worth unless
-/// `generous`; and the number of examined positions.
+/// Returns the position at which `node` takes least time, and the number of examined positions. `None` if it fits nowhere or, unless
+/// `generous`, costs more than its value.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,
@@ -122,7 +122,7 @@ pub(super) fn best_place(
     } else {
         let skipped = if blind { rng.below(SKIPPED_OF) } else { usize::MAX };
         let skipped = if skipped < SKIPPED_BELOW { [skipped, skipped + SKIPPED_BELOW] } else { [usize::MAX; 2] };
-        // Before this place what follows would be too late, whatever the way.
+        // Before this position, later stops would be too late for any insertion.
         let first = route.stops.partition_point(|stop| stop.latest < open).saturating_sub(1);
         for (after, pair) in route.stops.windows(2).enumerate().skip(first) {
             let [before, next] = pair else { break };
@@ -136,7 +136,7 @@ pub(super) fn best_place(
     }
     let place = best.map(|(_, place)| place).filter(|place| {
         let cost = network.cost_per_tick * f64::from(place.end - route.end());
-        // A visit worth nothing may shorten the way to others, where given times have it so.
+        // With given times, a visit without value may shorten the way to others.
         generous || value > cost || (value <= 0.0 && rng.below(WORTHLESS_ONE_OF) == 0)
     });
     (place, looks)

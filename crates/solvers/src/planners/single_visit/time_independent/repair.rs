@@ -21,11 +21,11 @@ pub(super) fn visits(network: &Network, problem: &SingleVisitProblem, plan: &Sin
     plan.visits.iter().filter_map(same).collect()
 }
 
-/// Removes visits until the route is feasible; the visit that saves the most time per unit of value goes first.
+/// Removes visits until the route is feasible; the visit that saves the most time per unit of value is removed first.
 pub(super) fn mend(network: &Network, route: &mut Route) {
     while !route.is_feasible() {
         let last = route.stops.len() - 1;
-        // Only the removal of the first late visit, or of one before it, can make that visit feasible or absent.
+        // Only the removal of the first late visit or of an earlier one helps.
         let late = route.stops.iter().position(|stop| stop.begin > network.node(stop.node).close);
         let until = late.map_or(last, |late| (late + 1).min(last));
         let best = (1..until).max_by(|a, b| saved(network, route, *a).total_cmp(&saved(network, route, *b)));

@@ -1,7 +1,7 @@
-//! A route with its timetable: when each visit begins, how late it may begin, and when the route ends for any beginning.
+//! A route with its timetable: the beginning of each visit, its latest beginning, and the end of the route for any beginning.
 //!
-//! The time at which a route ends is `max(begin + rest, waits)` for a visit that begins at `begin`: three numbers a stop
-//! answer in a step whether something fits between two stops and when the route would then end.
+//! If a visit begins at `begin`, the route ends at `max(begin + rest, waits)`: with three numbers per stop, one step decides whether a
+//! visit fits between two stops and when the route would then end.
 
 use crate::routing::network::{END, NO_WAY, Network, START};
 
@@ -11,7 +11,7 @@ pub(super) struct Stop {
     pub(super) node: u32,
     /// Begin of the observation.
     pub(super) begin: i32,
-    /// Beginning later, something that follows would be too late.
+    /// Latest beginning for which no later stop is too late.
     pub(super) latest: i32,
     /// Time from its beginning to the end of the route without waiting.
     pub(super) rest: i32,
@@ -25,12 +25,12 @@ pub(super) struct Route {
     pub(super) stops: Vec<Stop>,
     /// For each target: true if it is visited.
     pub(super) seen: Vec<bool>,
-    /// For each node where it stands, while it is in the route.
+    /// For each node its position in the route, while it is in the route.
     places: Vec<u32>,
     pub(super) value: f64,
 }
 
-/// A place for a node, and what it takes.
+/// A position for a node, and the time that it takes there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct InsertionPoint {
     /// After the stop of this index.
@@ -49,7 +49,7 @@ impl Route {
         Route::of(network, &[])
     }
 
-    /// Returns the route of `visits` in order; what is too late in it shows as a stop whose `begin` is after its `latest`.
+    /// Returns the route of `visits` in order; a late stop has a `begin` after its `latest`.
     pub(super) fn of(network: &Network, visits: &[u32]) -> Route {
         let stop = |node| Stop { node, begin: 0, latest: 0, rest: 0, waits: 0 };
         let nodes = [START].into_iter().chain(visits.iter().copied()).chain([END]);
@@ -145,7 +145,7 @@ impl Route {
         self.backward(network, until.saturating_sub(1));
     }
 
-    /// Returns the effort of `node` between stop `after` and the next; `None` if it does not fit.
+    /// Returns the insertion of `node` between stop `after` and the next; `None` if it does not fit.
     #[inline(always)]
     pub(super) fn place(
         &self,

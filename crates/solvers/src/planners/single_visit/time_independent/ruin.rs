@@ -1,4 +1,4 @@
-//! Removal of visits: a run of them, those around a place, or some at random.
+//! Removal of visits: a run of them, those around a position, or random ones.
 
 use super::route::Route;
 use crate::routing::network::Network;
@@ -7,7 +7,7 @@ use apex_planning::random::Generator;
 /// Visits taken out at most.
 const GONE_MAX: usize = 10;
 
-/// Takes some visits out of `route` and names them in `gone`.
+/// Removes some visits from `route` and adds them to `gone`.
 pub(super) fn ruin(network: &Network, route: &mut Route, gone: &mut Vec<u32>, rng: &mut Generator) {
     gone.clear();
     let count = route.count();

@@ -1,11 +1,11 @@
 //! Divides the budget between annealing runs and proofs.
 //!
-//! It does so in stages, each with more units than all before it, from the same seed on: more budget never gives a worse route.
-//! With few targets, runs of annealing follow the first stages, and one proof takes all that is left.
-//! Annealing takes all units that proofs do not need: three runs from the empty route, each of which ends in a good route that may
-//! be far from the best, and a last run from the best of them at a lower initial temperature. With few targets, a proof by labels is
-//! tried after the first run: it often takes less work than the other runs, and finds the best route if the first run did not.
-//! Without a known budget, runs of increasing length follow each other.
+//! The search proceeds in stages, each with more units than all before it, from the same seed: more budget never gives a worse route.
+//! With few targets, annealing runs follow the first stages, and one proof takes all remaining units. Annealing takes all units that
+//! proofs do not need: three runs from the empty route, each of which ends in a good route that may be far from the best, and a last run
+//! from the best of them at a lower initial temperature. With few targets, a proof by labels is tried after the first run: it often takes
+//! less work than the other runs, and finds the best route if the first run did not. Without a known budget, runs of increasing length
+//! follow each other.
 use super::annealing::{self, Annealing, Round};
 use super::route::Route;
 use crate::bounds::routes::{self, BoundSearch, FEW, Proven};
@@ -21,14 +21,14 @@ const STALE_ROUNDS_MAX: u32 = 30;
 const FRESH: (f64, f64) = (2.0, 0.05);
 const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
 const CHANGED: (f64, f64) = (0.1, 0.02);
-/// Number of runs of a new plan from the empty route, their share of the work, and the ratio of the last run's initial temperature
-/// to theirs. Above the limit of nodes or below the limit of work, a single run takes all: shorter runs would end too early.
+/// Number of runs of a new plan from the empty route, their share of the work, and the ratio of the last run's initial temperature to
+/// theirs. Above the limit of nodes or below the limit of work, a single run takes all of it: shorter runs would end too early.
 const FRESH_ROUNDS: u32 = 3;
 const FRESH_SHARE: f64 = 0.75;
 const LAST_HEAT: f64 = 0.1;
 const ROUNDS_NODES_MAX: usize = 400;
 const ROUNDS_UNITS_MIN: u64 = 10_000;
-/// Share of the last run that a colder run takes at its end if there are many targets.
+/// Share of the last run that a cooler run takes at its end if there are many targets.
 const COOLER_SHARE: f64 = 0.3;
 /// Share of the budget that a proof after the first run may take.
 const EARLY_SHARE: f64 = 0.15;
@@ -38,17 +38,17 @@ const QUICK_UNITS_OF_FEW: u64 = 37_500;
 /// Share of the budget that the final bound may take, and its maximum in units.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
-/// With few targets, proofs, which may find a better route, take half of the budget, and of a large budget all that the search does
-/// not need: this share, and at least this many units.
+/// With few targets, proofs, which may find a better route, take half of the budget; of a large budget they take all but this share,
+/// which is at least this many units.
 const SEARCH_SHARE_OF_FEW: f64 = 0.15;
 const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 /// With few targets, the last decade of stages.
 const STAGED_UNITS_OF_FEW: u64 = 100_000;
 
-/// Units of work at which the first stage ends, counted from the planner's beginning, and how many times as many the next
-/// one has: usual budgets end with a stage. Up to [`ROUNDS_NODES_MAX`] nodes several runs cool within a stage, with more a single one,
-/// which is worth little before its end, so stages lie between. A stage is left out if less than the given part of its end remains for it.
+/// Units of work at which the first stage ends, counted from the planner's start, and the growth factor of stages: usual budgets end with
+/// a stage. Up to [`ROUNDS_NODES_MAX`] nodes a stage contains several cooling runs; above, a single one, which is of little use before
+/// its end, so intermediate stages exist. A stage is skipped if less than the given part of it remains.
 const FIRST_STAGE: u64 = 1_000;
 const STAGE_STEP: u64 = 10;
 const STAGE_BETWEEN_OF_MANY: u64 = 3;
@@ -116,9 +116,9 @@ impl<'n> SearchDriver<'n> {
         (self.best, self.bound)
     }
 
-    /// With few targets: stages up to [`STAGED_UNITS_OF_FEW`], then annealing runs of fixed lengths, as many as `whole` units
-    /// have space for, and one proof with all that is left, because a proof that is cut has to be begun again. A smaller budget
-    /// goes through the same runs and ends earlier.
+    /// With few targets: stages up to [`STAGED_UNITS_OF_FEW`], then annealing runs of fixed lengths, as many as fit into `whole` units,
+    /// and one proof with all remaining units, because an interrupted proof must start again. A smaller budget makes the same runs and
+    /// ends earlier.
     fn stages_of_few(&mut self, whole: u64, budget: &mut dyn Budget) {
         self.stages(STAGED_UNITS_OF_FEW, budget);
         let mut end = STAGED_UNITS_OF_FEW * STAGE_STEP;
@@ -175,7 +175,7 @@ impl<'n> SearchDriver<'n> {
         (of(EARLY_SHARE), left.saturating_sub(search).max(left / 2).min(BOUND_UNITS_MAX_OF_FEW))
     }
 
-    /// Returns true if no route has more value. Bounds are of benefits; they do not know costs.
+    /// Returns true if no route has more value. Bounds are on benefits; they ignore costs.
     fn is_settled(&self) -> bool {
         let value = self.best.value;
         self.network.cost_per_tick == 0.0 && self.bound.is_some_and(|bound| bound <= value + SAME_SHARE * value.abs())
@@ -247,7 +247,7 @@ impl<'n> SearchDriver<'n> {
         let Proven { bound, better } = question.told();
         self.bound = Some(self.bound.map_or(bound, |known| known.min(bound)));
         if let Some(better) = better {
-            // A route that fits the relaxed network by a part of a tick may be infeasible in the true one; the bound then stays
+            // A route that is feasible in the relaxed network by a part of a tick may be infeasible in the true one; the bound then stays
             // above the best route.
             let route = Route::of(self.network, &better);
             if route.is_feasible() {

@@ -1,4 +1,4 @@
-//! The timetable against a naive twin, and that the search finds the best of small problems.
+//! The timetable against a naive twin; the search finds the optimum of small problems.
 
 use super::*;
 use crate::planners::single_visit::explain;
@@ -267,8 +267,8 @@ fn of_routes_that_gather_the_same_the_shortest_is_flown() {
     }
 }
 
-/// Walks that return to a target have more profit than every route here, until the targets between remember it. The budget suffices
-/// for the fine passes.
+/// Walks that return to a target have more profit than every route, until the ng-sets of the targets between contain it. The budget
+/// suffices for the fine passes.
 #[test]
 fn few_targets_with_wide_windows_are_proven() {
     for seed in [2, 3, 6, 9, 14, 15, 22, 33] {

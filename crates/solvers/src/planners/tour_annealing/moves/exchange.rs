@@ -1,4 +1,4 @@
-//! Two visits not far from each other change places.
+//! Move that exchanges two visits close to each other in the tour.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

@@ -1,4 +1,4 @@
-//! A part of the tour gives way to a copy of another part: what works in one lap is tried in the next.
+//! Move that replaces a part of the tour by a copy of another part: a good part of one lap is tried in the next.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

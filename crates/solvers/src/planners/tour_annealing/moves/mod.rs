@@ -14,7 +14,7 @@ use apex_planning::random::Generator;
 
 /// Inputs of a move.
 pub(super) struct Draw<'a> {
-    /// The tour, with visits beyond those that are flown.
+    /// The tour, including visits beyond the flown ones.
     pub(super) tour: &'a [usize],
     /// Visits that are flown; more than 0.
     pub(super) flown: usize,
@@ -37,7 +37,7 @@ impl Draw<'_> {
         self.tour.get(place).copied()
     }
 
-    /// Returns a target to put at `place`: any, or as often one near to its neighbours there.
+    /// Returns a target for `place`: with equal chances any target, or one near to its neighbours there.
     fn letter(&mut self, place: usize) -> Option<usize> {
         let beside = place.checked_sub(1).and_then(|before| self.at(before)).or_else(|| self.at(place));
         let near = beside.and_then(|beside| self.near.get(beside)).filter(|near| !near.is_empty());
@@ -56,7 +56,7 @@ impl Draw<'_> {
 /// A move.
 type Move = fn(&mut Draw<'_>) -> Option<Change>;
 
-/// All moves; one that is named twice is drawn twice as often.
+/// All moves; a move that is listed twice is drawn twice as often.
 const MOVES: &[Move] = &[
     insert::propose,
     insert::propose,

@@ -1,4 +1,4 @@
-//! One to three visits go to another place nearby.
+//! Move that relocates one to three visits to a position nearby.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;
@@ -11,7 +11,7 @@ pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {
     let count = 1 + draw.random.below(3).min(draw.random.below(3));
     let steps = 1 + draw.random.below(REACH);
     let back = draw.random.below(2) == 0;
-    // Forwards or backwards, some visits change sides with the `steps` visits next to them.
+    // Forwards or backwards: some visits are exchanged with the `steps` visits next to them.
     let (left, right) = if back { (steps, count) } else { (count, steps) };
     let middle = from.checked_add(left)?;
     let until = middle + right;

@@ -1,4 +1,4 @@
-//! One or two visits less.
+//! Move that removes one or two visits.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

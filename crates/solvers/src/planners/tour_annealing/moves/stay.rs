@@ -1,9 +1,9 @@
-//! The vehicle stays longer where it is: some of the visits that follow, or none, give way to more of the same target.
+//! Move that prolongs a stay: visits of the same target replace some of the following visits, or none.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::{Change, LETTERS_MAX};
 
-/// Most visits that give way.
+/// Maximum number of replaced visits.
 const GIVEN_MAX: usize = 12;
 
 pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {

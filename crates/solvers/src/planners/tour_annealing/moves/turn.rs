@@ -1,4 +1,4 @@
-//! A part of the tour is flown the other way round.
+//! Move that reverses a part of the tour.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

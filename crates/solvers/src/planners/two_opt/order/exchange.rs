@@ -1,4 +1,4 @@
-//! Two targets in each other's place.
+//! Move that exchanges two targets.
 
 /// Returns the cycle with the targets at `from` and `to` exchanged.
 pub(super) fn exchanged(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {

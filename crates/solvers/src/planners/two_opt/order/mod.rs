@@ -1,5 +1,5 @@
-//! Improves the order of a cycle by its expected cost: if the horizon holds few laps, the shortest tour is not the cheapest. Moves: relocate
-//! one target, exchange two, reverse a part; one file for each.
+//! Improves the order of a cycle by its expected cost: if the horizon covers few laps, the shortest tour is not the cheapest. Moves:
+//! relocate one target, exchange two, reverse a part; one file for each.
 
 mod exchange;
 mod relocate;

@@ -1,4 +1,4 @@
-//! One target to another place of the cycle.
+//! Move that relocates one target to another position of the cycle.
 
 /// Returns the cycle with the target at `from` moved to `to`.
 pub(super) fn relocated(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {

@@ -1,4 +1,4 @@
-//! A reversed part of the cycle.
+//! Move that reverses a part of the cycle.
 
 /// Returns the cycle with the part from `from` to `to` reversed.
 pub(super) fn turned(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {
