@@ -1,7 +1,7 @@
 //! Reasons for which a target is not visited, as text for operators.
 
 use crate::routing::reach;
-use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
+use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
 use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_planning::solver::{Budget, WorkBudget};
@@ -116,10 +116,21 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
 }
 
 fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
+    let trouble = of_itself(schedule, target, trouble);
     match schedule.problem.targets.get(target).map(|target| target.light) {
         Some(Light::Day) => format!("{trouble} by daylight"),
         Some(Light::Night) => format!("{trouble} by night"),
         _ => trouble,
+    }
+}
+
+/// Returns a reason in which a target that speaks of itself does not name itself.
+fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
+    let Some(target) = schedule.problem.targets.get(target) else { return trouble };
+    if trouble == closed_window(&target.name) {
+        "its last time window closes before the vehicle can be there".to_string()
+    } else {
+        trouble
     }
 }
 
@@ -222,7 +233,10 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
             match schedule.judge(&with, budget) {
                 Ok(with) => best_score = best_score.max(with.score),
                 Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
-                Err(Infeasibility::Impossible(why)) => trouble = format!("does not fit between the others: {why}"),
+                Err(Infeasibility::Impossible(why)) => {
+                    let why = of_itself(schedule, target, why);
+                    trouble = format!("does not fit between the others: {why}");
+                }
                 Err(Infeasibility::Order) => {}
             }
         }
