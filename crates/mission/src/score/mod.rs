@@ -1,6 +1,7 @@
 //! Observations of a flight, computed from the recorded measurements alone: position, attitude and switching of the sensor.
 //! `apex fly` folds them while it flies, `apex score` folds them again from the record.
 
+mod arrivals;
 mod flown;
 mod footprints;
 mod samples;
