@@ -90,9 +90,6 @@ pub fn command_forms() -> impl Iterator<Item = (&'static str, (usize, usize), &'
     COMMANDS.iter().map(|command| (command.name, command.arguments, command.keywords))
 }
 
-/// Minimum height above ground of a commanded altitude: fixed wing, rotorcraft.
-const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
-
 impl SimulatedWorld {
     /// Executes a command or rejects it.
     pub(crate) fn obey(&mut self, id: CommandId, form: &Value, inputs: &mut Vec<Input>) {
@@ -290,8 +287,7 @@ impl SimulatedWorld {
     }
 
     fn check_altitude(&self, arguments: &Arguments, altitude_m: f64, place: Position) -> Result<(), String> {
-        let height_m = if self.situation().fixed() { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
-        let lowest_m = self.ground.elevation_m_at(place) + height_m;
+        let lowest_m = self.ground.elevation_m_at(place) + self.situation().height_m_min();
         let ceiling_m = self.model.ceiling_m;
         if altitude_m > ceiling_m {
             return Err(arguments.wrong(&format!("{altitude_m:.0} m is above the ceiling of {ceiling_m:.0} m")));

@@ -271,7 +271,12 @@ impl ActiveOrder {
         landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::Glide(_) | Stage::RollOut)
     }
 
-    /// Returns true on a line for which quality counts.
+    /// Returns true for a landing on the spot.
+    pub(crate) fn lands_here(&self) -> bool {
+        matches!(&self.order, Order::Land { at, .. } if at.given == Value::symbol("here"))
+    }
+
+    /// Returns true on a line whose quality counts.
     pub(crate) fn is_on_line(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }

@@ -108,6 +108,10 @@ impl ActiveOrder {
             (true, false) => self.passed(point, distance_m, here),
             (false, _) => distance_m < 1.5 && here.state.ground_speed() < 0.6,
         };
+        // A landing on the spot does not wait for a spot from which the wind carries the vehicle away.
+        if !arrived && self.lands_here() && here.is_adrift() {
+            return self.change(Some(Stage::Descend(here.state.position)), here);
+        }
         if !arrived {
             return Progress::Going;
         }

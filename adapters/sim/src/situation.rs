@@ -16,6 +16,10 @@ use std::f64::consts::PI;
 /// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
 const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
 
+/// Minimum height above ground of a commanded altitude: fixed wing (or this time at cruise speed, if less), rotorcraft.
+const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
+const HEIGHT_S_MIN: f64 = 2.0;
+
 /// Part of the world that a flight order reads.
 pub(crate) struct Situation<'a> {
     pub(crate) model: &'a VehicleModel,
@@ -43,6 +47,18 @@ impl Situation<'_> {
     pub(crate) fn ground_speed_max(&self) -> f64 {
         let wind = libm::sqrt(self.wind.east_mps * self.wind.east_mps + self.wind.north_mps * self.wind.north_mps);
         self.true_airspeed.max(self.state.true_airspeed) + wind
+    }
+
+    /// Returns the minimum height above ground of a commanded altitude.
+    pub(crate) fn height_m_min(&self) -> f64 {
+        let fixed_m = HEIGHT_M_MIN.0.min(HEIGHT_S_MIN * self.model.true_airspeed_m_s_cruise);
+        if self.fixed() { fixed_m } else { HEIGHT_M_MIN.1 }
+    }
+
+    /// Returns true for a rotorcraft in a wind in which it cannot stay over one place.
+    pub(crate) fn is_adrift(&self) -> bool {
+        let wind = libm::hypot(self.wind.east_mps, self.wind.north_mps);
+        !self.fixed() && wind >= self.model.true_airspeed_m_s_max
     }
 
     /// Returns the radius of the tightest circle here.

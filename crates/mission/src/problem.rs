@@ -142,7 +142,12 @@ fn wanted(
                     continue;
                 }
             };
-            let shortest_s = manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s).fold(f64::INFINITY, f64::min);
+            let shortest = manoeuvres.iter().min_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
+            let shortest_s = shortest.map_or(f64::INFINITY, |manoeuvre| manoeuvre.duration_s);
+            // Pictures are sent one by one, a scanner's lines as a whole.
+            let line_s = shortest
+                .filter(|manoeuvre| manoeuvre.pictures.is_none())
+                .map_or(0.0, |manoeuvre| manoeuvre.duration_s / manoeuvre.lines.len().max(1) as f64);
             let result = flown.and_then(|flown| flown.result(&target.id));
             let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
             let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
@@ -153,7 +158,7 @@ fn wanted(
                 manoeuvres,
                 windows: timing::begins(look),
                 light: timing::hard_light(look),
-                timing: timing::table(mission, target, look, (at.seconds(), shortest_s)),
+                timing: timing::table(mission, target, look, (at.seconds(), shortest_s, line_s)),
                 name,
             });
         }

@@ -56,6 +56,8 @@ pub struct Settings {
     pub end_margin: Duration,
     /// Plans of surveillance end this long before the mission.
     pub watch_margin: Duration,
+    /// Time from the end of a line or a picture until its image is on the ground, as planners expect it; `None`: after the landing.
+    pub images_on_ground: Option<Duration>,
     /// Distance that flights between fires keep from the edges of airspace zones, m.
     pub zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
@@ -104,6 +106,7 @@ const KNOWN: &[&str] = &[
     "scenario",
     "landing-distance",
     "end-margin",
+    "images-on-ground",
     "zone-margin",
     "obstacle-margin",
     "failure",
@@ -192,6 +195,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         landing_distance_m_max: reader.length("landing-distance")?,
         end_margin: reader.end_margin()?.unwrap_or(END_MARGIN),
         watch_margin: reader.end_margin()?.unwrap_or(Duration::ZERO),
+        images_on_ground: reader.images_on_ground()?,
         zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
         obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
         failure: reader.failure()?.in_points(value_unit),
@@ -293,6 +297,14 @@ impl SettingsReader<'_> {
             Some(other) => {
                 Err(self.wrong("end-margin", other, "a duration shorter than `:duration`: `:end-margin 1h`"))
             }
+        }
+    }
+
+    fn images_on_ground(&self) -> MissionResult<Option<Duration>> {
+        match self.application.option("images-on-ground") {
+            None => Ok(None),
+            Some(Value::Duration(delay)) if *delay >= Duration::ZERO => Ok(Some(*delay)),
+            Some(other) => Err(self.wrong("images-on-ground", other, "a duration: `:images-on-ground 10min`")),
         }
     }
 

@@ -9,7 +9,10 @@ use std::collections::VecDeque;
 /// Signal level below which nothing is transmitted.
 const LEVEL_MIN: f64 = 0.1;
 
-/// One picture in the store.
+/// Name of the line scanner in messages.
+pub(crate) const SCANNER: &str = "scanner";
+
+/// One picture, or line of a scanner, in the store.
 #[derive(Clone, Debug)]
 struct Queued {
     /// Camera and target as in the message about the delivered picture.
@@ -24,6 +27,7 @@ struct Queued {
 pub(crate) struct Downlink {
     pub(crate) spec: DownlinkSpec,
     queue: VecDeque<Queued>,
+    is_scanning: bool,
 }
 
 /// A picture that has arrived.
@@ -35,7 +39,7 @@ pub(crate) struct Delivered {
 
 impl Downlink {
     pub(crate) fn new(spec: DownlinkSpec) -> Downlink {
-        Downlink { spec, queue: VecDeque::new() }
+        Downlink { spec, queue: VecDeque::new(), is_scanning: false }
     }
 
     /// Returns the used capacity of the store.
@@ -52,6 +56,12 @@ impl Downlink {
         let ready_s = now_s + self.spec.processing_s;
         self.queue.push_back(Queued { camera: camera.to_owned(), target, ready_s, left_mbit: size });
         true
+    }
+
+    /// Observes the scanner; adds the image of a line to the store when it ends. Returns false if the image does not fit and is lost.
+    pub(crate) fn scan(&mut self, is_scanning: bool, now_s: f64) -> bool {
+        let was_scanning = std::mem::replace(&mut self.is_scanning, is_scanning);
+        is_scanning || !was_scanning || self.store(SCANNER, Value::symbol("line"), now_s)
     }
 
     /// Transmits during the `dt` seconds that end now; returns the pictures that have been delivered completely.
@@ -88,6 +98,17 @@ mod tests {
         assert!(link.store("camera-1", Value::symbol("barn"), 0.0));
         let arrivals: Vec<i32> = (1..60).filter(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty()).collect();
         assert_eq!(arrivals, [24], "5 s of processing, 20 s of sending; the second that ends at 5 s counts");
+    }
+
+    #[test]
+    fn a_line_of_the_scanner_is_one_image_that_leaves_when_the_line_ends() {
+        let mut link = downlink();
+        let mut arrivals = Vec::new();
+        for second in 0..60 {
+            assert!(link.scan((10..20).contains(&second), f64::from(second)));
+            arrivals.extend(link.send(1.0, f64::from(second), 1.0).into_iter().map(|image| (second, image.camera)));
+        }
+        assert_eq!(arrivals, [(44, "scanner".to_string())], "the end at 20 s, 5 s of processing, 20 s of sending");
     }
 
     #[test]

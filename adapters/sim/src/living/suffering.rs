@@ -2,7 +2,7 @@
 
 use super::FaultKind;
 use super::disturbances::Disturbances;
-use super::downlink::Downlink;
+use super::downlink::{Downlink, SCANNER};
 use super::faults::{FaultChange, FaultSpan};
 use super::ignitions::{Fire, Ignitions};
 use super::life::{DETECTOR_K_MAX, Living};
@@ -188,8 +188,10 @@ impl SimulatedWorld {
             camera.broken = hot || living.faults.find(FaultKind::Sensor, name, now).is_some();
         }
         let level_of = |name: &str| self.radios.iter().find(|radio| radio.modem.name.eq_ignore_ascii_case(name));
+        let mut is_kept = true;
         let delivered = match &mut living.downlink {
             Some(downlink) => {
+                is_kept = downlink.scan(self.scanner_on, now_s);
                 let level = level_of(&downlink.spec.over).map_or(0.0, |radio| radio.level);
                 downlink.send(level, now_s, dt)
             }
@@ -207,6 +209,10 @@ impl SimulatedWorld {
             }
             None => Vec::new(),
         };
+        if !is_kept {
+            let form = ["image-lost", SCANNER, "line"].map(Value::symbol);
+            inputs.push(Input::new(now, EventKind::Occurrence(Value::list(form))));
+        }
         for picture in delivered {
             let form = [Value::symbol("image-on-ground"), Value::symbol(&picture.camera), picture.target];
             inputs.push(Input::new(now, EventKind::Occurrence(Value::list(form))));

@@ -241,6 +241,16 @@ impl Network {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
 
+    /// Returns true if `place` is allowed at some instant of `time_s`.
+    pub fn is_open_within(&self, place: EndpointId, (from_s, until_s): Span) -> bool {
+        let open_s = self.places.get(place.0).map_or(&[][..], |place| &place.open_s);
+        let opens = |(begin_s, end_s): &Span| {
+            let at_s = begin_s.max(from_s);
+            at_s <= until_s && at_s < *end_s && self.place_trouble(place, (at_s, at_s)).is_none()
+        };
+        open_s.iter().any(opens)
+    }
+
     /// Returns how many times zones have opened or shut by `time_s`: equal numbers mean equal permissions.
     pub fn epoch(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)

@@ -24,6 +24,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::footprint::Ground;
 use apex_observation::predict::{AirConditions, Conditions, PlannedLine, PredictionContext, predict};
+use apex_observation::target::{ObservedTarget, WantedLook};
 use apex_runtime::ports::Input;
 use apex_solvers::planners::single_visit::{OrderValue, OrderedVisit, order_value};
 
@@ -242,7 +243,8 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     let (ground_speed_mps, crab_deg) = triangle.map_or((airspeed_mps, 0.0), |triangle| {
         (triangle.ground_speed_mps, geodesy::wrap_180(triangle.heading_deg - track_deg))
     });
-    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
+    let pitch_deg = mission.model.cruise_pitch_rad(altitude_m).to_degrees();
+    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, pitch_deg, on_ground_s: None }
 }
 
 /// Returns the time for these lines with the turns between them.
@@ -290,11 +292,14 @@ fn gain(
         first_valid_s: &first_valid_s,
         is_explained: false,
     };
+    // The image of the segment will be on its way as the others are: when is not known of either.
+    let looks = fire.wanted.looks.iter().map(|look| WantedLook { latency: None, ..look.clone() }).collect();
+    let wanted = ObservedTarget { looks, ..fire.wanted.clone() };
     let altitude_m = lost.begin.altitude_m;
     let mut lines: Vec<PlannedLine> = rest.iter().map(|line| planned(mission, *line, altitude_m, again_s)).collect();
-    let without = predict(&fire.wanted, grid, &lines, &scanner, &context).points();
+    let without = predict(&wanted, grid, &lines, &scanner, &context).points();
     lines.push(planned(mission, (lost.begin.position, lost.until.position), altitude_m, again_s));
-    let with = predict(&fire.wanted, grid, &lines, &scanner, &context).points();
+    let with = predict(&wanted, grid, &lines, &scanner, &context).points();
     Ok((with - without).max(0.0))
 }
 

@@ -2,6 +2,7 @@
 //! over the beginning of the observation.
 
 use crate::{Mission, Target};
+use apex_geo::geodesy;
 use apex_model::problem::{Light, TimeWindow};
 use apex_observation::target::WantedLook;
 use apex_observation::timing::sun::solar_position;
@@ -43,13 +44,15 @@ pub(super) fn table(
     mission: &Mission,
     target: &Target,
     look: &WantedLook,
-    (now_s, duration_s): (f64, f64),
+    (now_s, duration_s, line_s): (f64, f64, f64),
 ) -> Vec<(f64, f64)> {
     let ramps = look.light != LightNeed::Any && hard_light(look) == Light::Any;
-    if look.windows.is_empty() && look.slope.is_none() && look.overpass.is_none() && !ramps {
+    let is_steady = look.slope.is_none() && look.overpass.is_none() && look.latency.is_none();
+    if look.windows.is_empty() && is_steady && !ramps {
         return Vec::new();
     }
     let zero_unix_s = mission.settings.epoch_unix_s.unwrap_or(0.0);
+    let on_ground_s = on_ground_after_s(mission, target, (duration_s, line_s));
     let at = |time_s: f64| {
         let light = if ramps {
             look.light.factor(solar_position(target.position, zero_unix_s + time_s).elevation_deg)
@@ -58,7 +61,8 @@ pub(super) fn table(
         };
         let slope = look.slope.map_or(1.0, |slope| slope.factor(time_s));
         let overpass = look.overpass.as_ref().map_or(1.0, |overpass| overpass.factor(time_s));
-        windows_factor(&look.windows, time_s) * slope * overpass * light
+        let latency = look.latency.map_or(1.0, |need| need.factor(Some(on_ground_s)));
+        windows_factor(&look.windows, time_s) * slope * overpass * latency * light
     };
     let of_beginning = |begin_s: f64| {
         let instant = |step: u32| begin_s + duration_s * (f64::from(step) + 0.5) / f64::from(INSTANTS);
@@ -79,7 +83,19 @@ pub(super) fn table(
     corners(&all)
 }
 
-/// Returns the points that suffice to draw the same line.
+/// Returns how long after its middle an observation's images are expected on the ground, on average: an image is sent when its line is
+/// finished; where the mission does not say that it is sent it is read after the landing, at the earliest after the way home and the
+/// descent there.
+fn on_ground_after_s(mission: &Mission, target: &Target, (duration_s, line_s): (f64, f64)) -> f64 {
+    let model = &mission.model;
+    let descent_mps = model.descent_rate_m_s_max * model.planning.descent_share;
+    let descent_s = (mission.cruise_altitude_m() - mission.start_altitude_m).max(0.0) / descent_mps;
+    let home_s = geodesy::distance_m(target.position, mission.start) / model.true_airspeed_m_s_cruise + descent_s;
+    let sent_s = mission.settings.images_on_ground.map(|delay| 0.5 * line_s + delay.seconds());
+    sent_s.unwrap_or(0.5 * duration_s + home_s)
+}
+
+/// Returns the points that are needed to draw the same line.
 fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for (index, point) in points.iter().enumerate() {

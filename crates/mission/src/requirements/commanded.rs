@@ -2,6 +2,7 @@
 
 use crate::Mission;
 use apex_geo::geodesy::{inverse, wrap_180};
+use apex_geo::wind::Wind;
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::planned::Location;
@@ -224,6 +225,7 @@ pub(super) struct Flown {
     pub(super) endurance_s: Option<f64>,
     pub(super) edr: Option<f64>,
     pub(super) wind_mps: Option<f64>,
+    wind_from_deg: Option<f64>,
     pub(super) is_on_ground: bool,
     /// Taking off or landing: near the ground on purpose.
     pub(super) is_near_ground: bool,
@@ -258,6 +260,7 @@ impl Flown {
             "true-airspeed" => self.true_airspeed_mps = of(Dimension::SPEED),
             "ground-speed" => self.ground_speed_mps = of(Dimension::SPEED),
             "wind-speed" => self.wind_mps = of(Dimension::SPEED),
+            "wind-direction" => self.wind_from_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "edr" => self.edr = of(Dimension::NONE),
             "heading" => self.heading_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "track" => self.track_deg = of(Dimension::ANGLE).map(f64::to_degrees),
@@ -294,6 +297,13 @@ impl Flown {
                 self.weak_since_s.entry(name()).or_insert(at_s);
             }
         }
+    }
+
+    /// Returns the wind as last measured; none where the vehicle reports none.
+    pub(super) fn wind(&self) -> Option<Wind> {
+        let (speed_mps, from_rad) = (self.wind_mps?, self.wind_from_deg?.to_radians());
+        let edr = self.edr.unwrap_or(0.0);
+        Some(Wind { east_mps: -speed_mps * libm::sin(from_rad), north_mps: -speed_mps * libm::cos(from_rad), edr })
     }
 
     /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.

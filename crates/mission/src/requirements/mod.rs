@@ -6,6 +6,7 @@
 mod clearance;
 mod commanded;
 mod commanded_route;
+mod endurance;
 mod exposure;
 mod readings;
 mod recovery;

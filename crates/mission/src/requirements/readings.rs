@@ -13,8 +13,8 @@ use apex_geo::wind::{self, triangle};
 use apex_model::problem::WindField;
 use apex_model::quantity::Dimension;
 use apex_requirements::margin::landing::{Glide, disc_m, glide_m};
+use apex_requirements::margin::weather;
 use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
-use apex_requirements::margin::{energy, weather};
 use apex_requirements::prediction::{RouteSpan, active_span};
 use apex_requirements::response::turn_away_s;
 use apex_requirements::{Concern, Motion, Route, first_violation};
@@ -47,9 +47,7 @@ pub(super) const DISTANCE_M_MAX: f64 = 50_000.0;
 const SPEED_ERROR: f64 = 0.05;
 /// Time from the command to the full bank.
 const ROLL_IN_S: f64 = 3.0;
-/// Detour of the way home, as a factor of the distance.
-const DETOUR: f64 = 1.1;
-/// Steps along the route for slowly changing quantities.
+/// Steps along the route for what changes slowly.
 const COARSE_S: f64 = 30.0;
 /// A site that is this factor farther on the chart than the nearest one is also farther in truth ..
 const CHART_FACTOR: f64 = 1.3;
@@ -147,7 +145,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the nearest landing site to a position, with the length and the azimuth of the geodesic to it.
-    fn way_to_site(&self, position: Position) -> WayToSite<'a> {
+    pub(super) fn way_to_site(&self, position: Position) -> WayToSite<'a> {
         if position == self.here {
             return *self.way_from_here.get_or_init(|| self.find_site(position));
         }
@@ -188,7 +186,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the ground speed on a track.
-    fn ground_speed_mps(&self, track_deg: f64, airspeed_mps: f64) -> f64 {
+    pub(super) fn ground_speed_mps(&self, track_deg: f64, airspeed_mps: f64) -> f64 {
         triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
     }
 
@@ -211,7 +209,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Samples the route every [`COARSE_S`] from now to its end or the look-ahead; the first instant with a negative margin.
-    fn first_below(&self, margin: impl FnMut(&apex_requirements::RouteState) -> f64) -> Option<f64> {
+    pub(super) fn first_below(&self, margin: impl FnMut(&apex_requirements::RouteState) -> f64) -> Option<f64> {
         let mut margin = margin;
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
         let count = (until_s / COARSE_S) as u32 + 1;
@@ -227,41 +225,6 @@ impl<'a> Scene<'a> {
         let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
         let all = flight.into_iter().chain([self.icing(), self.link(), self.heat(), self.sun()]);
         all.flatten().collect()
-    }
-
-    fn energy(&self) -> Option<Reading> {
-        let reserve_s = self.requirements().energy_reserve_s?;
-        let endurance_s = self.flown.endurance_s?;
-        let cruise_mps = self.mission.model.true_airspeed_m_s_cruise;
-        let left_s = |position: Position, after_s: f64| {
-            let (_, (distance_m, track_deg)) = self.way_to_site(position);
-            let home_mps = self.ground_speed_mps(track_deg, cruise_mps);
-            energy::energy(endurance_s - after_s, reserve_s, 1.0, DETOUR * distance_m, home_mps)
-        };
-        let margin = left_s(self.here, 0.0);
-        // Each second of flight costs one second, and the way home may grow as fast: nothing can be violated before half of the margin is
-        // used.
-        let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
-            None
-        } else {
-            self.first_below(|state| left_s(self.plane.position(state.point), state.after_s))
-        };
-        let (site, _) = self.nearest_site(self.here);
-        let is_critical = margin < -0.5 * reserve_s;
-        let response = match self.mission.model.airframe {
-            Airframe::Rotorcraft if is_critical => Response::LandHere,
-            _ => Response::LandAt,
-        };
-        Some(Reading {
-            concern: Concern::Energy,
-            name: "energy",
-            margin,
-            unit: Dimension::TIME,
-            after_s,
-            response_s: self.turn_away_s(),
-            what: site.name.to_string(),
-            response,
-        })
     }
 
     fn landing(&self) -> Option<Reading> {

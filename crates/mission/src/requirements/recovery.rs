@@ -30,7 +30,10 @@ impl Scene<'_> {
     /// Returns the response to a reading, with its way out. After `is_escalated` alarms, a response that did not help is replaced by a
     /// landing at the nearest landing site.
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
-        let site = self.nearest_site(self.here).0;
+        let site = match reading.concern {
+            Concern::Energy => self.site_for_energy(),
+            _ => self.nearest_site(self.here).0,
+        };
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
         let may_land = !matches!(reading.concern, Concern::Terrain | Concern::Sensor);
         if is_escalated && may_land && reading.response != Response::LandHere {

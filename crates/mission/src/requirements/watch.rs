@@ -54,6 +54,8 @@ struct RequirementState {
     alarm: Alarm,
     reported_s: Option<f64>,
     said_s: Option<f64>,
+    /// The alarm as it was noted for the report last: a repetition of it is not noted again.
+    noted: Option<(String, String)>,
 }
 
 /// Report of the watcher after a step.
@@ -133,29 +135,41 @@ impl Watch {
             let repeat = watched.said_s.is_none_or(|said_s| now_s - said_s >= REPEAT_S);
             if change == Some(AlarmState::Raised) || (is_raised && must_act && repeat) {
                 watched.said_s = Some(now_s);
-                raise(&scene, &reading, watched.alarm.is_escalated(), now, &mut findings);
+                let said = raise(&scene, &reading, watched.alarm.is_escalated(), now, &mut findings);
+                let subject = (reading.what.clone(), said.0.word().to_string());
+                if watched.noted.as_ref() != Some(&subject) {
+                    findings.notes.push(said.1);
+                    watched.noted = Some(subject);
+                }
             } else if change == Some(AlarmState::Kept) {
                 findings.say(now, vec![Value::symbol("requirement-kept"), Value::symbol(reading.name)]);
                 findings.notes.push(format!("{} is kept again", reading.name));
+                watched.noted = None;
             }
         }
         findings
     }
 }
 
-/// Reports that a requirement needs a response, and the response.
-fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, findings: &mut Findings) {
+/// Says that a requirement needs a response; returns which, and a line for the report.
+fn raise(
+    scene: &Scene<'_>,
+    reading: &Reading,
+    is_escalated: bool,
+    now: Time,
+    findings: &mut Findings,
+) -> (Response, String) {
     let (response, way_out) = scene.recovery(reading, is_escalated);
     let violated_s = now.seconds() + reading.after_s.unwrap_or(0.0);
     let instant = Duration::from_seconds(libm::round(violated_s * 10.0) / 10.0);
     let margin = Value::measured(rounded(reading.margin), reading.unit);
-    findings.notes.push(format!(
+    let note = format!(
         "{} at risk: {} at {}, margin now {margin}; response: {}",
         reading.name,
         reading.what,
         Time::from_seconds(libm::round(violated_s)),
         response.word()
-    ));
+    );
     findings.say(
         now,
         vec![
@@ -171,6 +185,7 @@ fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, fi
             },
         ],
     );
+    (response, note)
 }
 
 impl RequirementState {

@@ -1,5 +1,6 @@
 //! Computes the observations of a flight from its batches.
 
+use super::arrivals::Arrivals;
 use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
 use crate::ground::MissionGround;
@@ -41,7 +42,8 @@ pub struct FlownScore {
     /// Civil time of the mission's beginning; `None` if it is not stated: the position of the sun is then unknown.
     epoch_unix_s: Option<f64>,
     latest: Latest,
-    /// Collects footprints for maps, if requested.
+    arrivals: Arrivals,
+    /// Collects footprints for maps, where they are wanted.
     footprints: Option<FootprintLog>,
 }
 
@@ -103,6 +105,7 @@ impl FlownScore {
             cameras,
             epoch_unix_s,
             latest: Latest::default(),
+            arrivals: Arrivals::default(),
             footprints: None,
         }))
     }
@@ -134,9 +137,16 @@ impl FlownScore {
             if pending.is_some_and(|at| at != event.at) {
                 self.sample(pending.take());
             }
+            if variable.attribute.is("on-ground") {
+                let read = self.arrivals.on_ground(value.is_true(), event.at);
+                read.into_iter().for_each(|product| self.observation.product(product));
+            }
             let was_on = self.latest.is_on;
             if self.latest.take(variable, value, event.at) {
                 pending = Some(event.at);
+            }
+            if was_on != self.latest.is_on {
+                self.arrivals.switched(self.latest.is_on, event.at);
             }
             match (was_on, self.latest.is_on) {
                 (false, true) => self.switch(),
@@ -157,8 +167,15 @@ impl FlownScore {
     /// (`image-obscured`) and one of a failed detector (`image-blank`) count as looks that are not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
-        if head.is("new-perimeter") {
-            return self.grow(form);
+        match head.folded() {
+            "new-perimeter" => return self.grow(form),
+            "crashed" => return self.arrivals.crashed(),
+            "image-lost" => return self.arrivals.lost(&camera.to_string()),
+            "image-on-ground" => {
+                let arrived = self.arrivals.arrived(&camera.to_string(), at);
+                return arrived.into_iter().for_each(|product| self.observation.product(product));
+            }
+            _ => {}
         }
         let (is_obscured, is_blank) = (head.is("image-obscured"), head.is("image-blank"));
         if !(head.is("image-taken") || is_obscured || is_blank) {
@@ -168,6 +185,9 @@ impl FlownScore {
         let Some(camera) = self.cameras.iter().find(|camera| camera.name.eq_ignore_ascii_case(&name)).cloned() else {
             return;
         };
+        if head.is("image-taken") {
+            self.arrivals.taken(&name, at);
+        }
         if let Some(mut picture) = self.picture(&camera, at) {
             if is_blank {
                 picture.weights.ready = 0.0;

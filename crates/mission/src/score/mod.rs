@@ -1,6 +1,7 @@
 //! Observations of a flight, computed only from the recorded measurements: position, attitude and switching of the sensor. `apex fly`
 //! computes them during the flight, `apex score` again from the record.
 
+mod arrivals;
 mod flown;
 mod footprints;
 mod samples;

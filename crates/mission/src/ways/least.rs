@@ -75,6 +75,14 @@ impl Limits {
                 Err(reason) => first = first.or(Some(reason)),
             }
         }
+        // An altitude that is changed on the way may meet zones that neither altitude meets.
+        let altitude_m = request.to_altitude_m;
+        let shares = MARGIN_SHARES.iter().filter(|share| **share > 0.0);
+        let mut changed =
+            shares.filter_map(|share| self.way_after_change(request, altitude_m, &Strictness::all(*share)).ok());
+        if let Some(way) = changed.next() {
+            return way;
+        }
         let why = first.unwrap_or(TravelError::Shut).to_string();
         let way = self.way_between_permitted_ends(request).or_else(|| self.through_zones(request, &why));
         way.unwrap_or_else(|| self.straight_anyway(request, why))

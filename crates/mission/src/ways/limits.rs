@@ -32,6 +32,10 @@ pub struct Limits {
     pub(super) terrain: Option<Arc<Terrain>>,
     /// Distance kept from zones.
     pub(super) margin_m: f64,
+    /// Distance kept above and below zones.
+    pub(super) above_zone_m: f64,
+    /// Distance kept from the edge of a permitted area and from the end of the reach of landing places.
+    pub(super) rim_m: f64,
     /// Height kept over ground away from both ends of a path.
     pub(super) ground_margin_m: f64,
     pub(super) true_airspeed_mps: f64,
@@ -67,8 +71,15 @@ pub(super) const GROUND: &str = "ground";
 /// Width of a turn, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that paths keep: fixed wing, rotorcraft. The first is 1,000 feet, the minimum height over open country
-/// (ICAO Annex 2, 4.6); the second is the usual distance of small aircraft from obstacles.
+/// (ICAO Annex 2, 4.6), less for a slow aircraft; the second is the usual distance of small aircraft from obstacles.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
+const GROUND_MARGIN_S: f64 = 3.3;
+/// Distance kept above and below zones, and from the edge of permitted areas: that of a large aircraft, and times at cruise speed by which
+/// slower ones keep less; never less than the buffers of requirement `airspace`.
+const ABOVE_ZONE_M: f64 = 150.0;
+const ABOVE_ZONE_S: f64 = 1.6;
+const RIM_M: f64 = 500.0;
+const RIM_S: f64 = 5.3;
 /// Width of the ground that counts on either side of a leg: a multiple of the turn radius, with a minimum.
 const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
@@ -80,7 +91,8 @@ const APPROACH_WIDTH_M: f64 = 500.0;
 
 /// Returns the height over ground that paths keep: that of the requirement if the ground is known.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
-    let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
+    let slow_m = GROUND_MARGIN_S * mission.model.true_airspeed_m_s_cruise;
+    let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0.min(slow_m) } else { GROUND_MARGIN_M.1 };
     let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());
     required_m.map_or(usual_m, |required_m| usual_m.max(REQUIRED_SHARE * required_m))
 }
@@ -104,6 +116,10 @@ impl Limits {
         let airfields = mission.airfields.iter().map(|field| patch(field.position, 0.0, field.elevation_m));
         let of_targets = mission.targets.iter().map(|target| (target.id.clone(), target.position, target.elevation_m));
         let of_fields = mission.airfields.iter().map(|field| (field.id.clone(), field.position, field.elevation_m));
+        let buffer = mission.requirements.airspace;
+        let cruise_mps = model.true_airspeed_m_s_cruise;
+        let above_zone_m = ABOVE_ZONE_M.min(ABOVE_ZONE_S * cruise_mps);
+        let rim_m = RIM_M.min(RIM_S * cruise_mps);
         let single_visits = mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
         Limits {
             zones: mission.zones.clone(),
@@ -117,6 +133,8 @@ impl Limits {
                 true => mission.requirements.zone_margin_m,
                 false => mission.requirements.obstacle_margin_m,
             },
+            above_zone_m: buffer.map_or(above_zone_m, |buffer| above_zone_m.max(buffer.vertical_m)),
+            rim_m: buffer.map_or(rim_m, |buffer| rim_m.max(buffer.horizontal_m)),
             ground_margin_m: ground_margin_m(mission, is_fixed_wing),
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
             turn_radius_m: turn_radius_m(model),

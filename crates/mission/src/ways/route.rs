@@ -1,7 +1,7 @@
 //! Paths around, over and under zones, through the travel network.
 
 use super::limits::Limits;
-use super::straight::{ABOVE_ZONE_M, LATE_S, LATE_SHARE, RIM_M};
+use super::straight::{LATE_S, LATE_SHARE};
 use super::{Request, Way};
 use apex_geo::geodesy;
 use apex_geo::plane::{self, Plane, Point};
@@ -80,10 +80,11 @@ impl Limits {
     fn altitudes_m(&self, request: &Request) -> Vec<f64> {
         let lowest_m = self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
         let floor_m = self.elevation_m_at(request.from).max(self.elevation_m_at(request.to)) + self.ground_margin_m;
+        let above_m = self.above_zone_m;
         let edges = self
             .zones
             .iter()
-            .flat_map(|zone| [zone.altitude_m_min - 2.0 * ABOVE_ZONE_M, zone.altitude_m_max + 2.0 * ABOVE_ZONE_M]);
+            .flat_map(|zone| [zone.altitude_m_min - 2.0 * above_m, zone.altitude_m_max + 2.0 * above_m]);
         let of_use = |altitude_m: &f64| {
             let low_m = floor_m.max(lowest_m);
             (low_m..=self.altitude_m_max).contains(altitude_m)
@@ -175,6 +176,31 @@ impl Limits {
         })
     }
 
+    /// Returns the way of a vehicle that climbs or descends to an altitude where it is, and leaves when it is there: the way between zones
+    /// over which, or under which, it is not yet.
+    ///
+    /// # Errors
+    /// What prevents it.
+    pub(super) fn way_after_change(
+        &self,
+        request: &Request,
+        altitude_m: f64,
+        strict: &Strictness,
+    ) -> Result<Way, TravelError> {
+        let change_m = altitude_m - request.from_altitude_m;
+        let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
+        let room_m = CIRCLE_ROOM * self.circle_radius_m();
+        if change_m.abs() < 1.0 || self.shut_by(&here, (room_m, strict.margins)).is_some() {
+            return Err(TravelError::NoRoomToTurn);
+        }
+        let rate_mps = if change_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
+        let change_s = (1.0 + LATE_SHARE) * change_m.abs() / rate_mps + HOLD_S_MIN;
+        let level = Request { from_altitude_m: altitude_m, at_s: request.at_s + change_s, ..*request };
+        let way = self.way_at(&level, altitude_m, strict)?;
+        let hold_s = change_s + way.hold_s;
+        Ok(Way { hold_s, hold_around: self.hold_around(request, altitude_m, hold_s)?, ..way })
+    }
+
     /// Returns the network of a search between two altitudes, with the wind at a third.
     pub(super) fn network(
         &self,
@@ -182,10 +208,10 @@ impl Limits {
         (low_m, high_m, altitude_m): (f64, f64, f64),
         strict: &Strictness,
     ) -> Result<Network, TravelError> {
-        let above_m = strict.margins * ABOVE_ZONE_M;
+        let above_m = strict.margins * self.above_zone_m;
         let zones = self.counted(request, strict);
         let around: Vec<Position> = [request.from, request.to].into();
-        let rim_m = strict.margins * (RIM_M + 0.005 * self.landing_distance_m_max.unwrap_or(0.0));
+        let rim_m = strict.margins * (self.rim_m + 0.005 * self.landing_distance_m_max.unwrap_or(0.0));
         let setting = Setting {
             zones: &zones,
             margin_m: strict.margins * self.margin_m,
@@ -218,8 +244,8 @@ impl Limits {
             zone.active = TimeWindow { from_s: from_s - sign * early_s, until_s: until_s + sign * late_s };
             if permitted {
                 // The lower face of a permitted zone is mostly the ground.
-                zone.altitude_m_min -= strict.margins * ABOVE_ZONE_M;
-                zone.corners = inset(&zone.corners, strict.margins * RIM_M);
+                zone.altitude_m_min -= strict.margins * self.above_zone_m;
+                zone.corners = inset(&zone.corners, strict.margins * self.rim_m);
             }
         }
         zones

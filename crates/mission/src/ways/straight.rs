@@ -8,10 +8,6 @@ use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 /// Share by which a flight may take longer than planned, and by which a zone's active time may begin earlier or end later.
 pub(super) const LATE_SHARE: f64 = 0.1;
 pub(super) const LATE_S: f64 = 900.0;
-/// Distance from the edge of a permitted area and from the end of the reach of landing places.
-pub(super) const RIM_M: f64 = 500.0;
-/// Distance above and below zones.
-pub(super) const ABOVE_ZONE_M: f64 = 150.0;
 
 impl Limits {
     /// Returns true if the straight path with the turns at both ends keeps every requirement with its margin, whenever it is flown.
@@ -32,15 +28,15 @@ impl Limits {
         let lasts_s = apex_geo::geodesy::distance_m(from, to) / slowest_mps;
         let span_s = (at_s, at_s + (1.0 + LATE_SHARE) * lasts_s + LATE_S + request.stay_s);
         let lowest_m = request.from_altitude_m.min(request.to_altitude_m);
-        let low_m = lowest_m - margins * ABOVE_ZONE_M;
-        let high_m = request.from_altitude_m.max(request.to_altitude_m) + margins * ABOVE_ZONE_M;
+        let low_m = lowest_m - margins * self.above_zone_m;
+        let high_m = request.from_altitude_m.max(request.to_altitude_m) + margins * self.above_zone_m;
         let leg = Leg { from, to, span_s, low_m, high_m };
         let mut restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
         let inside = restricted.find(|zone| !leg.keeps_out(zone, margins * self.margin_m + room_m));
         if let Some(zone) = inside {
             return Some(zone.name.clone());
         }
-        let rim_m = margins * RIM_M + room_m;
+        let rim_m = margins * self.rim_m + room_m;
         if self.must_stay() && !self.zones.iter().any(|zone| leg.keeps_in(zone, rim_m)) {
             return Some("permitted area".to_string());
         }

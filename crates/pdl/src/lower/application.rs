@@ -27,6 +27,7 @@ const OPTIONS: &[&str] = &[
     "failure",
     "files",
     "forecast",
+    "images-on-ground",
     "init",
     "landing-distance",
     "libraries",
@@ -140,7 +141,7 @@ impl Lowering {
             );
             return false;
         }
-        if let ("duration" | "end-margin", [only]) = (group.name, group.values) {
+        if let ("duration" | "end-margin" | "images-on-ground", [only]) = (group.name, group.values) {
             return self.literal_duration(only).is_some();
         }
         group.values.iter().for_each(|value| self.check_quantity_names(value));

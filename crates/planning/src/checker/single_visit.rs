@@ -9,7 +9,8 @@ use apex_model::problem::{
 
 /// Length of a step along a leg.
 const STEP_M: f64 = 5_000.0;
-/// Steps of one leg.
+/// Steps of one leg: short legs of small vehicles are cut, too.
+const STEPS_MIN: usize = 20;
 const STEPS_MAX: usize = 4_000;
 /// A leg may be faster than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
 const TIME_TOLERANCE: f64 = 0.02;
@@ -38,7 +39,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         let begins = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
         let entry = manoeuvre.entry.unwrap_or(begins);
-        let leg = CheckedLeg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
+        let leg = CheckedLeg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m, is_backwards: false };
         if problem.travel.is_none() {
             if visit.depart_s < time_s - 1e-6 {
                 found.push(format!("leaves for {} before the visit before has ended", visit.target));
@@ -63,7 +64,12 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     {
         // No leg is flown: the vehicle stays at its position.
     } else if let Some(base) = problem.base {
-        let leg = CheckedLeg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
+        let leg = CheckedLeg {
+            to: "the base",
+            from_m: altitude_m,
+            to_m: problem.vehicle.cruise_altitude_m,
+            is_backwards: false,
+        };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
         let depart_s = plan.return_depart_s.max(time_s);
         let flown = turns::flown(problem, &plan.return_route, &plan.return_path);
@@ -82,6 +88,14 @@ struct CheckedLeg<'a> {
     to: &'a str,
     from_m: f64,
     to_m: f64,
+    is_backwards: bool,
+}
+
+impl CheckedLeg<'_> {
+    /// Returns the leg as seen from its end: with the altitudes by the time that is left.
+    fn backwards(&self) -> Self {
+        CheckedLeg { from_m: self.to_m, to_m: self.from_m, is_backwards: true, ..*self }
+    }
 }
 
 fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found: &mut Vec<String>) {
@@ -91,7 +105,8 @@ fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found
     }
 }
 
-/// Flies `route` in steps at cruise altitude and compares time, airspace and landing distance.
+/// Flies `route` in steps and compares time, airspace and landing distance. The altitude changes at the beginning of the leg or at its end:
+/// one of both must keep the rules.
 fn fly(
     problem: &SingleVisitProblem,
     route: &[Position],
@@ -101,9 +116,10 @@ fn fly(
 ) {
     let vehicle = &problem.vehicle;
     let mut time_s = depart_s;
+    let mut middles = Vec::new();
     for (from, to) in route.iter().zip(route.iter().skip(1)) {
         let (length_m, track_deg) = geodesy::inverse(*from, *to);
-        let steps = ((length_m / STEP_M) as usize + 1).min(STEPS_MAX);
+        let steps = ((length_m / STEP_M) as usize + 1).clamp(STEPS_MIN, STEPS_MAX);
         let mut begin = *from;
         for step in 0..steps {
             let at =
@@ -111,10 +127,26 @@ fn fly(
             let (middle, end) = (at(0.5), at(1.0));
             let speed_mps = ground_speed_mps(problem, begin, end, middle, time_s);
             begin = end;
-            let heights = heights_m(problem, leg, time_s - depart_s);
+            let begin_s = time_s;
             time_s += length_m / steps as f64 / speed_mps;
-            inside_rules(problem, middle, heights, time_s, leg.to, found);
+            middles.push((middle, begin_s, time_s));
         }
+    }
+    let end_s = time_s;
+    let against = |is_late: bool| {
+        let mut against = Vec::new();
+        for (middle, begin_s, time_s) in &middles {
+            let heights = match is_late {
+                false => heights_m(problem, leg, begin_s - depart_s),
+                true => heights_m(problem, &leg.backwards(), end_s - time_s),
+            };
+            inside_rules(problem, *middle, heights, *time_s, leg.to, &mut against);
+        }
+        against
+    };
+    let at_once = against(false);
+    if !at_once.is_empty() && !against(true).is_empty() {
+        at_once.into_iter().for_each(|message| note(found, message));
     }
     let rate = if leg.to_m > leg.from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
     let change_s = if rate > 0.0 { (leg.to_m - leg.from_m).abs() / rate } else { 0.0 };
@@ -129,7 +161,10 @@ fn fly(
 /// arrived.
 fn heights_m(problem: &SingleVisitProblem, leg: &CheckedLeg<'_>, flown_s: f64) -> (f64, f64) {
     let vehicle = &problem.vehicle;
-    let (climb, descent) = (vehicle.climb_rate_mps, vehicle.descent_rate_mps);
+    let (climb, descent) = match leg.is_backwards {
+        false => (vehicle.climb_rate_mps, vehicle.descent_rate_mps),
+        true => (vehicle.descent_rate_mps, vehicle.climb_rate_mps),
+    };
     let now_m = match leg.to_m > leg.from_m {
         true if climb > 0.0 => (leg.from_m + climb * flown_s).min(leg.to_m),
         false if descent > 0.0 => (leg.from_m - descent * flown_s).max(leg.to_m),

@@ -4,6 +4,7 @@
 
 mod flown_legs;
 pub(crate) mod network;
+mod places;
 pub(crate) mod reach;
 pub(crate) mod schedule;
 pub(crate) mod travel;

@@ -98,7 +98,13 @@ impl<'a> Schedule<'a> {
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
-            let trouble = if problem.travel.is_none() { travel.place_trouble(position)? } else { None };
+            // The vehicle is at its start now; at the base it has to be once, at the latest at the end.
+            let (altitude_m, until_s) = match name {
+                "base" => (problem.vehicle.cruise_altitude_m, limit_s),
+                _ => (problem.start_altitude_m, problem.start_s),
+            };
+            let at = (position, altitude_m);
+            let trouble = if problem.travel.is_none() { travel.place_trouble(at, until_s)? } else { None };
             if let Some(trouble) = trouble {
                 return Err(format!("the {name} cannot be used: {trouble}"));
             }
@@ -238,9 +244,22 @@ impl<'a> Schedule<'a> {
     fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
         let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
         let open = windows.into_iter().flatten().find(|window| ready_s <= window.until_s + SAME_S);
-        open.map(|window| window.from_s.max(ready_s.min(window.until_s))).ok_or_else(|| {
-            Infeasibility::Impossible("its last time window closes before the vehicle can be there".to_string())
-        })
+        open.map(|window| window.from_s.max(ready_s.min(window.until_s))).ok_or_else(|| self.closed(choice, ready_s))
+    }
+
+    /// Returns the reason for which an observation cannot begin from `ready_s` on: the flight ends before, or its windows have closed.
+    fn closed(&self, choice: Choice, ready_s: f64) -> Infeasibility {
+        let Some(target) = self.problem.targets.get(choice.target) else {
+            return Infeasibility::Impossible("there is no such target".to_string());
+        };
+        let duration_s = target.manoeuvres.get(choice.manoeuvre).map_or(0.0, |manoeuvre| manoeuvre.duration_s);
+        let is_wanted_later =
+            target.windows.is_empty() || target.windows.iter().any(|window| ready_s <= window.until_s);
+        let over_s = ready_s + duration_s - self.limit_s;
+        match is_wanted_later && over_s > 0.0 {
+            true => Infeasibility::TooLate { over_s },
+            false => Infeasibility::Impossible(closed_window(&target.name)),
+        }
     }
 
     /// Checks that the manoeuvre's lines are allowed while they are flown.
@@ -293,6 +312,11 @@ impl<'a> Schedule<'a> {
     pub(crate) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
     }
+}
+
+/// Returns the phrase that the windows of a target have closed.
+pub(crate) fn closed_window(target: &str) -> String {
+    format!("the last time window of {target} closes before the vehicle can be there")
 }
 
 /// Cost of a flight, prepared for many evaluations; equal to [`mission_score::flight_cost`].

@@ -5,32 +5,19 @@
 //! (`apex_geo::travel`), made when it is first needed. Times are exact for every departure, and a later departure never arrives earlier.
 //! The examined parts of a network are charged as work.
 
+pub(crate) use super::places::PointKey;
+use super::places::{given_s, given_s_min, place, track_rad};
 use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
-use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
+use apex_geo::geodesy::Position;
 use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
-use apex_model::problem::{
-    AirspaceZone, FOREVER_S, Manoeuvre, SingleVisitProblem, TravelTimes, UNREACHABLE_S, ZoneKind,
-};
+use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, ZoneKind};
 use std::collections::BTreeMap;
 
 /// Work units of examining one leg, or one continuation from a bend.
 const UNITS_PER_LOOK: u64 = 5;
 /// Networks of one problem; further sets of zones share one in which every zone applies at every altitude.
 const NETWORKS_MAX: usize = 16;
-
-/// A place by name, for remembering.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum PointKey {
-    /// The start.
-    Start,
-    /// The base.
-    Base,
-    /// Begin of a manoeuvre (target, manoeuvre).
-    Entry(usize, usize),
-    /// Its end.
-    Exit(usize, usize),
-}
 
 /// A way with its times.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,21 +204,41 @@ impl<'a> Travel<'a> {
         Ok(TimedPath { route, path, depart_s: times.depart_s, arrive_s: times.arrive_s })
     }
 
-    /// Returns the layer, the times and the trip; climbs and descents take their time.
+    /// Returns the layer, the times and the trip; climbs and descents take their time. The altitude changes at the beginning of the way.
+    /// Where zones leave no such way, it changes at the end, as below a zone that is flown under.
     fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
+        let is_flying = matches!(from, PointKey::Exit(..));
         let (from, to) = (self.number(from), self.number(to));
         let (Some(start), Some(end)) = (self.spots.get(from).copied(), self.spots.get(to).copied()) else {
             return Err("no way was found".to_string());
         };
         let climb_s = self.climb_s(start.altitude_m, end.altitude_m);
-        let number = self.layer(self.zones_between(from, start.altitude_m, end.altitude_m, climb_s))?;
+        let at_once = self.zones_between(from, start.altitude_m, end.altitude_m, climb_s);
+        let at_end = self.zones_between(to, end.altitude_m, start.altitude_m, climb_s);
+        let mut found = self.find_where(at_once, (from, to), ready_s);
+        if found.is_err() && is_flying && at_end != at_once {
+            found = self.find_where(at_end, (from, to), ready_s).or(found);
+        }
+        let (number, trip) = found?;
+        let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
+        Ok((number, times, trip))
+    }
+
+    /// Returns the layer in which these zones count, and the trip in it.
+    fn find_where(
+        &mut self,
+        zones: ZoneSet,
+        (from, to): (usize, usize),
+        ready_s: f64,
+    ) -> Result<(usize, Trip), String> {
+        let number = self.layer(zones)?;
+        let (start, end) = (self.spots.get(from).copied(), self.spots.get(to).copied());
         let layer = self.layers.get_mut(number).ok_or("no way was found")?;
+        let (start, end) = start.zip(end).ok_or("no way was found")?;
         let mut place = |number: usize, spot: &Spot| layer.place(number, spot.position, spot.track_rad);
         let places = place(from, &start).and_then(|from| Ok((from, place(to, &end)?)));
         let trip = places.and_then(|(from, to)| layer.network.trip(from, to, ready_s));
-        let trip = trip.map_err(|trouble| trouble.to_string())?;
-        let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
-        Ok((number, times, trip))
+        Ok((number, trip.map_err(|trouble| trouble.to_string())?))
     }
 
     /// Returns the zones that count at this altitude.
@@ -299,16 +306,22 @@ impl<'a> Travel<'a> {
         Ok(self.layers.len() - 1)
     }
 
-    /// Returns the reason for which the vehicle must not be at `position` at cruise altitude when the plan begins.
+    /// Returns the reason for which the vehicle must not be at a position and altitude at any instant from the beginning of the plan until
+    /// `until_s`.
     ///
     /// # Errors
     /// Like [`Travel::new`].
-    pub(crate) fn place_trouble(&mut self, position: Position) -> Result<Option<TravelError>, String> {
-        let number = self.layer(self.zones_at(self.problem.vehicle.cruise_altitude_m))?;
-        let now_s = self.problem.start_s;
+    pub(crate) fn place_trouble(
+        &mut self,
+        (position, altitude_m): (Position, f64),
+        until_s: f64,
+    ) -> Result<Option<TravelError>, String> {
+        let number = self.layer(self.zones_at(altitude_m))?;
+        let time_s = (self.problem.start_s, until_s);
         let Some(layer) = self.layers.get_mut(number) else { return Ok(None) };
         Ok(match layer.network.add(position) {
-            Ok(place) => layer.network.place_trouble(place, (now_s, now_s)),
+            Ok(place) if layer.network.is_open_within(place, time_s) => None,
+            Ok(place) => layer.network.place_trouble(place, time_s),
             Err(trouble) => Some(trouble),
         })
     }
@@ -378,73 +391,4 @@ impl Layer {
 /// Returns the time in which the flight lies.
 fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
     (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
-}
-
-/// Returns a given travel time; `None` if no path exists.
-fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) -> Option<f64> {
-    let time_s = match (from, to) {
-        (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_at(to, depart_s),
-        (PointKey::Exit(from, _), PointKey::Entry(to, _)) => travel.between_at(from, to, depart_s),
-        (PointKey::Exit(from, _), PointKey::Base) => travel.to_base_at(from, depart_s),
-        _ => UNREACHABLE_S,
-    };
-    (time_s < UNREACHABLE_S).then_some(time_s)
-}
-
-/// Returns the least given travel time over all departures; infinite if no path exists.
-fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
-    let time_s = match (from, to) {
-        (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_s_min(to),
-        (PointKey::Exit(from, _), PointKey::Entry(to, _)) => travel.between_s_min(from, to),
-        (PointKey::Exit(from, _), PointKey::Base) => travel.to_base_s_min(from),
-        _ => UNREACHABLE_S,
-    };
-    if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
-}
-
-/// Returns the direction of the line with which a manoeuvre begins or ends. A place without a line is passed in the direction from the
-/// start, so that a vehicle that turns back over it pays for the turn; start and base have no direction (`None`).
-fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
-    let target = match node {
-        PointKey::Start | PointKey::Base => return None,
-        PointKey::Entry(target, _) | PointKey::Exit(target, _) => problem.targets.get(target)?,
-    };
-    line_track_rad(problem, node).or_else(|| {
-        let (length_m, azimuth_deg) = geodesy::inverse(target.position, problem.start);
-        Some(if length_m > 1.0 { (azimuth_deg + 180.0) * RAD_PER_DEG } else { 0.0 })
-    })
-}
-
-/// Returns the direction of the line with which a manoeuvre begins or ends; `None` if it has no line.
-fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
-    let lines = |target: usize, manoeuvre: usize| {
-        problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)
-    };
-    let (here, there, back) = match node {
-        PointKey::Start | PointKey::Base => return None,
-        PointKey::Entry(target, it) => lines(target, it)?.first().map(|(from, to)| (*from, *to, false))?,
-        PointKey::Exit(target, manoeuvre) => lines(target, manoeuvre)?.last().map(|(from, to)| (*to, *from, true))?,
-    };
-    let (length_m, azimuth_deg) = geodesy::inverse(here, there);
-    let track_deg = if back { azimuth_deg + 180.0 } else { azimuth_deg };
-    (length_m > 1.0).then_some(track_deg * RAD_PER_DEG)
-}
-
-/// Returns the position of a node and its altitude.
-fn place(problem: &SingleVisitProblem, node: PointKey) -> (Position, f64) {
-    let cruise_m = problem.vehicle.cruise_altitude_m;
-    let of = |target: usize, manoeuvre: usize, entry: bool| {
-        let target = problem.targets.get(target);
-        let manoeuvre = target.and_then(|target| target.manoeuvres.get(manoeuvre));
-        let overhead = target.map_or(problem.start, |target| target.position);
-        let begins = |m: &Manoeuvre| m.entry.or(m.lines.first().map(|(from, _)| *from));
-        let position = manoeuvre.and_then(|m| if entry { begins(m) } else { m.lines.last().map(|(_, to)| *to) });
-        (position.unwrap_or(overhead), manoeuvre.map_or(cruise_m, |manoeuvre| manoeuvre.altitude_m))
-    };
-    match node {
-        PointKey::Start => (problem.start, problem.start_altitude_m),
-        PointKey::Base => (problem.base.unwrap_or(problem.start), cruise_m),
-        PointKey::Entry(target, manoeuvre) => of(target, manoeuvre, true),
-        PointKey::Exit(target, manoeuvre) => of(target, manoeuvre, false),
-    }
 }

@@ -1,7 +1,7 @@
 //! Reasons for which a target is not visited, as text for operators.
 
 use crate::routing::reach;
-use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
+use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
 use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_planning::solver::{Budget, WorkBudget};
@@ -116,6 +116,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
 }
 
 fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
+    let trouble = of_itself(schedule, target, trouble);
     match schedule.problem.targets.get(target).map(|target| target.light) {
         Some(Light::Day) => format!("{trouble} by daylight"),
         Some(Light::Night) => format!("{trouble} by night"),
@@ -123,8 +124,17 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     }
 }
 
-/// Checks that a single target can be reached, observed and left for home, with departure at `start_s`. Reports airspace before other
-/// reasons.
+/// Returns a reason in which a target that speaks of itself does not name itself.
+fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
+    let Some(target) = schedule.problem.targets.get(target) else { return trouble };
+    if trouble == closed_window(&target.name) {
+        "its last time window closes before the vehicle can be there".to_string()
+    } else {
+        trouble
+    }
+}
+
+/// Checks that the one target can be flown to, observed, and flown home from, leaving at `start_s`. Names airspace before anything else.
 fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Infeasibility> {
     let entry = PointKey::Entry(choice.target, choice.manoeuvre);
     let exit = PointKey::Exit(choice.target, choice.manoeuvre);
@@ -223,7 +233,10 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
             match schedule.judge(&with, budget) {
                 Ok(with) => best_score = best_score.max(with.score),
                 Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
-                Err(Infeasibility::Impossible(why)) => trouble = format!("does not fit between the others: {why}"),
+                Err(Infeasibility::Impossible(why)) => {
+                    let why = of_itself(schedule, target, why);
+                    trouble = format!("does not fit between the others: {why}");
+                }
                 Err(Infeasibility::Order) => {}
             }
         }

@@ -1,0 +1,145 @@
+//! A mission from its parts, flown and recorded.
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_model::event::EventKind;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::record::RecordReader;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+/// A recorded flight.
+pub(crate) struct Flown {
+    _folder: TempDir,
+    record: PathBuf,
+    pub(crate) outcome: FlightOutcome,
+}
+
+/// The program of most missions here: a planner chooses, updates lead to new plans, requirements are guarded.
+pub(crate) fn program(options: &str, cruise: &str) -> String {
+    format!(
+        "(defapplication \"Odd\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\" \"contingencies\" \"replanning\") {options}\n \
+         :agents ((agent uav-1 :initial-task (fly the mission))))\n\
+         (solver auto (index (see them)) :budget 1s)\n\
+         (procedure (index (fly the mission))\n\
+           (step up (take off to {cruise}))\n\
+           (step survey (see them) (waitfor (end ?up)) (restart-when (new plan)))\n\
+           (step again (keep planning (see them)))\n\
+           (step safe (guard the flight))\n\
+           (step home (return to home at {cruise}) (waitfor (end ?survey)))\n\
+           (step finish (terminate) (waitfor (end ?home))))\n"
+    )
+}
+
+/// Flies the mission of a program and its data files.
+pub(crate) fn fly(program: &str, files: &[(&str, &str)]) -> Flown {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
+    let record = folder.path().join("flight.apex");
+    let mut recorder = apex_simulation::create_record(&record, &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let outcome = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
+    Flown { _folder: folder, record, outcome }
+}
+
+impl Flown {
+    pub(crate) fn text(&self) -> String {
+        self.outcome.report.text()
+    }
+
+    /// Returns all events with their instants.
+    pub(crate) fn events(&self) -> Vec<(f64, EventKind)> {
+        let mut events = Vec::new();
+        for step in RecordReader::open(&self.record).unwrap().steps_of_all(Time::END).unwrap() {
+            events.extend(step.unwrap().batch.events.into_iter().map(|event| (event.at.seconds(), event.kind)));
+        }
+        events
+    }
+
+    /// Returns time, latitude, longitude and altitude of each reported location.
+    pub(crate) fn track(&self) -> Vec<(f64, f64, f64, f64)> {
+        let location = |(at_s, kind): (f64, EventKind)| match kind {
+            EventKind::Measurement(variable, Value::List(items)) if variable.attribute.is("location") => {
+                let number = |index: usize| items[index].as_number().unwrap().0;
+                Some((at_s, number(0), number(1), number(2)))
+            }
+            _ => None,
+        };
+        self.events().into_iter().filter_map(location).collect()
+    }
+
+    /// Returns all values of a measured attribute.
+    pub(crate) fn numbers(&self, attribute: &str) -> Vec<f64> {
+        let number = |(_, kind): (f64, EventKind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is(attribute) => {
+                value.as_number().map(|(number, _)| number)
+            }
+            _ => None,
+        };
+        self.events().into_iter().filter_map(number).collect()
+    }
+
+    /// Returns the messages that begin with `head`, as text.
+    pub(crate) fn said(&self, head: &str) -> Vec<(f64, String)> {
+        let message = |(at_s, kind): (f64, EventKind)| match kind {
+            EventKind::Occurrence(form) => {
+                form.head().is_some_and(|word| word.is(head)).then(|| (at_s, form.to_string()))
+            }
+            _ => None,
+        };
+        self.events().into_iter().filter_map(message).collect()
+    }
+
+    /// Returns the end of the visit of a target, in seconds; none if it was not observed.
+    pub(crate) fn observed_s(&self, target: &str) -> Option<f64> {
+        let visit = self.outcome.report.visits.iter().find(|visit| visit.target == target)?;
+        visit.end.map(Time::seconds)
+    }
+
+    /// Returns the reason for which a target was left out.
+    pub(crate) fn left_out(&self, target: &str) -> String {
+        let found = self.outcome.report.left_out.iter().find(|(name, _)| name == target);
+        found.unwrap_or_else(|| panic!("{target} was not left out:\n{}", self.text())).1.clone()
+    }
+
+    /// Positions inside a box of degrees, between two altitudes and two instants.
+    pub(crate) fn inside(&self, (west, south, east, north): (f64, f64, f64, f64), low_m: f64, high_m: f64) -> Vec<f64> {
+        let holds = |at: &(f64, f64, f64, f64)| {
+            (south..north).contains(&at.1) && (west..east).contains(&at.2) && (low_m..high_m).contains(&at.3)
+        };
+        self.track().into_iter().filter(holds).map(|at| at.0).collect()
+    }
+}
+
+/// A feature of a GeoJSON file; `properties` are members of the object, as text.
+pub(crate) fn feature(properties: &str, geometry: &str) -> String {
+    format!(r#"{{"type": "Feature", "properties": {{{properties}}}, "geometry": {geometry}}}"#)
+}
+
+pub(crate) fn point(longitude: f64, latitude: f64) -> String {
+    format!(r#"{{"type": "Point", "coordinates": [{longitude}, {latitude}]}}"#)
+}
+
+/// A box of degrees as a polygon.
+pub(crate) fn area((west, south, east, north): (f64, f64, f64, f64)) -> String {
+    format!(
+        r#"{{"type": "Polygon", "coordinates": [[[{west}, {south}], [{east}, {south}], [{east}, {north}], [{west}, {north}], [{west}, {south}]]]}}"#
+    )
+}
+
+pub(crate) fn collection(features: &[String]) -> String {
+    format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, features.join(",\n"))
+}
+
+/// The base at which the small vehicles start.
+pub(crate) fn home() -> String {
+    feature(r#""id": "home", "kind": "base", "elevation_m": 100"#, &point(-121.0, 37.4))
+}

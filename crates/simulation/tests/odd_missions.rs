@@ -1,0 +1,22 @@
+//! Whole flights of missions that no shipped one resembles: other vehicles, zones and winds in odd places, updates while the aircraft waits.
+//! Tracks are compared with zones and grounds here, from the recorded locations alone.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
+#![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
+
+#[path = "odd/closed_base.rs"]
+mod closed_base;
+#[path = "odd/harness.rs"]
+mod harness;
+#[path = "odd/images.rs"]
+mod images;
+#[path = "odd/low_sun.rs"]
+mod low_sun;
+#[path = "odd/low_zone.rs"]
+mod low_zone;
+#[path = "odd/still_air.rs"]
+mod still_air;
+#[path = "odd/strong_wind.rs"]
+mod strong_wind;
+#[path = "odd/waiting.rs"]
+mod waiting;
