@@ -51,7 +51,7 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("at-most", "<="),
 ];
 /// Signs of relations, the longer ones first, and what they are here.
-const RELATION_SIGNS: &[(&str, &str)] = &[
+pub(super) const RELATION_SIGNS: &[(&str, &str)] = &[
     ("<=", "<="),
     (">=", ">="),
     ("/=", "/="),

@@ -39,7 +39,7 @@ fn ways(wind: &WindField, begin_s: f64) -> (SurveillanceTravel, usize) {
     (SurveillanceTravel::new(home, &targets, home, &transit).unwrap(), targets.len())
 }
 
-/// Returns layers of wind that follow each other, then 3 m/s from the west for ever.
+/// Returns layers of wind that follow each other, then 3 m/s from the west.
 fn following(winds: &[(f64, f64, f64)]) -> WindField {
     let mut layers = Vec::new();
     let mut from_s = 0.0;
