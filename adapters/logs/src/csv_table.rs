@@ -31,6 +31,8 @@ pub(crate) struct CsvTable<R> {
     /// Lines before the row of names that the parser does not see.
     lines_before: u64,
     newest: Option<Time>,
+    /// Number of names.
+    columns: usize,
     damages: ReadErrors,
     /// Names of the columns to read; `None` reads all.
     carried: Option<BTreeSet<String>>,
@@ -51,6 +53,7 @@ impl<R: Read> CsvTable<R> {
             decimal_comma: false,
             lines_before: 0,
             newest: None,
+            columns: 0,
             damages: ReadErrors::default(),
             carried: None,
             carries: Vec::new(),
@@ -89,12 +92,33 @@ impl<R: Read> CsvTable<R> {
             });
             return Ok(());
         }
+        self.columns = self.record.len();
+        let mut names = BTreeSet::new();
+        for field in fields.iter().filter(|field| !field.is_empty()) {
+            if !names.insert(field) {
+                self.damages.add(|| format!("the row of names: two columns are called `{field}`: the first counts"));
+            }
+        }
         if let Some(carried) = &self.carried {
             self.carries = fields.iter().map(|field| carried.contains(field)).collect();
         }
         self.topics.push(Topic { name: "csv".to_string(), fields, ..Topic::default() });
         self.reader = Some(reader);
         Ok(())
+    }
+
+    /// Notes a row that has more or fewer cells than there are names: what a cell means is then not certain.
+    fn count_cells(&mut self, line: u64) {
+        let (cells, columns) = (self.record.len(), self.columns);
+        let decimal =
+            if self.decimal_comma { "" } else { "; a decimal comma needs semicolons or tabs between columns" };
+        if self.record.iter().skip(columns).any(|cell| !cell.is_empty()) {
+            self.damages.add(|| format!("line {line}: the row has {cells} cells and the row of names {columns}: the last ones are left out{decimal}"));
+        } else if cells < columns {
+            self.damages.add(|| {
+                format!("line {line}: the row has {cells} cells and the row of names {columns}: it may be cut off")
+            });
+        }
     }
 
     /// Returns the instant of the row that was read last; `None` if its text is not a time, which is noted.
@@ -148,6 +172,7 @@ impl<R: Read> LogReader for CsvTable<R> {
                 return Ok(false);
             }
             let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
+            self.count_cells(line);
             if let Some(at) = self.instant(line) {
                 let decimal_comma = self.decimal_comma;
                 message.topic = 0;

@@ -82,6 +82,25 @@ fn rows_of_one_instant_are_told() {
 }
 
 #[test]
+fn rows_of_other_lengths_and_equal_names_are_noted() {
+    for (text, expected) in [
+        (
+            "t,roll\n1,2,345\n",
+            "line 2: the row has 3 cells and the row of names 2: the last ones are left out; a decimal comma needs",
+        ),
+        ("t;roll\n1;2;3\n", "line 2: the row has 3 cells and the row of names 2: the last ones are left out"),
+        ("t,roll,pitch\n1,2,3\n2,4\n", "line 3: the row has 2 cells and the row of names 3: it may be cut off"),
+        ("t,roll,roll\n1,2,3\n", "the row of names: two columns are called `roll`: the first counts"),
+    ] {
+        let (found, damages) = rows(text);
+        assert!(damages.count == 1 && damages.first[0].starts_with(expected), "{text}: {damages:?}");
+        assert!(!found.is_empty(), "{text}: the row is read all the same");
+    }
+    // A separator at the end of each row adds an empty cell, which says nothing.
+    assert_eq!(rows("t,roll\n1,2,\n").1.count, 0);
+}
+
+#[test]
 fn times_that_are_none_are_told_with_their_text() {
     for (text, expected) in [
         ("t,roll\n1,5\nlater,6\n", "line 3: `later` is not a time"),

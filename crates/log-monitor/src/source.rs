@@ -253,7 +253,8 @@ fn unread<E: From<MissionError>>(path: &Path, format: Format, error: LogError<E>
         LogError::Mapping(error) => of_mapping(error),
         LogError::NotALog(first) => {
             let name = format.name();
-            let error = MissionError::data(format!("{} is not a {name} with any message", path.display()));
+            let article = if name.starts_with('A') || name == "MCAP" { "an" } else { "a" };
+            let error = MissionError::data(format!("{} is not {article} {name} with any message", path.display()));
             let error = first.into_iter().fold(error, MissionError::because);
             error.help(
                 "name another file, or rename it to the ending of its format: .ulg, .bin, .log, .tlog, .mcap or .csv",

@@ -71,6 +71,7 @@ codes! {
     NOTHING_TO_LOG "E0311" "A limit of a log leaves nothing to keep.";
     DERIVATION "E0312" "A derived state variable cannot be computed.";
     ARGUMENT_TYPE "E0313" "An argument of a goal, message or command has another type than declared.";
+    OPERAND "E0314" "A function is given a value of another kind than it takes.";
     WAIT_CYCLE "E0701" "Steps wait for each other in a circle.";
     NEVER_STARTS "E0702" "A step waits for what can never happen.";
     IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";

@@ -8,6 +8,7 @@ use apex_model::procedure::{Procedure, Step, Transitions};
 use apex_model::symbol::Symbol;
 use apex_model::task::{FAILURE_STATES, OUTCOME_STATES, TaskId};
 use apex_model::value::Value;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns tag and outcome of a condition such as `(failed ?tag)`, stored as `(state ?tag = failed)`; `None` for other conditions.
 fn outcome_named(condition: &Condition) -> Option<(&Symbol, &Symbol)> {
@@ -20,19 +21,19 @@ fn outcome_named(condition: &Condition) -> Option<(&Symbol, &Symbol)> {
     }
 }
 
-/// Returns true if `condition`, or a part of it, names an outcome of step `tag` for which `is_meant` is true.
-fn names(condition: &Condition, tag: &Symbol, is_meant: &dyn Fn(&Symbol) -> bool) -> bool {
-    if let Some((name, word)) = outcome_named(condition) {
-        return name == tag && is_meant(word);
+/// Visits tag and word of each outcome of a step that `condition`, or a part of it, names.
+fn names<'p>(condition: &'p Condition, visit: &mut dyn FnMut(&'p Symbol, &'p Symbol)) {
+    if let Some((tag, word)) = outcome_named(condition) {
+        return visit(tag, word);
     }
     match &condition.kind {
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
-            parts.iter().any(|part| names(part, tag, is_meant))
+            parts.iter().for_each(|part| names(part, visit));
         }
-        ConditionKind::Allen { parts, .. } => parts.iter().any(|part| names(part, tag, is_meant)),
-        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => names(part, tag, is_meant),
-        ConditionKind::Probing { condition, .. } => names(condition, tag, is_meant),
-        _ => false,
+        ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| names(part, visit)),
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => names(part, visit),
+        ConditionKind::Probing { condition, .. } => names(condition, visit),
+        _ => {}
     }
 }
 
@@ -53,22 +54,53 @@ fn conditions(clauses: &Transitions) -> impl Iterator<Item = &Condition> {
     ends.into_iter().chain(others).filter_map(|condition| condition.as_deref())
 }
 
-/// Returns true if a clause of the procedure or of another step names the failure of step `number`.
-pub(crate) fn is_failure_awaited(procedure: &Procedure, number: usize) -> bool {
-    let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return false };
-    let is_meant = |word: &Symbol| FAILURE_STATES.contains(&word.folded());
-    let of_step = |step: &Step| {
-        step.tag != *tag
-            && step.waitfor.iter().chain(conditions(&step.transitions)).any(|each| names(each, tag, &is_meant))
-    };
-    conditions(&procedure.transitions).any(|each| names(each, tag, &is_meant)) || procedure.steps.iter().any(of_step)
+/// Outcomes that the clauses of one procedure name, by the tag of the step. Bound: O(conditions), once for all steps.
+#[derive(Default)]
+pub(crate) struct AwaitedOutcomes<'p> {
+    /// Steps of which a clause of the procedure or of another step names the failure.
+    failures: BTreeSet<&'p Symbol>,
+    /// Steps whose `waitfor` names an outcome.
+    waiters: BTreeMap<&'p Symbol, Vec<u32>>,
 }
 
-/// Returns the steps whose `waitfor` names an outcome of step `number`.
-pub(crate) fn waiters(procedure: &Procedure, number: usize) -> Vec<u32> {
-    let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return Vec::new() };
-    let waits = |step: &Step| step.tag != *tag && step.waitfor.iter().any(|each| names(each, tag, &|_| true));
-    (0_u32..).zip(&procedure.steps).filter(|(_, step)| waits(step)).map(|(number, _)| number).collect()
+impl<'p> AwaitedOutcomes<'p> {
+    /// Returns the outcomes that `procedure` names.
+    pub(crate) fn new(procedure: &'p Procedure) -> AwaitedOutcomes<'p> {
+        let mut awaited = AwaitedOutcomes::default();
+        conditions(&procedure.transitions).for_each(|condition| awaited.note_failures(condition, None));
+        for (number, step) in (0_u32..).zip(&procedure.steps) {
+            let all = step.waitfor.iter().chain(conditions(&step.transitions));
+            all.for_each(|condition| awaited.note_failures(condition, Some(&step.tag)));
+            for condition in &step.waitfor {
+                names(condition, &mut |tag, _| {
+                    let waiters = awaited.waiters.entry(tag).or_default();
+                    if *tag != step.tag && waiters.last() != Some(&number) {
+                        waiters.push(number);
+                    }
+                });
+            }
+        }
+        awaited
+    }
+
+    /// Notes the steps whose failure `condition` names, except the step `own` that it belongs to.
+    fn note_failures(&mut self, condition: &'p Condition, own: Option<&Symbol>) {
+        names(condition, &mut |tag, word| {
+            if own != Some(tag) && FAILURE_STATES.contains(&word.folded()) {
+                self.failures.insert(tag);
+            }
+        });
+    }
+
+    /// Returns true if a clause of the procedure or of another step names the failure of step `tag`.
+    pub(crate) fn is_failure_of(&self, tag: &Symbol) -> bool {
+        self.failures.contains(tag)
+    }
+
+    /// Returns the steps whose `waitfor` names an outcome of step `tag`, in written order.
+    pub(crate) fn waiters_for(&self, tag: &Symbol) -> Vec<u32> {
+        self.waiters.get(tag).cloned().unwrap_or_default()
+    }
 }
 
 /// Returns the variables that the step's `=>` binds.

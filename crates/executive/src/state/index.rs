@@ -159,6 +159,7 @@ impl ProcedureIndex {
     pub fn new(procedure: &Procedure) -> ProcedureIndex {
         let endless_only = procedure.steps.iter().all(|step| !ends_by_itself(step));
         let awaited = Awaited::new(procedure);
+        let named = outcomes::AwaitedOutcomes::new(procedure);
         let steps = procedure.steps.iter().enumerate().map(|(number, step)| {
             let awaits = awaited.by(number);
             StepIndex {
@@ -167,8 +168,8 @@ impl ProcedureIndex {
                 awaits,
                 condition_awaits: awaited.by_conditions_of(number),
                 counts: endless_only || ends_by_itself(step),
-                failure_awaited: outcomes::is_failure_awaited(procedure, number),
-                outcome_waiters: outcomes::waiters(procedure, number),
+                failure_awaited: named.is_failure_of(&step.tag),
+                outcome_waiters: named.waiters_for(&step.tag),
                 produces: outcomes::produced(step),
             }
         });

@@ -16,6 +16,7 @@ mod limits;
 mod loops;
 mod memory;
 pub(crate) mod methods;
+mod operands;
 mod own_tag;
 mod probes;
 mod profiles;
@@ -86,6 +87,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);
+    operands(library, &mut report);
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
@@ -106,9 +108,17 @@ pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], na
     probes::check(&program, &mut report);
     probes::without_effect(conditions, &mut report);
     dimensions::check(&program, &mut report);
+    operands(&whole, &mut report);
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     report.diagnostics
+}
+
+fn operands(library: &Library, report: &mut FindingCollector<'_>) {
+    for finding in operands::findings(library) {
+        let diagnostic = finding.diagnostic(&mut report.locator);
+        report.add(diagnostic);
+    }
 }
 
 fn waiting_for(condition: &Condition) -> Procedure {

@@ -50,8 +50,8 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("at-least", ">="),
     ("at-most", "<="),
 ];
-/// Signs of relations, the longer ones first, with their names in PDL.
-const RELATION_SIGNS: &[(&str, &str)] = &[
+/// Signs of relations, the longer ones first, and what they are here.
+pub(super) const RELATION_SIGNS: &[(&str, &str)] = &[
     ("<=", "<="),
     (">=", ">="),
     ("/=", "/="),

@@ -163,6 +163,9 @@ impl<'s, 'l> Search<'s, 'l> {
                 self.library.describe_place(same.span.place())
             ));
         }
+        if let Some(explained) = super::misplaced::explained(&diagnostic, source) {
+            return explained;
+        }
         let text = template_text(&goal.template);
         let heads = index.by_head.keys().map(|head| head.printed()).chain(ACTIVITIES.iter().copied());
         let fixes = renames(source.head_span(), source.head().map_or("", Symbol::printed), heads);

@@ -87,8 +87,9 @@ impl SurveillanceTravel {
             time_s: (transit.time_s, transit.until_s),
         };
         crate::validate::turn_radius(transit.turn_radius_m)?;
-        let (begin_s, until_s) = (transit.time_s, transit.until_s);
-        let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, begin_s, until_s);
+        let begin_s = transit.time_s;
+        // A way that begins before the end of the plan may be flown after it: its wind counts until it ends.
+        let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, begin_s, f64::INFINITY);
         let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
         let mut network = Network::new(&setting, air)?;
         let mut end = |position: Position, name: &str| {
@@ -115,13 +116,13 @@ impl SurveillanceTravel {
         }
         let ends = Ends { start, base, targets: places };
         let mut ways = SurveillanceTravel { times: TravelTimes::default(), network, begin_s, ends, troubles };
-        ways.times = ways.at_departures(&changes_s);
+        ways.times = ways.at_departures(&changes_s, transit.until_s - begin_s);
         Ok(ways)
     }
 
-    /// Returns the times for a departure at the beginning and, if the wind changes, for as many later departures as interpolation of all
-    /// others needs.
-    fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
+    /// Returns the times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
+    /// all others up to `last_departure_s`.
+    fn at_departures(&mut self, changes_s: &[f64], last_departure_s: f64) -> TravelTimes {
         let first = self.leaving_at(0.0);
         let mut known = vec![first];
         // Times are constant except for a vehicle that is on the way when the wind changes.
@@ -132,6 +133,10 @@ impl SurveillanceTravel {
             };
             let last_s = known.last().map_or(0.0, |times| times.depart_s);
             let longest = known.last().map_or(0.0, longest_s);
+            // A vehicle that leaves at the end of the plan is there before this change, and before all later ones.
+            if change_s - longest > last_departure_s.max(last_s) {
+                break;
+            }
             let after = self.leaving_at(*change_s);
             let open_s = (change_s - longest.max(longest_s(&after))).max(last_s);
             if open_s > last_s && open_s < *change_s {

@@ -39,6 +39,34 @@ fn ways(wind: &WindField, begin_s: f64) -> (SurveillanceTravel, usize) {
     (SurveillanceTravel::new(home, &targets, home, &transit).unwrap(), targets.len())
 }
 
+/// Returns layers of wind that follow each other, then 3 m/s from the west.
+fn following(winds: &[(f64, f64, f64)]) -> WindField {
+    let mut layers = Vec::new();
+    let mut from_s = 0.0;
+    for (lasts_s, east, north) in winds {
+        layers.push(layer(from_s, from_s + lasts_s, *east, *north));
+        from_s += lasts_s;
+    }
+    layers.push(layer(from_s, 1e9, 3.0, 0.0));
+    WindField { layers, blend: false }
+}
+
+/// The wind turns 1,071 s after the end of the plan, while a vehicle is on a way of 1,900 s that it began before the end.
+#[test]
+fn a_change_after_the_end_of_the_plan_counts_for_a_way_that_began_before_it() {
+    let wind = following(&[(3969.38, 0.0, 0.0), (2287.04, 0.0, 0.0), (2256.25, -6.445, 0.0)]);
+    let (begin_s, depart_s) = (241.856, 6467.03);
+    let (table, count) = ways(&wind, begin_s);
+    let exact = ways(&wind, begin_s + depart_s).0;
+    let longest_s = table.times.mean(7200.0).between_s.iter().flatten().copied().fold(0.0, f64::max);
+    for from in 0..count {
+        for to in 0..count {
+            let (time_s, exact_s) = (table.times.between_at(from, to, depart_s), exact.times.between(from, to));
+            assert!((time_s - exact_s).abs() <= 0.005 * longest_s, "{from} to {to}: {time_s} s, exactly {exact_s} s");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]
@@ -46,14 +74,7 @@ proptest! {
         winds in prop::collection::vec((100.0..4000.0f64, -8.0..8.0f64, -8.0..8.0f64), 1..4), begin_s in 0.0..1000.0f64,
         departures in prop::collection::vec(0.0..7000.0f64, 8),
     ) {
-        let mut layers = Vec::new();
-        let mut from_s = 0.0;
-        for (lasts_s, east, north) in &winds {
-            layers.push(layer(from_s, from_s + lasts_s, *east, *north));
-            from_s += lasts_s;
-        }
-        layers.push(layer(from_s, 1e9, 3.0, 0.0));
-        let wind = WindField { layers, blend: false };
+        let wind = following(&winds);
         let (ways, count) = ways(&wind, begin_s);
         let longest_s = ways.times.mean(7200.0).between_s.iter().flatten().copied().fold(0.0, f64::max);
         let mut departures = departures;
