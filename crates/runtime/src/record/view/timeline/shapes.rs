@@ -37,7 +37,7 @@ pub struct Bar {
     pub to_ns: i64,
 }
 
-/// A stretch of time, about a pixel wide, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
+/// A stretch of pixels that look the same, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
 /// pixels, its count, and its ongoing share in thousandths.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(test, derive(ts_rs::TS), ts(type = "[number, number, number, number]"))]
