@@ -4,6 +4,7 @@ use super::travel::{PointKey, Times, Travel};
 use apex_geo::{geodesy, sun};
 use apex_metrics::mission_score;
 use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
+use apex_planning::obstacle::Obstacle;
 use apex_planning::solver::Budget;
 
 /// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged in addition.
@@ -238,9 +239,8 @@ impl<'a> Schedule<'a> {
     fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
         let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
         let open = windows.into_iter().flatten().find(|window| ready_s <= window.until_s + SAME_S);
-        open.map(|window| window.from_s.max(ready_s.min(window.until_s))).ok_or_else(|| {
-            Infeasibility::Impossible("its last time window closes before the vehicle can be there".to_string())
-        })
+        open.map(|window| window.from_s.max(ready_s.min(window.until_s)))
+            .ok_or_else(|| Infeasibility::Impossible(Obstacle::Window.to_string()))
     }
 
     /// Checks that the manoeuvre's lines are allowed while they are flown.
