@@ -99,23 +99,33 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
     for (name, bytes) in mission.data.iter() {
         recorder.source(name, "data", bytes)?;
     }
-    recorder.meta("mission", &mission.settings.name)?;
-    recorder.meta("agent", mission.agent.name.printed())?;
-    recorder.meta("vehicle", &mission.model.name)?;
-    if let Some(epoch) = &mission.settings.epoch_text {
-        recorder.meta("epoch_utc", epoch)?;
-    }
+    facts(mission).into_iter().try_for_each(|(key, value)| recorder.meta(key, &value))?;
+    target_rows(mission).iter().try_for_each(|target| recorder.target(target))
+}
+
+/// Returns the facts of a record that follow from its mission.
+pub(crate) fn facts(mission: &Mission) -> Vec<(&'static str, String)> {
+    let mut facts = vec![
+        ("mission", mission.settings.name.clone()),
+        ("agent", mission.agent.name.printed().to_string()),
+        ("vehicle", mission.model.name.clone()),
+    ];
+    facts.extend(mission.settings.epoch_text.iter().map(|epoch| ("epoch_utc", epoch.clone())));
+    facts
+}
+
+/// Returns the targets of a record that follow from its mission.
+pub(crate) fn target_rows(mission: &Mission) -> Vec<TargetRow> {
+    let mut rows = Vec::new();
     for target in mission.targets.iter().filter(|target| target.is_observable()) {
-        for (id, name, value) in target.plan_names() {
-            recorder.target(&TargetRow {
-                id,
-                name,
-                latitude_deg: target.position.latitude_deg,
-                longitude_deg: target.position.longitude_deg,
-                value,
-                geometry: target.geometry.clone(),
-            })?;
-        }
+        rows.extend(target.plan_names().into_iter().map(|(id, name, value)| TargetRow {
+            id,
+            name,
+            latitude_deg: target.position.latitude_deg,
+            longitude_deg: target.position.longitude_deg,
+            value,
+            geometry: target.geometry.clone(),
+        }));
     }
-    Ok(())
+    rows
 }

@@ -4,6 +4,7 @@ use crate::Mission;
 use crate::crew;
 use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
+use crate::flight::{facts, target_rows};
 use crate::program;
 use crate::recording::read;
 use crate::report::{Report, report};
@@ -13,7 +14,7 @@ use apex_model::event::Batch;
 use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::{RecordReader, RecordedStep, RestoredProgram, fold_both};
+use apex_runtime::record::{RecordReader, RecordedStep, RestoredProgram, TargetRow, fold_both};
 use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
@@ -54,6 +55,9 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
             let load = |sources: &[SourceFile]| crew::load_recorded_mission(&mission, sources);
             let mut report = replay_with(reader, &load, &mut deliberator).map_err(read)?;
             if report.difference.is_none() {
+                report.difference = description_difference(reader, &mission)?;
+            }
+            if report.difference.is_none() {
                 report.difference = report_difference(reader, &mission)?;
             }
             return Ok(report);
@@ -63,10 +67,29 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
     report.map_err(read)
 }
 
+/// Returns the first fact or target of the record that does not follow from the mission's files.
+fn description_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<Option<Difference>> {
+    let differ = |row: String, column: &'static str, recorded: Option<String>, replayed: Option<String>| {
+        let what = Differing::Row(row, column);
+        Ok(Some(Difference { at: Time::ZERO, batch: 0, what, recorded, replayed }))
+    };
+    for (key, made) in facts(mission) {
+        let stored = reader.meta(key).map_err(read)?;
+        if stored.as_ref() != Some(&made) {
+            return differ(format!("fact `{key}`"), "value", stored, Some(made));
+        }
+    }
+    let (stored, made) = (reader.target_rows().map_err(read)?, target_rows(mission));
+    let longest = stored.len().max(made.len());
+    let Some(index) = (0..longest).find(|index| stored.get(*index) != made.get(*index)) else { return Ok(None) };
+    let shown = |rows: &[TargetRow]| rows.get(index).map(|row| format!("{row:?}"));
+    differ(format!("target {}", index + 1), "", shown(&stored), shown(&made))
+}
+
 /// Returns the first section of the stored report that does not follow from the steps; `None` before the flight has ended.
 fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<Option<Difference>> {
     let stored = reader.report_sections().map_err(read)?;
-    if stored.is_empty() {
+    if stored.is_empty() && !reader.is_complete().map_err(read)? {
         return Ok(None);
     }
     let made = report_of(reader, mission)?.sections();

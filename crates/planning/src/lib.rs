@@ -7,6 +7,7 @@
 pub mod checker;
 pub mod examples;
 pub mod meter;
+pub mod obstacle;
 pub mod random;
 pub mod registry;
 pub mod solver;

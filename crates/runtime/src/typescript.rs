@@ -10,7 +10,7 @@ use crate::record::view::{
     LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents, ProgramFile,
     ProgramText, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section, Signal, SignalKind,
     SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow, Surroundings, Target,
-    TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
+    TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, VisitNeed, Zone,
 };
 use apex_typescript::{check, declaration};
 
@@ -36,6 +36,7 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<Target>(),
         declaration::<Targets>(),
         declaration::<PlannedVisit>(),
+        declaration::<VisitNeed>(),
         declaration::<LeftOutTarget>(),
         declaration::<PlanInForce>(),
         declaration::<Plans>(),

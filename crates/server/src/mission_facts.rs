@@ -12,7 +12,9 @@ pub(crate) struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.
     #[cfg_attr(test, ts(type = "'fixed-wing' | 'rotorcraft'"))]
     kind: &'static str,
-    /// Greatest permitted distance from a landing place, metres; `None` if the mission states none.
+    /// Length of the mission as planned, nanoseconds.
+    duration_ns: i64,
+    /// Greatest distance from a landing place that the mission allows, metres; none if it states none.
     landing_distance_m_max: Option<f64>,
     /// Windows of the wanted looks of targets. The page shows those of known targets.
     windows: Vec<WantedWindow>,
@@ -36,6 +38,7 @@ impl MissionFacts {
                 Airframe::FixedWing => "fixed-wing",
                 Airframe::Rotorcraft => "rotorcraft",
             },
+            duration_ns: mission.settings.duration.0,
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
             windows: mission.targets.iter().flat_map(windows_of).collect(),
         }

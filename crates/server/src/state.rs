@@ -18,11 +18,14 @@ use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use std::path::PathBuf;
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError, Weak};
+use std::time::Duration;
 use tokio::sync::Semaphore;
 
 /// Maximum number of queries answered at the same time.
 const CONNECTIONS: usize = 8;
+/// Time between two looks for the next segment of a record that is being written.
+const SEGMENT_LOOK: Duration = Duration::from_millis(500);
 
 /// Checks the PDL sources of a record again, so that an instant can be restored; the server itself has no parser.
 pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<RestoredProgram, String> + Send + Sync>;
@@ -36,8 +39,8 @@ pub(crate) struct AppState {
     /// Checks the recorded sources again; without it instants are not restored.
     pub(crate) load: Option<LoadSources>,
     /// Connections to the record, if there is one.
-    pub(crate) views: Option<Views>,
-    /// The record's checked program, loaded at its first use; the inner `None` if it cannot be loaded.
+    pub(crate) views: Option<Arc<Views>>,
+    /// The record's checked program, loaded at its first use; none if it cannot be loaded.
     pub(crate) program: OnceLock<Option<RestoredProgram>>,
     /// Facts of the record's mission, which never change; empty before the first request.
     pub(crate) facts: OnceLock<Option<MissionFacts>>,
@@ -127,22 +130,47 @@ impl AppState {
 
 /// Connections to one record. Each query uses one exclusively, so that a long query does not delay the others.
 pub(crate) struct Views {
-    free: Mutex<Vec<RecordView>>,
+    free: Mutex<Connections>,
     returned: Condvar,
 }
 
+/// Connections that no question uses.
+struct Connections {
+    views: Vec<RecordView>,
+    /// Rises when the record continues in a new file: connections to the file before are not used again.
+    file: u64,
+}
+
 impl Views {
-    /// Returns the connection `first` and copies of it.
+    /// Returns the connection `first` and copies of it. They follow a record that is still being written into its next segments.
     ///
     /// # Errors
     /// A view of the same record with another connection.
-    pub(crate) fn new(first: RecordView) -> Result<Views, RecordError> {
-        let mut views = Vec::with_capacity(CONNECTIONS);
-        for _ in 1..CONNECTIONS {
-            views.push(first.reopened()?);
+    pub(crate) fn new(first: RecordView) -> Result<Arc<Views>, RecordError> {
+        let is_growing = !first.growth()?.status.is_final();
+        let free = Mutex::new(Connections { views: copies(first)?, file: 0 });
+        let views = Arc::new(Views { free, returned: Condvar::new() });
+        if is_growing {
+            let followed = Arc::downgrade(&views);
+            std::thread::spawn(move || follow(&followed));
         }
-        views.push(first);
-        Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
+        Ok(views)
+    }
+
+    /// Changes over to the file in which the record continues, if there is one. True if the record cannot grow any longer.
+    fn look_for_segment(&self) -> Result<bool, RecordError> {
+        let looked = self.lend(|view| {
+            let is_final = view.growth()?.status.is_final();
+            Ok((is_final, view.reader().successor()?, view.reader().agent_number()))
+        });
+        let (is_final, segment, agent) = looked.unwrap_or(Ok((true, None, 0)))?;
+        let Some(segment) = segment else { return Ok(is_final) };
+        let views = copies(RecordView::open(&segment, agent)?)?;
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        *free = Connections { views, file: free.file + 1 };
+        drop(free);
+        self.returned.notify_all();
+        Ok(false)
     }
 
     /// Another connection, to the record's first agent.
@@ -161,11 +189,12 @@ impl Views {
     /// Waits for a connection; `None` if there is none.
     fn lend<T>(&self, query: impl FnOnce(&mut RecordView) -> T) -> Option<T> {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut free = self.returned.wait_while(free, |free| free.is_empty()).unwrap_or_else(PoisonError::into_inner);
-        let view = free.pop()?;
+        let free = self.returned.wait_while(free, |free| free.views.is_empty());
+        let mut free = free.unwrap_or_else(PoisonError::into_inner);
+        let (view, file) = (free.views.pop()?, free.file);
         drop(free);
-        // A panic of the query does not matter: it has written nothing, so the connection can be used again.
-        let mut lent = Lent { views: self, view: Some(view) };
+        // Also after a panic of the query: it has written nothing, so the connection is as good as before.
+        let mut lent = Lent { views: self, view: Some(view), file };
         lent.view.as_mut().map(query)
     }
 }
@@ -174,12 +203,40 @@ impl Views {
 struct Lent<'a> {
     views: &'a Views,
     view: Option<RecordView>,
+    /// [`Connections::file`] when it was lent.
+    file: u64,
 }
 
 impl Drop for Lent<'_> {
     fn drop(&mut self) {
-        self.views.free.lock().unwrap_or_else(PoisonError::into_inner).extend(self.view.take());
+        let mut free = self.views.free.lock().unwrap_or_else(PoisonError::into_inner);
+        if free.file == self.file {
+            free.views.extend(self.view.take());
+        }
+        drop(free);
         self.views.returned.notify_one();
+    }
+}
+
+/// Returns a view and copies of it.
+fn copies(first: RecordView) -> Result<Vec<RecordView>, RecordError> {
+    let mut views = Vec::with_capacity(CONNECTIONS);
+    for _ in 1..CONNECTIONS {
+        views.push(first.reopened()?);
+    }
+    views.push(first);
+    Ok(views)
+}
+
+/// Looks for the next segment of a record that is being written, until the record is complete or the server ends.
+fn follow(views: &Weak<Views>) {
+    loop {
+        std::thread::sleep(SEGMENT_LOOK);
+        let Some(views) = views.upgrade() else { return };
+        // A segment that cannot be read yet is read at the next look.
+        if views.look_for_segment().unwrap_or(false) {
+            return;
+        }
     }
 }
 
@@ -210,4 +267,53 @@ pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> ApiResult
             help: "this is a fault of Apex; please report it with the record".into(),
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use apex_mission::Mission;
+    use apex_mission::deliberation::PlanningResources;
+    use apex_mission::flight::MissionFlight;
+    use apex_runtime::record::RecordOptions;
+    use std::path::Path;
+
+    /// A flight of two minutes whose first file takes no more than 200 kB; returns its end.
+    fn fly_into_a_segment(first: &Path, spare: &Path) -> i64 {
+        let mission = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/first-picture");
+        let mission = Arc::new(Mission::load(&mission).unwrap());
+        let options = RecordOptions {
+            bytes_max: Some(200_000),
+            spare_folder: Some(spare.to_path_buf()),
+            ..RecordOptions::default()
+        };
+        let mut recorder = apex_simulation::create_record_with(first, &mission, Some(1), options).unwrap();
+        let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+        let terms = MissionFlight::terms(&mission, None);
+        let flown = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
+        assert_ne!(recorder.path(), first, "the record did not continue in a segment");
+        flown.end.at.0
+    }
+
+    #[test]
+    fn connections_change_over_to_the_segment_in_which_a_record_continues() {
+        let (folder, spare) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let first = folder.path().join("flight.apex");
+        let end_ns = fly_into_a_segment(&first, spare.path());
+        let views = Views::new(RecordView::open(&first, 0).unwrap()).unwrap();
+        let growth = |views: &Views| views.read(|view| Ok(view.growth()?)).unwrap();
+        let before = growth(&views);
+        assert!(before.end_ns < end_ns && !before.status.is_final(), "{before:?}");
+        // The thread of the server does this, too; whichever comes first.
+        while !views.look_for_segment().unwrap() {}
+        let after = growth(&views);
+        assert_eq!((after.end_ns, after.status), (end_ns, RecordStatus::Complete));
+        assert!(after.batches > before.batches);
+        let seen = views.read(|view| Ok(view.mission(Some(0))?.record)).unwrap();
+        assert!(seen.contains("-segment-"), "{seen}");
+        // All connections are of the new file.
+        assert_eq!(views.free.lock().unwrap().views.len(), CONNECTIONS);
+    }
 }

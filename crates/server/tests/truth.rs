@@ -8,7 +8,7 @@ use apex_executive::state::histories::history::Sample;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
-use apex_mission::recorded::{load_program, mission_of, report_until};
+use apex_mission::recorded::{load_program, mission_of, replay, report_until};
 use apex_mission::report::MissionValue;
 use apex_mission::score::ScoreHistory;
 use apex_model::source::SourceFile;
@@ -238,6 +238,61 @@ fn small_missions_show_what_was_known() {
             compare_with_agent(&record, agent, 200);
             compare_with_cut(&record, agent, 20);
         }
+    }
+}
+
+#[test]
+fn targets_have_the_values_and_observations_of_the_instant() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = flown(folder.path(), "structure-watch", 2.0);
+    let mut view = RecordView::open(&record, 0).unwrap();
+    let minutes = |minutes: i64| Some(minutes * 60_000_000_000);
+    let mut target = |id: &str, at_ns| {
+        let targets = view.targets(at_ns).unwrap().targets;
+        targets.into_iter().find(|target| target.id == id).unwrap()
+    };
+    // The scenario re-values the winery at 20 min, and drops the eastern cabin at 15 min.
+    assert_eq!([19, 20, 50].map(|at| target("winery", minutes(at)).value), [Some(150.0), Some(300.0), Some(300.0)]);
+    let cabin = target("cabin-east", minutes(50));
+    assert_eq!((cabin.since_ns, cabin.detail.as_deref()), (minutes(15), Some("no longer a target")));
+    // The barn is seen after four minutes; plans from 11 min on leave it out.
+    let barn = [4, 5, 50].map(|at| target("barn", minutes(at)));
+    assert_eq!(barn.each_ref().map(|barn| barn.observed_ns.is_some()), [false, true, true]);
+    assert_eq!(barn[2].state.as_deref(), Some("skipped"));
+    // The report, which is made of the steps alone, counts the same observations.
+    let end = view.mission(None).unwrap();
+    let report = view.report(None).unwrap();
+    let score = report.sections.iter().find(|section| section.section == "score").unwrap();
+    let seen = score.body["pictures"].as_array().unwrap().iter().filter(|one| one["seen"].as_u64() > Some(0)).count();
+    assert_eq!((end.observed, end.targets, end.score_kind.as_deref()), (seen, 17, Some("expected-cost-of-ignorance")));
+    assert!(seen > 5, "{seen}");
+}
+
+/// Changes of a record that follow from its mission; each is sealed again, so that only replay can tell.
+const FORGERIES: [&str; 7] = [
+    "UPDATE target SET value = value + 1",
+    "UPDATE target SET latitude_deg = latitude_deg + 1, name = 'elsewhere' WHERE position = 1",
+    "DELETE FROM target WHERE position = (SELECT max(position) FROM target)",
+    "DELETE FROM report",
+    "UPDATE meta SET value = 'another' WHERE key = 'mission'",
+    "UPDATE meta SET value = 'another' WHERE key = 'vehicle'",
+    "UPDATE meta SET value = '2001-01-01T00:00:00Z' WHERE key = 'epoch_utc'",
+];
+
+#[test]
+fn replay_compares_what_follows_from_the_mission() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = flown(folder.path(), "stand-off", 0.1);
+    let replayed = |record: &Path| replay(&RecordReader::open(record).unwrap()).unwrap().difference;
+    assert_eq!(replayed(&record), None);
+    for forgery in FORGERIES {
+        let forged = folder.path().join("forged.apex");
+        std::fs::copy(&record, &forged).unwrap();
+        let connection = rusqlite::Connection::open(&forged).unwrap();
+        connection.execute_batch(&format!("{forgery}; DELETE FROM seal")).unwrap();
+        seal_rows(&connection).unwrap();
+        drop(connection);
+        assert!(replayed(&forged).is_some(), "replay confirms: {forgery}");
     }
 }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { changesOf, changeWords, needsOf } from './plans';
-import type { PlanInForce } from './types';
+import type { PlanInForce, VisitNeed } from './types';
 
 const MINUTE = 60e9;
 function plan(number: number, adopted: number, visits: [string, number][], left: string[]): PlanInForce {
@@ -14,7 +14,7 @@ function plan(number: number, adopted: number, visits: [string, number][], left:
       begin_ns: begin * MINUTE,
       end_ns: (begin + 1) * MINUTE,
     })),
-    left_out: left.map(target => ({ target, reason: 'too far' })),
+    left_out: left.map(target => ({ target, reason: 'too far', needs: null })),
   };
 }
 
@@ -63,34 +63,22 @@ describe('what a plan changed', () => {
   });
 });
 
-// The reasons are those given by the planners in crates/solvers and crates/planning.
-it('a reason fills the column that it is about, with the figures of the planner', () => {
-  const column = (reason: string) => Object.entries(needsOf(reason)).filter(([, text]) => text !== '');
-  expect(column('needs 33 s more than the end of the mission leaves')).toEqual([
-    ['time', '33 s more than the end of the mission'],
+it('what a target lacks fills the column that it is about, with the figures of the planner', () => {
+  const column = (needs: VisitNeed | null, reason = '') =>
+    Object.entries(needsOf({ needs, reason })).filter(([, text]) => text !== '');
+  const time = { kind: 'time' as const, limit: 'the end of the mission', is_energy: false, alone: false };
+  expect(column({ ...time, more_s: 33 })).toEqual([['time', '33 s more than the end of the mission']]);
+  expect(column({ ...time, more_s: 720, alone: true })).toEqual([
+    ['time', '12 min 00 s more than the end of the mission, even alone'],
   ]);
-  expect(column('needs 12 min more than the end of the mission leaves, even alone')).toEqual([
-    ['time', '12 min more than the end of the mission, even alone'],
+  expect(column({ ...time, more_s: 7, limit: 'endurance', is_energy: true })).toEqual([
+    ['fuel', 'for 7.0 s more'],
   ]);
-  expect(column('needs 179 s more than the horizon allows')).toEqual([
-    ['time', '179 s more than the horizon'],
-  ]);
-  expect(
-    column('needs 2 min more than the battery leaves: it has 40 min above its reserve of 11 min'),
-  ).toEqual([['fuel', 'for 2 min more']]);
-  expect(column('needs 7 s more than endurance leaves')).toEqual([['fuel', 'for 7 s more']]);
-  expect(column('would lower the score by 0.42: the time it takes costs more than it is worth')).toEqual([
-    ['value', 'at least 0.42 more'],
-  ]);
-  expect(
-    column(
-      'one visit on the way would raise the expected cost from 189.4910 to 193.7292: the others would wait longer',
-    ),
-  ).toEqual([['value', '4.24 more of expected cost']]);
-  expect(
-    column('does not fit between the others: its last time window closes before the vehicle can be there'),
-  ).toEqual([['window', 'one that closes later']]);
-  expect(column('inside restricted area Compressor station')).toEqual([
+  expect(column({ kind: 'value', more: 0.42 })).toEqual([['value', 'at least 0.42 more']]);
+  expect(column({ kind: 'value', more: null })).toEqual([['value', 'more than 0']]);
+  expect(column({ kind: 'cost', more: 4.2382 })).toEqual([['value', '4.24 more of expected cost']]);
+  expect(column({ kind: 'window' })).toEqual([['window', 'one that closes later']]);
+  expect(column(null, 'inside restricted area Compressor station')).toEqual([
     ['other', 'inside restricted area Compressor station'],
   ]);
 });

@@ -1,6 +1,7 @@
 /** The changes of a plan from the previous one; pure. */
 
-import type { PlanInForce } from './types';
+import { span } from '../time/format';
+import type { LeftOutTarget, PlanInForce } from './types';
 
 /** Visits whose begins differ by less count as the same. */
 const SAME_NS = 60e9;
@@ -75,30 +76,33 @@ export interface Needs {
   window: string;
   fuel: string;
   time: string;
-  /** The other obstacles, such as airspace. */
+  /** The other obstacles, such as airspace, in the planner's words. */
   other: string;
 }
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
-/** The planner's reason, in the column to which it belongs. The figures are the planner's. */
-export function needsOf(reason: string): Needs {
-  const lack = /^needs (.+?) more than (.+?)( leaves| allows)?(, even alone)?(?:: (.*))?$/.exec(reason);
-  if (lack) {
-    const [, more = '', limit = '', , alone] = lack;
-    const even = alone ? ', even alone' : '';
-    // Energy is stated as the time for which it lasts.
-    return /fuel|battery|endurance/.test(limit)
-      ? { ...NONE, fuel: `for ${more} more${even}` }
-      : { ...NONE, time: `${more} more than ${limit}${even}` };
+/** What a target that is left out lacks, in the column that it is about. The figures are the planner's own. */
+export function needsOf({ needs, reason }: Pick<LeftOutTarget, 'needs' | 'reason'>): Needs {
+  switch (needs?.kind) {
+    case 'time': {
+      const even = needs.alone ? ', even alone' : '';
+      const more = span(needs.more_s * 1e9);
+      // Energy is stated as the time that it lasts.
+      return needs.is_energy
+        ? { ...NONE, fuel: `for ${more} more${even}` }
+        : { ...NONE, time: `${more} more than ${needs.limit}${even}` };
+    }
+    case 'value':
+      return {
+        ...NONE,
+        value: needs.more === null ? 'more than 0' : `at least ${needs.more.toFixed(2)} more`,
+      };
+    case 'cost':
+      return { ...NONE, value: `${needs.more.toFixed(2)} more of expected cost` };
+    case 'window':
+      return { ...NONE, window: 'one that closes later' };
+    default:
+      return { ...NONE, other: reason };
   }
-  const loss = /^would lower the score by ([\d.]+)/.exec(reason);
-  if (loss) return { ...NONE, value: `at least ${loss[1]} more` };
-  const cost = /raise the expected cost from ([\d.]+) to ([\d.]+)/.exec(reason);
-  if (cost)
-    return { ...NONE, value: `${(Number(cost[2]) - Number(cost[1])).toFixed(2)} more of expected cost` };
-  if (/worth nothing/.test(reason)) return { ...NONE, value: 'more than 0, and a manoeuvre that earns it' };
-  if (/window closes/.test(reason)) return { ...NONE, window: 'one that closes later' };
-  if (/time window|by daylight|by night/.test(reason)) return { ...NONE, window: reason };
-  return { ...NONE, other: reason };
 }

@@ -81,7 +81,9 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
   const known = plans.filter(plan => plan.adopted_ns <= atNs);
   const last = known.at(-1)?.number;
   const rows = targets.map(target => {
-    const own = visits.filter(visit => visit.id === target.id && visit.toNs > visit.fromNs);
+    const own = visits.filter(
+      visit => visit.id === target.id && (visit.toNs > visit.fromNs || visit.state === 'observed'),
+    );
     const threads = known.flatMap(plan => threadOf(plan, target.id, plan.number === last));
     const row = {
       id: target.id,
@@ -138,7 +140,9 @@ function wordsOf(row: Omit<TargetRow, 'words'>): string {
   if (thread?.beginNs != null) parts.push(`planned ${missionTime(thread.beginNs)}`);
   else if (thread) parts.push(`left out: ${thread.reason}`);
   const [first] = row.visits;
-  if (first) parts.push(`visited ${missionTime(first.fromNs)} to ${missionTime(first.toNs)}`);
+  if (first && first.toNs > first.fromNs)
+    parts.push(`visited ${missionTime(first.fromNs)} to ${missionTime(first.toNs)}`);
+  else if (first) parts.push(`observed ${missionTime(first.fromNs)}`);
   if (row.reflies.length > 0) parts.push(`interrupted ${row.reflies.length}×`);
   if (row.value !== null) parts.push(`worth up to ${row.value}`);
   for (const factor of row.factors) parts.push(`${factor.name} ${factor.value.toFixed(2)}`);

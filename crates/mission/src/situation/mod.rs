@@ -28,7 +28,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
-use apex_runtime::target_state::{TargetChange, TargetState};
+use apex_runtime::target_state::{TARGET_GONE, TargetChange, TargetState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -281,7 +281,7 @@ impl Situation {
                 let printed = printed.clone();
                 let note = self.updates.apply(update);
                 self.note(at, note);
-                self.change(printed, at, TargetState::Skipped, "no longer a target".to_string());
+                self.change(printed, at, TargetState::Skipped, TARGET_GONE.to_string());
             }
             _ => {
                 let note = self.updates.apply(update);

@@ -6,12 +6,12 @@ use apex_model::planned::Location;
 use apex_model::problem::{CostFunction, EventRate, Position, WindField};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
+use apex_runtime::target_state::{NEW_VALUE, TARGET_VALUE_MAX};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Maximum value of a target and rate of its events: as in the mission's own files.
-const VALUE_MAX: f64 = 1e9;
 const RATE_PER_H_MAX: f64 = 1e6;
 /// Corners of an outline.
 const CORNERS_MAX: usize = 2_000;
@@ -69,7 +69,7 @@ impl MissionUpdate {
         Some(match head {
             "new-target" => MissionUpdate::NewTarget(subject),
             "target-gone" => MissionUpdate::TargetGone { target: subject, printed: first.to_string() },
-            "new-value" => amount(VALUE_MAX, MissionUpdate::NewValue),
+            NEW_VALUE => amount(TARGET_VALUE_MAX, MissionUpdate::NewValue),
             "new-likelihood" => amount(RATE_PER_H_MAX, MissionUpdate::NewLikelihood),
             "new-forecast" => MissionUpdate::NewForecast(subject),
             "new-perimeter" => match items.get(1).and_then(outline) {

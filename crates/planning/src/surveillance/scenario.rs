@@ -5,6 +5,7 @@
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use super::reach;
+use crate::obstacle::{Obstacle, TimeLimit};
 use crate::solver::{Budget, WORK_UNIT};
 use apex_metrics::eci;
 use apex_model::problem::{
@@ -347,9 +348,7 @@ impl<'a> Scenario<'a> {
             return "no time is left for it among the others".to_string();
         }
         if best > cost {
-            format!(
-                "one visit on the way would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer"
-            )
+            Obstacle::ExpectedCost { without: cost, with: best }.to_string()
         } else {
             format!(
                 "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"
@@ -369,8 +368,10 @@ impl<'a> Scenario<'a> {
             return "leaves no way back to the base".to_string();
         }
         let over_s = there_s + dwell_s + home_s - self.limit_s;
-        let what = if self.limit_s < self.problem.horizon_s { "endurance leaves" } else { "the horizon allows" };
-        format!("needs {over_s:.0} s more than {what}")
+        if self.limit_s < self.problem.horizon_s {
+            return format!("needs {over_s:.0} s more than endurance leaves");
+        }
+        Obstacle::Late { over_s, limit: TimeLimit::Horizon, alone: false }.to_string()
     }
 }
 

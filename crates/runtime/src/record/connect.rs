@@ -127,8 +127,13 @@ static COPIES: AtomicU64 = AtomicU64::new(0);
 impl Copied {
     /// Creates an empty folder and returns the path of the copy in it.
     pub(super) fn folder() -> std::io::Result<Copied> {
+        Copied::folder_in(&std::env::temp_dir())
+    }
+
+    /// As [`Copied::folder`], in `place`.
+    pub(super) fn folder_in(place: &Path) -> std::io::Result<Copied> {
         let number = COPIES.fetch_add(1, Ordering::Relaxed);
-        let folder = std::env::temp_dir().join(format!("apex-record-{}-{number}", std::process::id()));
+        let folder = place.join(format!("apex-record-{}-{number}", std::process::id()));
         // A folder that exists already belongs to another program.
         fs::create_dir(&folder)?;
         Ok(Copied { record: folder.join("copy.apex"), folder })

@@ -34,11 +34,16 @@ pub(super) struct RecordingLoss {
     pub(super) reason: String,
     pub(super) tried: Instant,
     pub(super) attempts: u32,
+    /// Kept steps that attempts have stored so far, and the segment that the last of them has begun.
+    pub(super) stored: u64,
+    pub(super) segment: Option<PathBuf>,
+    /// First and last batch of those that memory could not keep.
+    pub(super) gap: Option<(i64, i64)>,
 }
 
 impl RecordingLoss {
     pub(super) fn new(since: Time, reason: String) -> RecordingLoss {
-        RecordingLoss { since, reason, tried: Instant::now(), attempts: 0 }
+        RecordingLoss { since, reason, tried: Instant::now(), attempts: 0, stored: 0, segment: None, gap: None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reads single effects, with their texts.
 
 use super::codec;
-use super::effects::{BLOCK_EFFECTS, EffectKind, EffectNeed, EffectReader, EffectTable, StepRow};
+use super::effects::{BLOCK_EFFECTS, EffectKind, EffectNeed, EffectReader, EffectTable, Item, StepRow};
 use super::reader::RecordReader;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
@@ -112,6 +112,16 @@ impl Effects<'_> {
         &self,
         places: std::ops::Range<usize>,
         wanted: impl Fn(&EffectKind) -> EffectNeed,
+        take: impl FnMut(ScannedEffect) -> Result<(), RecordError>,
+    ) -> Result<(), RecordError> {
+        self.scan_items(places, |kind, _, _| wanted(kind), take)
+    }
+
+    /// As [`Effects::scan`]; what is wanted depends on the stored effect and its task, too.
+    pub(in crate::record) fn scan_items(
+        &self,
+        places: std::ops::Range<usize>,
+        mut wanted: impl FnMut(&EffectKind, Option<u64>, &Item<'_>) -> EffectNeed,
         mut take: impl FnMut(ScannedEffect) -> Result<(), RecordError>,
     ) -> Result<(), RecordError> {
         let mut place = places.start;
@@ -128,13 +138,14 @@ impl Effects<'_> {
                 && let Some(item) = items.read().map_err(garbled)?
             {
                 let kind = self.table.kind(at).filter(|_| at >= place);
-                let effect = match kind.map_or(EffectNeed::Nothing, &wanted) {
+                let task = self.table.task(at);
+                let effect = match kind.map_or(EffectNeed::Nothing, |kind| wanted(kind, task, &item)) {
                     EffectNeed::Nothing => None,
                     EffectNeed::Kind => Some(None),
                     EffectNeed::Effect => Some(Some(item.effect().map_err(garbled)?)),
                 };
                 if let (Some(effect), Some(kind)) = (effect, kind) {
-                    take(ScannedEffect { place: at, at: step.at, kind: *kind, task: self.table.task(at), effect })?;
+                    take(ScannedEffect { place: at, at: step.at, kind: *kind, task, effect })?;
                 }
                 at += 1;
             }

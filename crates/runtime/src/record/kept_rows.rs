@@ -12,6 +12,8 @@ struct Chunk {
     steps: u64,
     /// Numbers of the first and last batch contained.
     batches: Option<(i64, i64)>,
+    /// Instant of the last batch.
+    at_ns: i64,
 }
 
 /// Steps that were dropped because memory is bounded.
@@ -21,12 +23,22 @@ pub(super) struct Gap {
     pub(super) last_batch: i64,
 }
 
+/// The oldest rows that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct KeptPart {
+    chunks: usize,
+    /// Number and instant of its last batch; `None` without one.
+    pub(super) last: Option<(i64, i64)>,
+}
+
 /// Rows in the order in which they were written.
 pub(super) struct KeptRows {
     /// Rows of steps that must not be dropped: sources, variables, facts.
     lasting: Vec<u8>,
     /// All rows that every segment needs since the beginning, including committed ones: a new segment begins with them.
     ever_lasting: Vec<u8>,
+    /// Bytes of `ever_lasting` that are committed.
+    committed: usize,
     chunks: VecDeque<Chunk>,
     /// Rows since the last step ended.
     open: Chunk,
@@ -43,6 +55,7 @@ impl KeptRows {
         KeptRows {
             lasting: Vec::new(),
             ever_lasting: Vec::new(),
+            committed: 0,
             chunks,
             open,
             bytes: 0,
@@ -63,12 +76,13 @@ impl KeptRows {
         let count = bytes.len();
         bytes.push(0);
         for (number, cell) in (1..).zip(cells) {
-            if table == Table::Batch
-                && number == 1
-                && let Cell::Integer(batch) = cell
-            {
-                let first = self.open.batches.map_or(batch, |(first, _)| first);
-                self.open.batches = Some((first, batch));
+            match (table, number, cell) {
+                (Table::Batch, 1, Cell::Integer(batch)) => {
+                    let first = self.open.batches.map_or(batch, |(first, _)| first);
+                    self.open.batches = Some((first, batch));
+                }
+                (Table::Batch, 2, Cell::Integer(at_ns)) => self.open.at_ns = at_ns,
+                _ => {}
             }
             put(bytes, cell);
             if let Some(count) = bytes.get_mut(count) {
@@ -123,23 +137,61 @@ impl KeptRows {
         }
     }
 
-    /// Calls `each` with every row, in order.
-    pub(super) fn each<E>(&self, mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>) -> Result<(), E> {
-        let chunks = self.chunks.iter().map(|chunk| &chunk.bytes);
-        let mut all = [&self.lasting].into_iter().chain(chunks).chain([&self.open.bytes]);
-        all.try_for_each(|bytes| each_in(bytes, &mut each))
+    /// Returns the oldest rows that are stored together: whole steps of about `bytes`. `None` if nothing is kept.
+    pub(super) fn part(&self, bytes: usize) -> Option<KeptPart> {
+        let mut part = KeptPart { chunks: 0, last: None };
+        let mut sum = 0;
+        for chunk in self.chunks.iter().chain([&self.open]) {
+            if part.chunks > 0 && sum + chunk.bytes.len() > bytes {
+                break;
+            }
+            sum += chunk.bytes.len();
+            part.chunks += 1;
+            part.last = chunk.batches.map(|(_, batch)| (batch, chunk.at_ns)).or(part.last);
+        }
+        (sum > 0 || !self.lasting.is_empty() || self.gap.is_some()).then_some(part)
     }
 
-    /// Calls `each` with the rows with which a new segment begins: all rows since the beginning that later steps need, and the other kept
-    /// rows.
-    pub(super) fn each_of_segment<E>(
+    /// Calls `each` with every row of a part, in order.
+    pub(super) fn each<E>(
         &self,
+        part: &KeptPart,
         mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>,
     ) -> Result<(), E> {
-        each_in(&self.ever_lasting, &mut each)?;
-        let mut others = |table: Table, cells: &[Cell<'_>]| if lasts(table) { Ok(()) } else { each(table, cells) };
-        let chunks = self.chunks.iter().map(|chunk| &chunk.bytes);
-        chunks.chain([&self.open.bytes]).try_for_each(|bytes| each_in(bytes, &mut others))
+        let chunks = self.chunks.iter().chain([&self.open]).take(part.chunks).map(|chunk| &chunk.bytes);
+        [&self.lasting].into_iter().chain(chunks).try_for_each(|bytes| each_in(bytes, &mut each))
+    }
+
+    /// Calls `each` with the committed rows without which later steps cannot be read: a new segment begins with them.
+    pub(super) fn each_committed<E>(&self, mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>) -> Result<(), E> {
+        each_in(self.ever_lasting.get(..self.committed).unwrap_or_default(), &mut each)
+    }
+
+    /// Gives the facts that are kept higher positions, so that `count` facts can be stored before them. Returns the first free position;
+    /// `None` if no fact is kept.
+    pub(super) fn make_way(&mut self, count: i64) -> Option<i64> {
+        let KeptRows { lasting, ever_lasting, chunks, open, committed, .. } = self;
+        let chunks = chunks.iter_mut().chain([open]).map(|chunk| &mut chunk.bytes[..]);
+        let copies = ever_lasting.get_mut(*committed..).into_iter();
+        let all = [&mut lasting[..]].into_iter().chain(chunks).chain(copies);
+        all.filter_map(|bytes| move_facts(bytes, count)).min()
+    }
+
+    /// Forgets a part, which is on the disk.
+    pub(super) fn stored(&mut self, part: &KeptPart) {
+        let lasting = std::mem::take(&mut self.lasting);
+        (self.bytes, self.committed) = (self.bytes - lasting.len(), self.committed + lasting.len());
+        self.gap = None;
+        let whole = part.chunks.min(self.chunks.len());
+        let mut stored: Vec<Chunk> = self.chunks.drain(..whole).collect();
+        if part.chunks > whole {
+            stored.push(std::mem::take(&mut self.open));
+        }
+        for chunk in stored {
+            self.bytes -= chunk.bytes.len();
+            let lasting = rows(&chunk.bytes).filter(|(table, _)| lasts(*table));
+            self.committed += lasting.map(|(_, row)| row.len()).sum::<usize>();
+        }
     }
 
     /// Forgets all rows: they are on the disk.
@@ -149,6 +201,7 @@ impl KeptRows {
         self.open.bytes.clear();
         (self.open.steps, self.open.batches) = (0, None);
         (self.bytes, self.gap, self.is_too_large) = (0, None, false);
+        self.committed = self.ever_lasting.len();
     }
 
     /// Steps that are kept.
@@ -193,6 +246,29 @@ pub(super) fn lasts(table: Table) -> bool {
         | Table::Situation
         | Table::Track => false,
     }
+}
+
+/// Adds `count` to the positions of the facts in `bytes`; returns the first one as it was.
+fn move_facts(bytes: &mut [u8], count: i64) -> Option<i64> {
+    let facts: Vec<usize> = rows(bytes)
+        .scan(0, |end, (table, row)| {
+            let begin = *end;
+            *end += row.len();
+            Some((table, begin))
+        })
+        .filter_map(|(table, begin)| (table == Table::Meta).then_some(begin))
+        .collect();
+    let mut first = None;
+    for begin in facts {
+        // After the table, the number of cells and the kind of the first cell.
+        let position = bytes.get_mut(begin + 3..).and_then(|rest| rest.first_chunk_mut::<8>());
+        if let Some(position) = position {
+            let before = i64::from_le_bytes(*position);
+            first.get_or_insert(before);
+            *position = (before + count).to_le_bytes();
+        }
+    }
+    first
 }
 
 fn put(bytes: &mut Vec<u8>, cell: Cell<'_>) {
@@ -257,8 +333,13 @@ mod tests {
     use super::*;
 
     fn shown(kept: &KeptRows) -> Vec<String> {
+        let part = kept.part(usize::MAX).unwrap_or(KeptPart { chunks: 0, last: None });
+        shown_of(kept, &part)
+    }
+
+    fn shown_of(kept: &KeptRows, part: &KeptPart) -> Vec<String> {
         let mut all = Vec::new();
-        let shown = kept.each(|table, cells| {
+        let shown = kept.each(part, |table, cells| {
             all.push(format!("{} {cells:?}", table.name()));
             Ok::<(), ()>(())
         });
@@ -294,6 +375,60 @@ mod tests {
         assert_eq!((gap.first_batch, gap.last_batch + kept.steps() as i64), (1, 40));
         assert!(all[0].starts_with("variable") && all.len() as u64 == kept.steps() + 1, "{all:?}");
         assert!((5..=9).contains(&kept.steps()), "{}", kept.steps());
+    }
+
+    #[test]
+    fn parts_are_whole_steps_in_order() {
+        let mut kept = KeptRows::new(1 << 20);
+        kept.row(Table::Source, [Cell::Integer(1)]);
+        kept.clear();
+        for batch in 1..=10 {
+            kept.row(Table::Batch, [Cell::Integer(batch), Cell::Integer(batch * 100), Cell::Blob(&[1; 200])]);
+            if batch == 2 {
+                kept.row(Table::Word, [Cell::Integer(1)]);
+            }
+            kept.end_step(true);
+        }
+        let whole = shown(&kept);
+        let mut parts = Vec::new();
+        let mut lasts = Vec::new();
+        while let Some(part) = kept.part(500) {
+            parts.extend(shown_of(&kept, &part));
+            lasts.push(part.last);
+            kept.stored(&part);
+            let mut committed = Vec::new();
+            kept.each_committed(|table, _| {
+                committed.push(table);
+                Ok::<(), ()>(())
+            })
+            .unwrap();
+            assert_eq!(committed, [Table::Source, Table::Word], "after {part:?}");
+        }
+        assert_eq!((parts, kept.bytes, kept.steps()), (whole, 0, 0));
+        assert_eq!(lasts, [2, 4, 6, 8, 10].map(|batch| Some((batch, batch * 100))));
+    }
+
+    #[test]
+    fn kept_facts_make_way_for_others() {
+        let mut kept = KeptRows::new(1 << 20);
+        kept.row(Table::Meta, [Cell::Integer(1), Cell::Text(b"mission")]);
+        kept.clear();
+        assert_eq!(kept.make_way(2), None);
+        kept.row(Table::Note, [Cell::Integer(9)]);
+        kept.row(Table::Meta, [Cell::Integer(2), Cell::Text(b"end_ns")]);
+        kept.row(Table::Meta, [Cell::Integer(3), Cell::Text(b"complete")]);
+        assert_eq!(kept.make_way(2), Some(2));
+        let meta = |position, key: &'static [u8]| format!("meta {:?}", [Cell::Integer(position), Cell::Text(key)]);
+        let note = format!("note {:?}", [Cell::Integer(9)]);
+        assert_eq!(shown(&kept), [note, meta(4, b"end_ns"), meta(5, b"complete")]);
+        kept.clear();
+        let mut committed = Vec::new();
+        kept.each_committed(|table, cells| {
+            committed.push(format!("{} {cells:?}", table.name()));
+            Ok::<(), ()>(())
+        })
+        .unwrap();
+        assert_eq!(committed, [meta(1, b"mission"), meta(4, b"end_ns"), meta(5, b"complete")]);
     }
 
     #[test]

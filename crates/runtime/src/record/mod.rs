@@ -45,6 +45,7 @@ pub use convert::convert;
 pub(crate) use difference::RowDifference;
 pub(crate) use effect_access::{Effects, Told};
 pub use effects::EffectRows;
+use effects::Item;
 pub(crate) use effects::{EffectKind, EffectNeed};
 pub use file_seal::FileSeal;
 pub use fold::fold_both;

@@ -8,7 +8,7 @@ use super::check::{self, CheckProgress, Damage, NoVisitor};
 use super::connect::{Copied, connect, immutable, plain};
 use super::file_seal::FileSeal;
 use super::schema;
-use super::segment_join::{ChainFault, SegmentChain};
+use super::segment_join::{ChainFault, Joined, SegmentChain, SharedFollower};
 use super::segments::continuation;
 use crate::error::RecordError;
 use rusqlite::Connection;
@@ -37,6 +37,8 @@ pub(super) struct Opened {
     pub(super) copy: Option<Arc<Copied>>,
     /// The file that the record continues, if it cannot be found: this file is then read alone.
     pub(super) missing: Option<PathBuf>,
+    /// Continues the copy of joined segments.
+    pub(super) follower: Option<SharedFollower>,
 }
 
 /// Opens the record at `path` and checks it.
@@ -46,7 +48,7 @@ pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
     let mut missing = None;
     if is_segment {
         match SegmentChain::open(path) {
-            Ok(Some(chain)) => return joined(&chain),
+            Ok(Some(chain)) => return joined(chain),
             Ok(None) => {}
             Err(ChainFault::Missing(earlier)) => missing = Some(earlier),
             Err(ChainFault::Other(error)) => return Err(error),
@@ -64,39 +66,62 @@ pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
             Trust::Groups(position, seal)
         }
     };
-    Ok(Opened { connection, trust, copy, missing })
+    Ok(Opened { connection, trust, copy, missing, follower: None })
 }
 
-/// Opens a joined copy of the segments of a record.
-fn joined(chain: &SegmentChain) -> Result<Opened, RecordError> {
+/// Opens a joined copy of the segments of a record: in the folder for temporary files, or next to the last segment where that takes
+/// none, because both are on the disk that is full.
+fn joined(chain: SegmentChain) -> Result<Opened, RecordError> {
     let path = chain.paths().pop().unwrap_or_default();
-    let damaged = |what: String| RecordError::Damaged { path: path.clone(), what };
-    let copy = Copied::folder().map_err(|error| damaged(format!("its segments cannot be joined ({error})")))?;
+    let is_changed = chain.is_changed();
+    let made = join_in(&chain, &path, &std::env::temp_dir());
+    let next_to = path.parent().filter(|_| made.as_ref().is_err_and(is_of_the_disk));
+    let (copy, target, found) = next_to.map_or(made, |folder| join_in(&chain, &path, folder))?;
+    if let Some(damage) = &found.damage {
+        return Err(RecordError::Damaged { path, what: damage.to_string() });
+    }
+    let position = found.position.clone();
+    let follower = chain.follow(target, found);
+    let seal = if is_changed { FileSeal::Broken } else { FileSeal::None };
+    let connection = plain(&copy.record, &path)?;
+    let trust = Trust::Groups(position, seal);
+    Ok(Opened { connection, trust, copy: Some(Arc::new(copy)), missing: None, follower })
+}
+
+/// Joins the segments of the record that ends with `path` into a copy in a folder.
+fn join_in(chain: &SegmentChain, path: &Path, folder: &Path) -> Result<(Copied, Connection, Joined), RecordError> {
+    let copy = Copied::folder_in(folder).map_err(|error| RecordError::Unwritable {
+        path: path.to_path_buf(),
+        doing: "joining its segments".into(),
+        reason: error.to_string(),
+    })?;
     let target = schema::create(&copy.record)?;
     let found = chain.join_into(&target, &copy.record)?;
-    drop(target);
-    if let Some(damage) = found.damage {
-        return Err(damaged(damage.to_string()));
-    }
-    let seal = if chain.is_changed() { FileSeal::Broken } else { FileSeal::None };
-    let connection = plain(&copy.record, &path)?;
-    Ok(Opened { connection, trust: Trust::Groups(found.position, seal), copy: Some(Arc::new(copy)), missing: None })
+    Ok((copy, target, found))
+}
+
+fn is_of_the_disk(error: &RecordError) -> bool {
+    matches!(error, RecordError::Unwritable { .. } | RecordError::DiskFull { .. })
 }
 
 /// Opens a record again that was checked a moment ago.
-pub(super) fn open_again(path: &Path, before: (&Trust, Option<&Arc<Copied>>)) -> Result<Opened, RecordError> {
-    let (trust, copy) = before;
+pub(super) fn open_again(
+    path: &Path,
+    before: (&Trust, Option<&Arc<Copied>>, Option<&SharedFollower>),
+) -> Result<Opened, RecordError> {
+    let (trust, copy, follower) = before;
     match trust {
         Trust::File(stamped) if *stamped != stamp(path) => open(path),
         Trust::File(_) => {
             let connection = immutable(path)?;
-            Ok(Opened { connection, trust: trust.clone(), copy: None, missing: None })
+            Ok(Opened { connection, trust: trust.clone(), copy: None, missing: None, follower: None })
         }
         Trust::Groups(..) => {
             let place = copy.map_or(path, |copy| &copy.record);
             let connection = plain(place, path).or_else(|_| immutable(place))?;
             check::check_schema(&connection).map_err(|what| RecordError::Damaged { path: path.to_path_buf(), what })?;
-            Ok(Opened { connection, trust: trust.clone(), copy: copy.cloned(), missing: None })
+            let (copy, follower) = (copy.cloned(), follower.cloned());
+            Ok(Opened { connection, trust: trust.clone(), copy, missing: None, follower })
         }
     }
 }
@@ -173,8 +198,8 @@ fn check_segments(path: &Path) -> Result<(Vec<PathBuf>, CheckProgress), String> 
     let chain = chain.ok_or("its segments cannot be found")?;
     let copy = Copied::folder().map_err(|error| format!("its segments cannot be joined ({error})"))?;
     let target = schema::create(&copy.record).map_err(|error| error.to_string())?;
-    let joined = chain.join_into(&target, &copy.record).map_err(|error| error.to_string())?;
     let mut paths = chain.paths();
     paths.pop();
+    let joined = chain.join_into(&target, &copy.record).map_err(|error| error.to_string())?;
     Ok((paths, joined.position))
 }

@@ -7,6 +7,8 @@ use super::file_seal::FileSeal;
 use super::known_tasks::KnownTasks;
 use super::open::{self, Opened, Trust};
 use super::schema::{self, read_error};
+use super::segment_join::SharedFollower;
+use super::segments::{SPARE_FOLDER, SegmentPlaces};
 use super::steps::Steps;
 use crate::error::RecordError;
 use apex_model::event::{EventKind, StateVariable};
@@ -18,7 +20,7 @@ use apex_model::value::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// An open flight record. A record that is still being written can be read; it contains the committed steps.
 pub struct RecordReader {
@@ -34,7 +36,9 @@ pub struct RecordReader {
     copy: Option<Arc<Copied>>,
     /// The file that the record continues, if it is missing.
     missing: Option<PathBuf>,
-    /// The agent's effects, shared with other readers.
+    /// Continues the copy while the last segment of the record grows.
+    follower: Option<SharedFollower>,
+    /// The agent's effects, shared with other readers of them.
     pub(super) table: Arc<RwLock<EffectTable>>,
     /// The agent's tasks, shared as its effects are.
     pub(super) known_tasks: Arc<Mutex<KnownTasks>>,
@@ -95,7 +99,7 @@ impl RecordReader {
     /// # Errors
     /// Like [`RecordReader::open`].
     pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
-        let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref()))?;
+        let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref(), self.follower.as_ref()))?;
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
         if agent == self.agent {
             reader.table = Arc::clone(&self.table);
@@ -109,7 +113,7 @@ impl RecordReader {
     }
 
     fn of_opened(path: &Path, opened: Opened, agent: usize) -> Result<RecordReader, RecordError> {
-        let Opened { connection, trust, copy, missing } = opened;
+        let Opened { connection, trust, copy, missing, follower } = opened;
         let fail = |error| read_error(path, "the agents", error);
         let agents = schema::agents(&connection).map_err(fail)?;
         if agents.len() > 1 {
@@ -123,6 +127,7 @@ impl RecordReader {
             trust: RefCell::new(trust),
             copy,
             missing,
+            follower,
             table: Arc::default(),
             known_tasks: Arc::default(),
         })
@@ -137,6 +142,9 @@ impl RecordReader {
             Trust::File(stamp) if *stamp == open::stamp(&self.path) => Ok(()),
             Trust::File(_) => Err(self.garbled("its file was changed while it was read".into())),
             Trust::Groups(position, _) => {
+                if let Some(follower) = &self.follower {
+                    follower.lock().unwrap_or_else(PoisonError::into_inner).advance()?;
+                }
                 open::follow(&self.connection, position).map_err(|damage| self.garbled(damage.to_string()))
             }
         }
@@ -166,6 +174,23 @@ impl RecordReader {
     pub(crate) fn stand_ins(&self) -> Vec<AgentDeclaration> {
         let of = |name: &String| AgentDeclaration { name: Symbol::new(name), ..AgentDeclaration::of_program() };
         if self.has_several_agents() { self.agents.iter().map(of).collect() } else { Vec::new() }
+    }
+
+    /// Returns the file in which this record continues: the last, if it continues more than once. `None` for a record that was closed.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn successor(&self) -> Result<Option<PathBuf>, RecordError> {
+        if self.is_complete()? {
+            return Ok(None);
+        }
+        let spare_folder = self.meta(SPARE_FOLDER)?.map(PathBuf::from);
+        Ok(SegmentPlaces { spare_folder, bytes_max: None }.successor(&self.path))
+    }
+
+    /// Returns the number of the selected agent.
+    pub fn agent_number(&self) -> usize {
+        self.agent
     }
 
     /// Returns the record's file.
@@ -358,6 +383,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn steps_between(&self, from: Time, to: Time) -> Result<Steps<'_>, RecordError> {
+        self.check_growth()?;
         let sql = "SELECT ifnull((SELECT id FROM batch WHERE t_ns >= ?1 ORDER BY t_ns, id LIMIT 1), 0)";
         let first = self
             .connection
@@ -371,6 +397,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn steps_of_all(&self, to: Time) -> Result<Steps<'_>, RecordError> {
+        self.check_growth()?;
         Steps::new(self, 1, to).map(Steps::of_all)
     }
 
@@ -397,7 +424,7 @@ impl RecordReader {
             .map_err(|error| self.damaged("the snapshots", error))
     }
 
-    fn rows<T>(
+    pub(super) fn rows<T>(
         &self,
         what: &str,
         sql: &str,

@@ -79,7 +79,7 @@ fn recover_segments(chain: &SegmentChain, from: &Path, to: &Path) -> Result<Reco
     }
     let target = schema::create(to)?;
     match chain.join_into(&target, to) {
-        Ok(Joined { position, damage }) => {
+        Ok(Joined { position, damage, .. }) => {
             closing::close(target, to)?;
             Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })
         }

@@ -2,16 +2,20 @@
 
 use super::checkpoints::Checkpoints;
 use super::disk_news::{DiskNews, GAP, Resumption};
-use super::kept_rows::KeptRows;
+use super::kept_rows::{KeptPart, KeptRows};
 use super::schema::remove;
 use super::seal::ChainPosition;
 use super::segments::{self, CONTINUES, Continuation};
-use super::store::{Store, text};
+use super::store::{SqlValue, Store, text};
 use super::tables::{TABLES, Table};
 use crate::error::RecordError;
 use crate::limits::RECORDING_SEGMENT_ATTEMPTS;
+use apex_model::time::Time;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// Bytes of kept rows that are stored as one group: a file that is nearly full still takes some.
+const PART_BYTES: usize = 64 << 10;
 
 impl Store {
     /// Tries to store the steps kept since a failed write: in the same file, later in a new segment. `is_last`: no further attempt
@@ -21,54 +25,97 @@ impl Store {
         loss.attempts += 1;
         let may_leave = is_last || loss.attempts >= RECORDING_SEGMENT_ATTEMPTS;
         self.group = None;
-        let kept = std::mem::replace(&mut self.kept, KeptRows::new(0));
-        let gap = kept.gap().map(|gap| (gap.first_batch, gap.last_batch));
+        let mut kept = std::mem::replace(&mut self.kept, KeptRows::new(0));
+        let (steps, gap) = (kept.steps(), kept.gap().map(|gap| (gap.first_batch, gap.last_batch)));
         let mut segment = None;
-        let mut is_stored = self.store_kept(&kept).inspect_err(|_| self.abandon_group()).is_ok();
-        if !is_stored && may_leave {
-            segment = self.begin_segment(&kept);
-            is_stored = segment.is_some();
+        let mut is_stored = self.store_parts(&mut kept);
+        while !is_stored && may_leave {
+            let Some(begun) = self.begin_segment(&mut kept) else { break };
+            segment = Some(begun);
+            is_stored = self.store_parts(&mut kept);
         }
-        let resumption = Resumption { kept: kept.steps(), gap, segment };
+        let stored = steps.saturating_sub(kept.steps());
         self.kept = kept;
+        let Some(loss) = &mut self.loss else { return };
+        loss.stored += stored;
+        loss.segment = segment.or(loss.segment.take());
+        loss.gap = loss.gap.or(gap.filter(|_| stored > 0));
+        loss.tried = Instant::now();
         if is_stored {
-            self.group = None;
+            let resumption = Resumption { kept: loss.stored, gap: loss.gap.or(gap), segment: loss.segment.take() };
             self.kept.clear();
             self.loss = None;
             self.news.push(DiskNews::Resumed(resumption));
-        } else if let Some(loss) = &mut self.loss {
-            loss.tried = Instant::now();
         }
     }
 
-    fn store_kept(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
-        kept.each(|table, cells| self.store(table, cells.iter().copied()))?;
-        self.store_gap(kept)?;
-        self.seal_and_commit()
+    /// Stores what is kept, part by part; false if the file takes no more. What it took is kept no longer.
+    fn store_parts(&mut self, kept: &mut KeptRows) -> bool {
+        while let Some(part) = kept.part(PART_BYTES) {
+            let stored = self.store_part(kept, &part).or_else(|error| {
+                // The log is as large as a file may be, or its disk is full: the main file may take what the log holds.
+                self.abandon_group();
+                self.empty_log().map_err(|_| error)?;
+                self.store_part(kept, &part)
+            });
+            if stored.is_err() {
+                self.abandon_group();
+                return false;
+            }
+            self.group = None;
+            kept.stored(&part);
+        }
+        true
     }
 
-    /// Records in the file which steps are missing.
-    fn store_gap(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
-        let Some(gap) = kept.gap() else { return Ok(()) };
-        self.store_fact(GAP, &format!("{} {}", gap.first_batch, gap.last_batch))
+    fn store_part(&mut self, kept: &mut KeptRows, part: &KeptPart) -> rusqlite::Result<()> {
+        self.store_facts(kept, &gap_of(kept))?;
+        kept.each(part, |table, cells| self.store(table, cells.iter().copied()))?;
+        self.seal_part(part)
     }
 
-    fn store_fact(&mut self, key: &str, value: &str) -> rusqlite::Result<()> {
-        let position = self.next_position(Table::Meta);
-        self.store(Table::Meta, position.into_iter().chain([text(Some(key)), text(Some(value))]))
+    /// Commits the rows of a part with a seal that names its own last step.
+    fn seal_part(&mut self, part: &KeptPart) -> rusqlite::Result<()> {
+        let last = part.last.map(|(batch, at_ns)| (batch, Time(at_ns)));
+        self.seal_and_commit_as(last.unwrap_or((self.committed_batch, self.committed_at.unwrap_or(Time::ZERO))))
     }
 
-    /// Continues in the first new file that accepts the kept steps.
-    fn begin_segment(&mut self, kept: &KeptRows) -> Option<PathBuf> {
+    /// Moves what the log holds into the main file, and cuts the log.
+    fn empty_log(&self) -> rusqlite::Result<()> {
+        let Some(connection) = &self.connection else { return Err(rusqlite::Error::InvalidQuery) };
+        let busy: i64 = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get(0))?;
+        if busy == 0 { Ok(()) } else { Err(rusqlite::Error::InvalidQuery) }
+    }
+
+    /// Stores facts before those that are kept: rows of a table come in the order of their positions.
+    fn store_facts(&mut self, kept: &mut KeptRows, facts: &[(&str, String)]) -> rusqlite::Result<()> {
+        let count = facts.len() as u64;
+        let Some(meta) = self.counts.get_mut(Table::Meta.index()).filter(|_| count > 0) else { return Ok(()) };
+        *meta += count;
+        let last = meta.cast_signed();
+        let first = kept.make_way(count.cast_signed()).unwrap_or(last - count.cast_signed() + 1);
+        for (position, (key, value)) in (first..).zip(facts) {
+            let row = [SqlValue::Integer(position), text(Some(key)), text(Some(value))];
+            self.store(Table::Meta, row.into_iter())?;
+        }
+        Ok(())
+    }
+
+    /// Continues in the first new file that takes the first part of what was kept.
+    fn begin_segment(&mut self, kept: &mut KeptRows) -> Option<PathBuf> {
+        let part = kept.part(PART_BYTES)?;
         let candidates = self.places.next(&self.path);
-        candidates.into_iter().find(|segment| self.try_segment(segment, kept).is_ok())
+        let segment = candidates.into_iter().find(|segment| self.try_segment(segment, kept, &part).is_ok())?;
+        self.group = None;
+        kept.stored(&part);
+        Some(segment)
     }
 
-    fn try_segment(&mut self, segment: &Path, kept: &KeptRows) -> Result<(), RecordError> {
+    fn try_segment(&mut self, segment: &Path, kept: &mut KeptRows, part: &KeptPart) -> Result<(), RecordError> {
         let connection = self.places.make(segment, &self.path)?;
         connection.set_prepared_statement_cache_capacity(2 * TABLES);
         let before = (self.connection.replace(connection), self.link, self.counts);
-        match self.store_segment(kept) {
+        match self.store_segment(kept, part) {
             Ok(()) => {
                 self.checkpoints = Checkpoints::begin(segment);
                 let path = std::mem::replace(&mut self.path, segment.to_path_buf());
@@ -77,27 +124,39 @@ impl Store {
             }
             Err(error) => {
                 self.abandon_group();
+                let facts = self.counts.get(Table::Meta.index()).copied();
                 (self.connection, self.link, self.counts) = before;
+                // Facts that are kept have made way; the next one comes after them.
+                if let Some((count, facts)) = self.counts.get_mut(Table::Meta.index()).zip(facts) {
+                    *count = facts;
+                }
                 remove(segment);
                 Err(super::schema::write_error(segment, "beginning a segment", error))
             }
         }
     }
 
-    /// Stores the first group of a segment, which names the file that it continues.
-    fn store_segment(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
+    /// Stores the first group of a segment, which says what it continues.
+    fn store_segment(&mut self, kept: &mut KeptRows, part: &KeptPart) -> rusqlite::Result<()> {
         let path = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let continuation = Continuation { after: self.link, batch: self.committed_batch, path };
         self.link = ChainPosition::default();
         if let Some(connection) = &self.connection {
             connection.execute_batch(self.durability.pragma())?;
         }
-        kept.each_of_segment(|table, cells| self.store(table, cells.iter().copied()))?;
-        self.store_fact(CONTINUES, &continuation.to_string())?;
+        kept.each_committed(|table, cells| self.store(table, cells.iter().copied()))?;
+        let mut facts = vec![(CONTINUES, continuation.to_string())];
         if continuation.batch > 0 {
-            self.store_fact(GAP, &format!("1 {}", continuation.batch))?;
+            facts.push((GAP, format!("1 {}", continuation.batch)));
         }
-        self.store_gap(kept)?;
-        self.seal_and_commit()
+        facts.extend(gap_of(kept));
+        self.store_facts(kept, &facts)?;
+        kept.each(part, |table, cells| self.store(table, cells.iter().copied()))?;
+        self.seal_part(part)
     }
+}
+
+/// Returns the fact that says which steps the record does not have.
+fn gap_of(kept: &KeptRows) -> Vec<(&'static str, String)> {
+    kept.gap().map(|gap| (GAP, format!("{} {}", gap.first_batch, gap.last_batch))).into_iter().collect()
 }

@@ -1,5 +1,6 @@
-//! Rows that a mission adds to its record: targets, their states, sections of the final report, sources, facts.
+//! Rows that a mission adds to its record, and reads again: targets, their states, sections of the final report, sources, facts.
 
+use super::reader::RecordReader;
 use super::store::{SqlValue, text};
 use super::tables::Table;
 use super::writer::Recorder;
@@ -21,6 +22,26 @@ pub struct TargetRow {
     pub value: f64,
     /// GeoJSON geometry, or empty.
     pub geometry: String,
+}
+
+impl RecordReader {
+    /// Returns the targets of the mission, in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn target_rows(&self) -> Result<Vec<TargetRow>, RecordError> {
+        let sql = "SELECT id, name, latitude_deg, longitude_deg, value, geometry FROM target ORDER BY position";
+        self.rows("the targets", sql, |row| {
+            Ok(TargetRow {
+                id: row.get(0)?,
+                name: row.get(1)?,
+                latitude_deg: row.get(2)?,
+                longitude_deg: row.get(3)?,
+                value: row.get(4)?,
+                geometry: row.get(5)?,
+            })
+        })
+    }
 }
 
 impl Recorder {

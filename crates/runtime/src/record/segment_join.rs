@@ -16,7 +16,7 @@ use crate::error::RecordError;
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{Connection, Row, params, params_from_iter};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Greatest number of segments of one record: with more, the links form a circle or the disk accepts almost nothing.
 const CHAIN_MAX: usize = 1_000;
@@ -42,6 +42,9 @@ pub(super) struct Joined {
     pub(super) position: CheckProgress,
     /// The first group of the last segment that does not fit.
     pub(super) damage: Option<Damage>,
+    /// Groups of the last segment that are in the joined record.
+    progress: CheckProgress,
+    state: JoinState,
 }
 
 /// The files before the segment at `path` are missing, or are not those that it continues.
@@ -93,24 +96,74 @@ impl SegmentChain {
         target.execute_batch("BEGIN").map_err(fail)?;
         let mut joiner = Joiner::new(target);
         let mut damage = None;
+        let mut progress = CheckProgress::default();
         for file in &self.0 {
             joiner.begin(file);
-            damage = check_groups(&file.connection, &mut CheckProgress::default(), &mut joiner).err();
+            progress = CheckProgress::default();
+            damage = check_groups(&file.connection, &mut progress, &mut joiner).err();
             if let Some(error) = joiner.failure.take() {
                 return Err(fail(error));
             }
             let Some(until) = file.until else { break };
-            if joiner.reached != Some(until) {
+            if joiner.state.reached != Some(until) {
                 let found =
                     damage.map_or_else(|| "its groups are not those before it".into(), |found| found.to_string());
                 return Err(damaged(&file.path, format!("a later segment continues it, and {found}")));
             }
         }
-        target.execute_batch("COMMIT").map_err(fail)?;
+        let state = joiner.state;
+        // Rows of a group that does not fit its seal are not taken.
+        target.execute_batch(if damage.is_some() { "ROLLBACK" } else { "COMMIT" }).map_err(fail)?;
         let mut position = CheckProgress::default();
         check_groups(target, &mut position, &mut super::check::NoVisitor)
             .map_err(|damage| damaged(to, damage.to_string()))?;
-        Ok(Joined { position, damage })
+        Ok(Joined { position, damage, progress, state })
+    }
+
+    /// Continues a joined record from now on.
+    pub(super) fn follow(mut self, target: Connection, joined: Joined) -> Option<SharedFollower> {
+        let Joined { progress, state, .. } = joined;
+        let file = self.0.pop()?;
+        Some(Arc::new(Mutex::new(SegmentFollower { target, file, progress, state })))
+    }
+}
+
+/// Continues a joined record while its last segment grows; shared by the readers of the joined record.
+pub(super) type SharedFollower = Arc<Mutex<SegmentFollower>>;
+
+/// Continues a joined record while its last segment grows.
+pub(super) struct SegmentFollower {
+    target: Connection,
+    file: SegmentFile,
+    /// Groups of the last segment that are in the joined record.
+    progress: CheckProgress,
+    state: JoinState,
+}
+
+impl SegmentFollower {
+    /// Writes the groups that the last segment has got since the last call into the joined record.
+    pub(super) fn advance(&mut self) -> Result<(), RecordError> {
+        let SegmentFollower { target, file, progress, state } = self;
+        let last = file.connection.prepare_cached("SELECT max(id) FROM main.seal");
+        let last = last.and_then(|mut statement| statement.query_row([], |row| row.get::<_, Option<i64>>(0)));
+        if last.map_err(|error| schema::read_error(&file.path, "its seals", error))?.unwrap_or(0) == progress.link.id {
+            return Ok(());
+        }
+        let fail = |error| write_error(&file.path, "joining segments", error);
+        target.execute_batch("BEGIN").map_err(fail)?;
+        let mut joiner = Joiner { target, state: std::mem::take(state), failure: None };
+        joiner.state.extra = extra_snapshots(&file.connection);
+        let checked = check_groups(&file.connection, progress, &mut joiner);
+        let failure = joiner.failure.take();
+        *state = joiner.state;
+        // What fits its seal is committed with it.
+        let end = if failure.is_none() && checked.is_ok() { "COMMIT" } else { "ROLLBACK" };
+        target.execute_batch(end).map_err(fail)?;
+        match (failure, checked) {
+            (Some(error), _) => Err(fail(error)),
+            (None, Err(damage)) => Err(damaged(&file.path, damage.to_string())),
+            (None, Ok(())) => Ok(()),
+        }
     }
 }
 
@@ -134,6 +187,14 @@ fn damaged(path: &Path, what: String) -> RecordError {
 /// Writes the rows of segments into one record.
 struct Joiner<'c> {
     target: &'c Connection,
+    state: JoinState,
+    /// The joined record cannot be written.
+    failure: Option<rusqlite::Error>,
+}
+
+/// Progress of joining.
+#[derive(Default)]
+struct JoinState {
     inserts: [String; TABLES],
     sealer: Sealer,
     link: ChainPosition,
@@ -146,36 +207,24 @@ struct Joiner<'c> {
     filled: Option<String>,
     /// Steps after which a snapshot exists only because a segment began: replay takes none there.
     extra: Vec<i64>,
-    /// The joined record cannot be written.
-    failure: Option<rusqlite::Error>,
 }
 
 impl<'c> Joiner<'c> {
     fn new(target: &'c Connection) -> Joiner<'c> {
-        Joiner {
-            target,
-            inserts: ALL.map(Table::insert),
-            sealer: Sealer::default(),
-            link: ChainPosition::default(),
-            keys: [i64::MIN; TABLES],
-            until: None,
-            reached: None,
-            filled: None,
-            extra: Vec::new(),
-            failure: None,
-        }
+        let inserts = ALL.map(Table::insert);
+        Joiner { target, state: JoinState { inserts, keys: [i64::MIN; TABLES], ..JoinState::default() }, failure: None }
     }
 
     fn begin(&mut self, file: &SegmentFile) {
-        self.sealer.clear();
-        (self.until, self.reached) = (file.until, None);
-        self.filled = file.continues.as_ref().map(|continues| format!("1 {}", continues.batch));
-        self.extra = extra_snapshots(&file.connection);
+        self.state.sealer.clear();
+        (self.state.until, self.state.reached) = (file.until, None);
+        self.state.filled = file.continues.as_ref().map(|continues| format!("1 {}", continues.batch));
+        self.state.extra = extra_snapshots(&file.connection);
     }
 
     /// True for a row that the joined record needs.
     fn takes(&self, table: Table, key: i64, row: &Row<'_>) -> rusqlite::Result<bool> {
-        let last = self.keys.get(table.index()).copied().unwrap_or(i64::MIN);
+        let last = self.state.keys.get(table.index()).copied().unwrap_or(i64::MIN);
         if lasts(table) && key <= last {
             return Ok(false);
         }
@@ -183,10 +232,10 @@ impl<'c> Joiner<'c> {
             Table::Meta => {
                 let (fact, value): (String, String) = (row.get(1)?, row.get(2)?);
                 let of_segment = [CONTINUES, SEGMENT_SNAPSHOT].contains(&&*fact);
-                let is_filled = fact == GAP && self.filled.as_ref() == Some(&value);
+                let is_filled = fact == GAP && self.state.filled.as_ref() == Some(&value);
                 Ok(!(of_segment || is_filled))
             }
-            Table::Snapshot | Table::Situation => Ok(!self.extra.contains(&key)),
+            Table::Snapshot | Table::Situation => Ok(!self.state.extra.contains(&key)),
             _ => Ok(true),
         }
     }
@@ -195,22 +244,22 @@ impl<'c> Joiner<'c> {
         let columns = row.as_ref().column_count();
         let cells: Vec<ValueRef<'_>> =
             (0..columns).map(|column| row.get_ref(column)).collect::<rusqlite::Result<_>>()?;
-        let sql = self.inserts.get(table.index()).map_or("", String::as_str);
+        let sql = self.state.inserts.get(table.index()).map_or("", String::as_str);
         let values = cells.iter().map(|cell| ToSqlOutput::Borrowed(*cell));
         self.target.prepare_cached(sql)?.execute(params_from_iter(values))?;
-        self.sealer.row(table.index(), cells.iter().copied());
+        self.state.sealer.row(table.index(), cells.iter().copied());
         Ok(())
     }
 
     fn seal(&mut self, seal: &Seal) -> rusqlite::Result<()> {
-        if self.sealer.is_empty() {
+        if self.state.sealer.is_empty() {
             return Ok(());
         }
-        let seal = self.sealer.seal(self.link, seal.t_ns, seal.batch);
+        let seal = self.state.sealer.seal(self.state.link, seal.t_ns, seal.batch);
         let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
         self.target.prepare_cached("INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)")?.execute(row)?;
         self.target.execute_batch("COMMIT; BEGIN")?;
-        self.link = seal.link();
+        self.state.link = seal.link();
         Ok(())
     }
 
@@ -234,8 +283,8 @@ fn extra_snapshots(connection: &Connection) -> Vec<i64> {
 
 impl Visitor for Joiner<'_> {
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
-        // Groups after the last one that the next segment knows were not acknowledged: that segment contains their rows.
-        let is_over = self.until.is_some() && self.reached.is_some();
+        // Groups after the last one that the next segment knows were not acknowledged: that segment has their rows.
+        let is_over = self.state.until.is_some() && self.state.reached.is_some();
         let Some(table) = ALL.get(table).copied().filter(|_| !is_over) else { return Ok(()) };
         let key: i64 = row.get(0)?;
         if !self.takes(table, key, row)? {
@@ -243,20 +292,20 @@ impl Visitor for Joiner<'_> {
         }
         let written = self.write(table, row);
         self.keep(written)?;
-        if let Some(last) = self.keys.get_mut(table.index()) {
+        if let Some(last) = self.state.keys.get_mut(table.index()) {
             *last = key;
         }
         Ok(())
     }
 
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()> {
-        if self.until.is_some() && self.reached.is_some() {
+        if self.state.until.is_some() && self.state.reached.is_some() {
             return Ok(());
         }
         let sealed = self.seal(seal);
         self.keep(sealed)?;
-        if self.until.is_some_and(|until| until.id == seal.id) {
-            self.reached = Some(seal.link());
+        if self.state.until.is_some_and(|until| until.id == seal.id) {
+            self.state.reached = Some(seal.link());
         }
         Ok(())
     }

@@ -5,6 +5,7 @@
 //! again (`segment_join.rs`).
 
 use super::closing;
+use super::connect::plain;
 use super::schema::{self, PAGE_BYTES, limit_bytes, remove};
 use super::seal::{ChainPosition, Hash};
 use crate::error::RecordError;
@@ -14,10 +15,12 @@ use std::path::{Path, PathBuf};
 
 /// The fact that names the file that a segment continues ([`Continuation`]).
 pub(super) const CONTINUES: &str = "continues";
+/// The fact that names the folder in which segments may be, as well as next to the record.
+pub(super) const SPARE_FOLDER: &str = "spare_folder";
 /// The fact that names the step after which a snapshot was taken only because the segment began.
 pub(super) const SEGMENT_SNAPSHOT: &str = "segment_snapshot";
-/// Greatest number in the name of a segment: further names are not searched.
-const SEGMENTS_MAX: u32 = 10_000;
+/// Files of one record: names of segments are looked for up to this number.
+const SEGMENTS_MAX: usize = 10_000;
 
 /// The place in an earlier file after which a segment continues.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,6 +69,21 @@ pub(super) fn continuation(connection: &Connection) -> rusqlite::Result<Option<S
     connection.query_row(sql, [CONTINUES], |row| row.get(0)).optional()
 }
 
+/// True if the file at `segment` continues the file at `path`: an older flight may have left a segment of the same name.
+fn continues(segment: &Path, path: &Path) -> bool {
+    let fact = plain(segment, segment).ok().and_then(|connection| continuation(&connection).ok().flatten());
+    let Some(continuation) = fact.and_then(|text| Continuation::parse(&text)) else { return false };
+    let earlier = continuation.find(segment).and_then(|earlier| std::fs::canonicalize(earlier).ok());
+    if earlier.is_none() || earlier != std::fs::canonicalize(path).ok() {
+        return false;
+    }
+    let ChainPosition { id, chain } = continuation.after;
+    let chain_of = |connection: Connection| {
+        connection.query_row("SELECT chain FROM main.seal WHERE id = ?1", [id], |row| row.get::<_, Vec<u8>>(0)).ok()
+    };
+    id == 0 || plain(path, path).ok().and_then(chain_of).is_some_and(|found| found == chain)
+}
+
 /// Places of a record's segments.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SegmentPlaces {
@@ -78,16 +96,36 @@ pub(super) struct SegmentPlaces {
 impl SegmentPlaces {
     /// The next name, next to the file at `path` and in the spare folder: no folder has a segment of that number.
     pub(super) fn next(&self, path: &Path) -> Vec<PathBuf> {
+        let mut names = self.later(path).take(SEGMENTS_MAX);
+        names.find(|names| names.iter().all(|path| !path.exists())).unwrap_or_default()
+    }
+
+    /// The names of segments after the file at `path`, by number: in its folder and in the spare folder.
+    fn later(&self, path: &Path) -> impl Iterator<Item = Vec<PathBuf>> + use<> {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let numbered = stem.rsplit_once("-segment-").and_then(|(first, number)| Some((first, number.parse().ok()?)));
         let (stem, number): (&str, u32) = numbered.unwrap_or((&stem, 1));
+        let stem = stem.to_owned();
         let spare = self.spare_folder.clone().filter(|spare| *spare != folder);
         let folders: Vec<PathBuf> = [Some(folder), spare].into_iter().flatten().collect();
-        let names =
-            |number: u32| folders.iter().map(move |folder| folder.join(format!("{stem}-segment-{number}.apex")));
-        let free = (number + 1..SEGMENTS_MAX).find(|number| names(*number).all(|path| !path.exists()));
-        free.map(|number| names(number).collect()).unwrap_or_default()
+        (number + 1..).map(move |number| {
+            folders.iter().map(|folder| folder.join(format!("{stem}-segment-{number}.apex"))).collect()
+        })
+    }
+
+    /// The file in which the record that ends with the file at `path` continues, if there is one: the last, if there are several.
+    pub(super) fn successor(&self, path: &Path) -> Option<PathBuf> {
+        let mut last = None;
+        for _ in 0..SEGMENTS_MAX {
+            let path = last.as_deref().unwrap_or(path);
+            // Numbers of other files are skipped, as when the segment got its name.
+            let existing = self.later(path).map(|names| names.into_iter().filter(|name| name.is_file()).collect());
+            let mut existing = existing.take_while(|names: &Vec<PathBuf>| !names.is_empty()).flatten();
+            let Some(next) = existing.find(|segment| continues(segment, path)) else { break };
+            last = Some(next);
+        }
+        last
     }
 
     /// Makes the file of a segment of the record at `path`.

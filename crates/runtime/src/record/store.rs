@@ -110,7 +110,7 @@ pub(super) struct Store {
     /// Number of the last committed step.
     pub(super) committed_batch: i64,
     /// Instant of that step; none before the first.
-    committed_at: Option<Time>,
+    pub(super) committed_at: Option<Time>,
     pub(super) counts: [u64; TABLES],
     inserts: [String; TABLES],
     /// True after a failed write; nothing is written afterwards.
@@ -195,12 +195,17 @@ impl Store {
         Ok(())
     }
 
-    pub(super) fn seal_and_commit(&mut self) -> rusqlite::Result<()> {
-        let Some(connection) = &self.connection else { return Ok(()) };
+    fn seal_and_commit(&mut self) -> rusqlite::Result<()> {
         let batch = self.counts.get(Table::Batch.index()).copied().unwrap_or(0).cast_signed();
+        self.seal_and_commit_as((batch, self.now))
+    }
+
+    /// Commits the open group with a seal that says that this step is its last.
+    pub(super) fn seal_and_commit_as(&mut self, (batch, now): (i64, Time)) -> rusqlite::Result<()> {
+        let Some(connection) = &self.connection else { return Ok(()) };
         let mut link = self.link;
         if !self.sealer.is_empty() {
-            let seal = self.sealer.seal(self.link, self.now.0, batch);
+            let seal = self.sealer.seal(self.link, now.0, batch);
             let sql = "INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)";
             let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
             connection.prepare_cached(sql)?.execute(row)?;
@@ -209,7 +214,7 @@ impl Store {
         connection.prepare_cached("COMMIT")?.execute([])?;
         // A group whose commit fails is not part of the chain.
         if batch > self.committed_batch {
-            self.committed_at = Some(self.now);
+            self.committed_at = Some(now);
         }
         (self.link, self.committed_batch) = (link, batch);
         Ok(())

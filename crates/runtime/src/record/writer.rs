@@ -5,7 +5,7 @@ use super::codec::{self, Variables};
 use super::difference::RowDifference;
 use super::disk_news::{DiskNews, Resumption};
 use super::effects::EffectEncoder;
-use super::segments::{SEGMENT_SNAPSHOT, SegmentPlaces};
+use super::segments::{SEGMENT_SNAPSHOT, SPARE_FOLDER, SegmentPlaces};
 use super::signature::SigningKey;
 use super::store::{Durability, RowStore, SqlValue, Store, real, text};
 use super::tables::Table;
@@ -101,7 +101,9 @@ impl Recorder {
     /// [`RecordError`] with the failed action, the place, the reason and the remedy.
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
         let kept_bytes_max = options.kept_bytes_max.unwrap_or(RECORDING_KEPT_BYTES_MAX);
-        let places = SegmentPlaces { spare_folder: options.spare_folder, bytes_max: options.bytes_max };
+        let spare_folder = options.spare_folder.map(|folder| std::path::absolute(&folder).unwrap_or(folder));
+        let spare = spare_folder.as_ref().map(|folder| folder.display().to_string());
+        let places = SegmentPlaces { spare_folder, bytes_max: options.bytes_max };
         let store = Store::create(path, places, options.durability, kept_bytes_max)?;
         let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
@@ -109,6 +111,9 @@ impl Recorder {
         if let Some(vehicle) = &options.vehicle {
             recorder.meta("vehicle", vehicle)?;
             recorder.meta(TRACK_OF, vehicle)?;
+        }
+        if let Some(folder) = &spare {
+            recorder.meta(SPARE_FOLDER, folder)?;
         }
         recorder.store.commit()?;
         Ok(recorder)

@@ -203,25 +203,30 @@ fn child_with_small_files() {
     let mut recorder = Recorder::create(&path, &library, RecordOptions::default()).unwrap();
     recorder.program(&library).unwrap();
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
-    let inputs = (1..=6_000).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
-    let options = FlyOptions { inputs, until: Time::from_seconds(600.0), ..FlyOptions::default() };
-    let waits_at = (1..12).map(|number| Time::from_seconds(50.0 * f64::from(number))).collect();
+    // Without waits no attempt to store comes before the end: far more is kept than a file may hold.
+    let (tenths, waits) = if std::env::var_os("APEX_TEST_WITHOUT_WAITS").is_some() { (20_000, 0) } else { (6_000, 12) };
+    let inputs = (1..=tenths).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
+    let until = Time::from_seconds(f64::from(tenths) * 0.1);
+    let options = FlyOptions { inputs, until, ..FlyOptions::default() };
+    let waits_at = (1..waits).map(|number| Time::from_seconds(50.0 * f64::from(number))).collect();
     let mut disk = Disk { recorder: &mut recorder, full_from: Time::END, waits_at, news: Vec::new() };
     let mut vehicle = NoVehicle::default();
     let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut disk], options).unwrap();
-    assert!(disk.news.iter().any(|news| news.contains("in the new segment")), "{:?}", disk.news);
+    assert!(waits == 0 || disk.news.iter().any(|news| news.contains("in the new segment")), "{:?}", disk.news);
     recorder.finish(end.at, &end.reason.text()).unwrap();
     println!("steps={} last={}", end.steps, recorder.path().display());
 }
 
-#[test]
-fn a_limit_on_the_size_of_files_does_not_end_a_flight() {
+/// Flies under a limit on the size of files, and checks that the segments are the whole record; returns how many there are.
+fn fly_with_small_files(with_waits: bool) -> usize {
     let folder = TempDir::new().unwrap();
-    let flown = Command::new(std::env::current_exe().unwrap())
-        .args(["segments::child_with_small_files", "--exact", "--ignored", "--nocapture"])
-        .env("APEX_TEST_RECORD", folder.path().join("flight.apex"))
-        .output()
-        .unwrap();
+    let mut child = Command::new(std::env::current_exe().unwrap());
+    child.args(["segments::child_with_small_files", "--exact", "--ignored", "--nocapture"]);
+    child.env("APEX_TEST_RECORD", folder.path().join("flight.apex"));
+    if !with_waits {
+        child.env("APEX_TEST_WITHOUT_WAITS", "1");
+    }
+    let flown = child.output().unwrap();
     let said = format!("{}{}", String::from_utf8_lossy(&flown.stdout), String::from_utf8_lossy(&flown.stderr));
     assert!(flown.status.success(), "{said}");
     let (_, words) = said.split_once("steps=").unwrap();
@@ -231,4 +236,100 @@ fn a_limit_on_the_size_of_files_does_not_end_a_flight() {
     assert_eq!(replay(&reader, &load).unwrap().difference, None);
     let integrity = check_integrity(Path::new(last)).unwrap();
     assert!(integrity.is_intact() && !integrity.earlier.is_empty(), "{integrity:?}");
+    integrity.earlier.len() + 1
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_does_not_end_a_flight() {
+    fly_with_small_files(true);
+}
+
+#[test]
+fn what_is_kept_and_larger_than_a_file_is_stored_in_several_segments() {
+    let files = fly_with_small_files(false);
+    assert!(files > 2, "{files} files");
+}
+
+#[test]
+fn a_reader_of_a_growing_segment_sees_its_new_groups() {
+    let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let first = folder.path().join("flight.apex");
+    let options = RecordOptions {
+        bytes_max: Some(40_000_000),
+        spare_folder: Some(spare.path().to_path_buf()),
+        ..RecordOptions::default()
+    };
+    // A segment of an older flight under the same name does not belong to this one.
+    let older = fly_on_a_full_disk(None);
+    let (library, declaration, host) = program(PDL);
+    let mut recorder = Recorder::create(&first, &library, options).unwrap();
+    recorder.program(&library).unwrap();
+    let mut agent = apex_executive::load(library, &declaration, host).unwrap();
+    let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
+    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let waits_at = [30.0, 40.0].map(Time::from_seconds).to_vec();
+    let disk = Disk { recorder: &mut recorder, full_from: Time::from_seconds(20.0), waits_at, news: Vec::new() };
+    let mut watch = Watch { disk, first: first.clone(), readers: Vec::new(), steps: 0, seen: Vec::new() };
+    let mut vehicle = NoVehicle::default();
+    let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut watch], options).unwrap();
+    // The first file until it continues; from then on the segment, with every step that is stored.
+    let Watch { mut readers, seen, .. } = watch;
+    assert!(seen.iter().all(|(stored, found)| stored == found), "{seen:?}");
+    assert!(seen.len() > 15 && seen.windows(2).all(|pair| pair[0].1 < pair[1].1), "{seen:?}");
+    recorder.finish(end.at, &end.reason.text()).unwrap();
+    let reader = readers.pop().unwrap();
+    assert_eq!(reader.steps().unwrap().count() as u64, end.steps);
+    assert!(reader.is_complete().unwrap() && reader.successor().unwrap().is_none());
+    assert_eq!(RecordReader::open(&older.first).unwrap().successor().unwrap(), Some(older.last.clone()));
+    let stale = folder.path().join("flight-segment-2.apex");
+    std::fs::copy(&older.last, &stale).unwrap();
+    assert_eq!(RecordReader::open(&first).unwrap().successor().unwrap(), Some(recorder.path().to_path_buf()));
+}
+
+/// Counts the steps that a reader sees once a second, and those that are stored.
+struct Watch<'r> {
+    disk: Disk<'r>,
+    first: PathBuf,
+    /// The reader of the file that is written.
+    readers: Vec<RecordReader>,
+    steps: u64,
+    seen: Vec<(u64, u64)>,
+}
+
+impl Observer for Watch<'_> {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        self.steps += 1;
+        self.disk.begin(batch)
+    }
+
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        self.disk.observe(batch, effects)
+    }
+
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        self.disk.inspect(agent, deliberator, now)?;
+        let is_lost = now >= self.disk.full_from && self.disk.recorder.path() == self.first;
+        if is_lost || now.0 % 1_000_000_000 != 0 {
+            return Ok(());
+        }
+        let successor = self.readers.last().and_then(|reader| reader.successor().unwrap());
+        if self.readers.is_empty() || successor.is_some() {
+            self.readers.push(RecordReader::open(successor.as_ref().unwrap_or(&self.first)).unwrap());
+        }
+        let reader = self.readers.last().unwrap();
+        // Another connection to the same copy.
+        let other = reader.of_agent(0).unwrap();
+        let found = [reader, &other].map(|reader| reader.steps().unwrap().count() as u64);
+        assert_eq!(found[0], found[1]);
+        self.seen.push((self.steps, found[0]));
+        Ok(())
+    }
+
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        self.disk.note(at, text)
+    }
+
+    fn take_news(&mut self) -> Option<News> {
+        self.disk.take_news()
+    }
 }

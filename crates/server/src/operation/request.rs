@@ -7,13 +7,13 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use apex_runtime::authority::AuthorityRequest;
 use apex_runtime::commands::Order;
+use apex_runtime::target_state::TARGET_VALUE_MAX;
 use serde::Deserialize;
 use serde_json::Value as Json;
 
 /// The fastest pace. Faster is as fast as possible, which has none.
 const PACE_MAX: f64 = 1e6;
 /// The largest value of a target, as in the mission's own files.
-const VALUE_MAX: f64 = 1e9;
 /// Characters of a message.
 const MESSAGE_MAX: usize = 2000;
 
@@ -162,8 +162,8 @@ impl Wish {
             }
             Wish::ValueTarget { target, value } => {
                 to_observe(known, target)?;
-                if !(0.0..=VALUE_MAX).contains(value) {
-                    return Err(format!("the value {value} is not from 0 to {VALUE_MAX}"));
+                if !(0.0..=TARGET_VALUE_MAX).contains(value) {
+                    return Err(format!("the value {value} is not from 0 to {TARGET_VALUE_MAX}"));
                 }
                 Ok(news("new-value", target, Some(*value)))
             }

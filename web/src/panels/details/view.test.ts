@@ -196,6 +196,18 @@ it('a report of any JSON can be drawn', () => {
   });
   expect(notes).toMatchObject({ kind: 'text', text: 'calm' });
   expect(reportView(null)).toEqual([]);
+  // A cost of ignorance has a table of its targets, and no factors.
+  const cost = {
+    kind: 'expected-cost-of-ignorance',
+    total: 293,
+    targets: [{ target: 'barn', observations: 1 }],
+  };
+  const watched = { sections: [{ section: 'score', body: cost }] };
+  expect(flownTargets(watched)).toEqual([]);
+  expect(reportView(watched)).toMatchObject([
+    { title: 'score', kind: 'pairs' },
+    { title: 'score: targets', kind: 'table', columns: ['target', 'observations'], rows: [['barn', '1']] },
+  ]);
 });
 
 it('a snippet marks its place', () => {

@@ -161,7 +161,8 @@ export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
 export function flownTargets(report: Report | null): FlownTarget[] {
   const score = report?.sections.find(({ section }) => section === 'score')?.body;
   const targets = isObject(score) && Array.isArray(score.targets) ? score.targets.filter(isObject) : [];
-  return targets.map(target => {
+  // Other scores have targets without factors: they are a table of the report.
+  return targets.filter(hasFactors).map(target => {
     const losses = Array.isArray(target.losses) ? target.losses.filter(isObject) : [];
     return {
       name: valueText(target.target),
@@ -171,6 +172,10 @@ export function flownTargets(report: Report | null): FlownTarget[] {
       lost: losses.map(loss => `${words(valueText(loss.cause))} ${fixed(loss.points, 1)}`).join(', '),
     };
   });
+}
+
+function hasFactors(target: Record<string, unknown>): boolean {
+  return FACTORS.some(factor => factor in target);
 }
 
 function figures(of: Record<string, unknown>): string[] {
@@ -186,15 +191,16 @@ function fixed(value: unknown, decimals: number): string {
 }
 
 export function reportView(report: Report | null): SectionView[] {
-  return (report?.sections ?? []).map(({ section, body }) => {
+  return (report?.sections ?? []).flatMap(({ section, body }): SectionView[] => {
     const title = words(section);
-    if (Array.isArray(body) && body.length > 0 && body.every(isObject)) {
-      const columns = [...new Set(body.flatMap(row => Object.keys(row)))];
-      const rows = body.map(row => columns.map(column => valueText(row[column])));
-      return { title, kind: 'table', columns: columns.map(words), rows };
-    }
+    if (Array.isArray(body) && body.length > 0 && body.every(isObject)) return [tableOf(title, body)];
     if (isObject(body)) {
-      // Lists of objects have separate tables, or are counted in the totals.
+      // Lists of objects are tables after the totals; targets with factors have a separate one.
+      const tables = Object.entries(body).flatMap(([name, value]) =>
+        Array.isArray(value) && value.length > 0 && value.every(isObject) && !value.some(hasFactors)
+          ? [tableOf(`${title}: ${words(name)}`, value)]
+          : [],
+      );
       const single = Object.entries(body).filter(
         ([, value]) => !Array.isArray(value) || !value.every(isObject),
       );
@@ -202,14 +208,17 @@ export function reportView(report: Report | null): SectionView[] {
         name: words(name),
         value: valueText(value),
       }));
-      return { title, kind: 'pairs', pairs };
+      return [{ title, kind: 'pairs', pairs }, ...tables];
     }
-    return {
-      title,
-      kind: 'text',
-      text: Array.isArray(body) ? body.map(valueText).join('\n') : valueText(body),
-    };
+    const text = Array.isArray(body) ? body.map(valueText).join('\n') : valueText(body);
+    return [{ title, kind: 'text', text }];
   });
+}
+
+function tableOf(title: string, body: Record<string, unknown>[]): SectionView {
+  const columns = [...new Set(body.flatMap(row => Object.keys(row)))];
+  const rows = body.map(row => columns.map(column => valueText(row[column])));
+  return { title, kind: 'table', columns: columns.map(words), rows };
 }
 
 function isObject(value: unknown): value is Record<string, unknown> {

@@ -18,6 +18,7 @@ const mission: Mission = {
   targets: 0,
   observed: 0,
   score: 0.876,
+  score_kind: null,
 };
 
 it('names the mission, its time and its score', () => {
@@ -29,6 +30,19 @@ it('names the mission, its time and its score', () => {
   expect(view.civil).toBe('2007-09-08 01:01:00Z');
   expect(view.score).toBe('0.88');
   expect(view.statusHelp).toContain('the root task ended');
+});
+
+it('names a cost as a cost, and states the length of the mission as planned', () => {
+  const cost = { ...mission, score: 293.4, score_kind: 'expected-cost-of-ignorance' };
+  expect(headerView(cost, 60e9)).toMatchObject({
+    score: '293',
+    scoreName: 'expected cost of ignorance',
+    length: '/ 2:00:00',
+  });
+  expect(headerView(mission, 60e9, false, 86_400e9)).toMatchObject({
+    scoreName: 'score',
+    length: 'of 24:00:00',
+  });
 });
 
 it('falls back to the file name, and shows tenths in a short record', () => {

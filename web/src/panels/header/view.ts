@@ -14,11 +14,14 @@ export interface HeaderView {
   statusHelp: string;
   /** The mission score, at the end only. */
   score: string | null;
+  /** What the score is. */
+  scoreName: string;
   /** `3 of 22 targets observed`; none without targets. */
   progress: string | null;
   time: string;
   civil: string | null;
-  end: string;
+  /** `of 24:00:00`, the length of the mission as planned; of a record without a mission its own length. */
+  length: string;
 }
 
 /** Mission time for which a score is shown after its instant, at least. */
@@ -48,18 +51,25 @@ export function scoreSoFar(
 const SHORT_NS = 300 * NANOSECONDS_PER_SECOND;
 
 /** The header at the cursor's instant; `mission` holds what was known then. */
-export function headerView(mission: Mission, atNs: number, following = false): HeaderView {
+export function headerView(
+  mission: Mission,
+  atNs: number,
+  following = false,
+  durationNs: number | null = null,
+): HeaderView {
   const decimals = mission.end_ns - mission.from_ns < SHORT_NS ? 1 : 0;
   const { targets, observed, score } = mission;
+  const length = (ns: number) => missionTime(ns, decimals).slice(2);
   return {
     title: mission.mission ?? mission.record,
     subtitle: [mission.agent, mission.vehicle].filter(Boolean).join(' · '),
     ...statusOf(mission, atNs, following),
     score: score === null ? null : scoreText(score),
+    scoreName: mission.score_kind === 'expected-cost-of-ignorance' ? 'expected cost of ignorance' : 'score',
     progress: targets === 0 ? null : `${observed} of ${targets} targets observed`,
     time: missionTime(atNs, decimals),
     civil: civilTime(atNs, mission.epoch_utc),
-    end: missionTime(mission.end_ns, decimals),
+    length: durationNs === null ? `/ ${length(mission.end_ns)}` : `of ${length(durationNs)}`,
   };
 }
 

@@ -28,6 +28,7 @@ describe('wind and link', () => {
       [276, 0.5],
     ]);
     expect(windText(arrows[1] as (typeof arrows)[0])).toBe('wind from 276° at 25 kt');
+    expect(windText({ ...(arrows[1] as (typeof arrows)[0]), speedMps: 0.2 })).toBe('calm');
     expect(windArrows([], PATH)).toEqual([]);
   });
 

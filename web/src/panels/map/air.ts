@@ -107,9 +107,13 @@ export function circleAround([longitude, latitude]: Position, radiusM: number): 
   });
 }
 
+/** Wind of less than half a knot: it has no direction. */
+export const CALM = 'calm';
+
 /** `wind from 276° at 25 kt`. */
 export function windText(wind: WindArrow): string {
   const knots = Math.round((wind.speedMps * 3600) / 1852);
+  if (knots === 0) return CALM;
   return `wind from ${String(Math.round(wind.fromDeg + 360) % 360).padStart(3, '0')}° at ${knots} kt`;
 }
 

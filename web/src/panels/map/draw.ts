@@ -74,12 +74,16 @@ function drawGraticule(context: Pen, frame: Frame, project: Project): void {
   context.strokeStyle = COLOURS.graticule;
   context.lineWidth = 1;
   context.beginPath();
+  let free = 0;
   for (let count = Math.ceil(frame.west / step); count * step <= frame.east; count += 1) {
     const x = Math.round(project([count * step, frame.south]).x) + 0.5;
     context.moveTo(x, 0);
     context.lineTo(x, frame.height);
-    if (x < frame.width - CORNER_PX) {
-      context.fillText(degreesText(count * step, step, 'E', 'W'), x + 3, frame.height - 5);
+    const label = degreesText(count * step, step, 'E', 'W');
+    const end = x + 3 + context.measureText(label).width;
+    if (x >= free && end < frame.width - CORNER_PX) {
+      context.fillText(label, x + 3, frame.height - 5);
+      free = end + 6;
     }
   }
   for (let count = Math.ceil(frame.south / step); count * step <= frame.north; count += 1) {

@@ -2,7 +2,7 @@
 
 import type { Pen } from '../../files/vector';
 import { COLOURS, MONO } from '../../theme/colours';
-import type { SeenPatch, UserLayer, WindArrow } from './air';
+import { CALM, type SeenPatch, type UserLayer, type WindArrow, windText } from './air';
 import type { Project } from './draw';
 import type { Position } from './view';
 
@@ -155,6 +155,7 @@ function drawWinds(context: Pen, winds: readonly WindArrow[], project: Project):
   context.font = `11px ${MONO}`;
   let last: { x: number; y: number } | null = null;
   for (const wind of winds) {
+    if (windText(wind) === CALM) continue;
     const { x, y } = project(wind.position);
     if (last && Math.hypot(x - last.x, y - last.y) < ARROW_GAP_PX) continue;
     last = { x, y };

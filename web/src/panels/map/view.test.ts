@@ -58,6 +58,7 @@ describe('targets', () => {
     detail: null,
     since_ns: null,
     announced_ns: null,
+    observed_ns: null,
     history: [
       { t_ns: 10, state: 'observing', detail: null },
       { t_ns: 10, state: 'observed', detail: 'three lines' },

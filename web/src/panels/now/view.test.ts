@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce } from '../../record/types';
-import { causeWords, endWords, nextWords, taskAtWork } from './view';
+import { causeWords, endWords, nextWords, reasonWords, taskAtWork } from './view';
 
 const names = new Map([['zaca', 'Zaca']]);
 
@@ -29,6 +29,36 @@ describe('the now line', () => {
       'the episode holds for 6.03 s: observe Zaca',
     );
     expect(causeWords('T3 is pending: it waits', names)).toBe('');
+  });
+
+  it('names the condition or the plan behind a task that was granted what it needs', () => {
+    const moment = (id: number, to: string, kind: string, because: string) => ({
+      id,
+      to,
+      because,
+      cause: { kind },
+    });
+    const answer = (enabled: [string, string]) => ({
+      now: 'T3 is ongoing because it was granted flight-path',
+      task: { goal: '(scan zaca once along ((34.3 ..)))' },
+      explanation: {
+        history: [
+          moment(1, 'enabled', ...enabled),
+          moment(2, 'ongoing', 'resources-granted', 'it was granted flight-path'),
+        ],
+      },
+    });
+    const plan = { number: 2, adopted_ns: 21_585e9, visits: [{ target: 'zaca' }] } as never;
+    const because = (enabled: [string, string], inForce: PlanInForce | null = plan) =>
+      reasonWords(answer(enabled) as never, inForce, names);
+    const free: [string, string] = ['no-preconditions', 'there is nothing to wait for'];
+    expect(because(free)).toBe('plan 2, adopted 5:59:45, has Zaca');
+    expect(because(free, null)).toBe('it was granted flight-path');
+    const rolled: [string, string] = [
+      'preconditions-satisfied',
+      'its preconditions hold: roll above 3deg for P6S',
+    ];
+    expect(because(rolled)).toBe('roll above 3deg for 6 s');
   });
 
   it('names the next visit after the instant', () => {

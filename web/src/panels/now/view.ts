@@ -1,6 +1,6 @@
 /** The now line: the agent's present task, its cause, and the next task; pure. */
 
-import type { Holdings, Mission, PlanInForce, Target, Task } from '../../record/types';
+import type { Holdings, Mission, PlanInForce, Target, Task, TaskExplanation } from '../../record/types';
 import { clock } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
 import { brief, type Names, phrase } from '../../words/phrase';
@@ -29,6 +29,28 @@ export function causeWords(sentence: string, names: Names): string {
   const cause = sentence.split(' because ').slice(1).join(' because ');
   const words = shortValue(withDurations(brief(cause, names)));
   return words.length > CAUSE_MAX ? `${words.slice(0, CAUSE_MAX - 1)}…` : words;
+}
+
+/**
+ * Why the task is at work: where it only was granted what it needs, the condition that enabled it, else the plan in force that has its
+ * target.
+ */
+export function reasonWords(
+  answer: Pick<TaskExplanation, 'now' | 'task' | 'explanation'>,
+  plan: PlanInForce | null,
+  names: Names,
+): string {
+  const history = answer.explanation?.history ?? [];
+  const began = history.findLast(moment => moment.to === 'ongoing');
+  if (began?.cause?.kind !== 'resources-granted') return causeWords(answer.now, names);
+  const enabled = history.findLast(moment => moment.to === 'enabled' && moment.id < began.id);
+  if (enabled?.cause?.kind === 'preconditions-satisfied')
+    return causeWords(` because ${enabled.because.replace(/^its preconditions hold: /, '')}`, names);
+  const words = new Set(answer.task.goal.split(/[\s()]+/));
+  const visit = plan?.visits.find(one => words.has(one.target));
+  if (!plan || !visit) return causeWords(answer.now, names);
+  const adopted = clock(plan.adopted_ns / 1e9);
+  return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
 }
 
 /** The next visit of the plan in force: `East Zone Complex, planned 9:35`. */

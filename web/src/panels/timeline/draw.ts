@@ -4,6 +4,7 @@ import type { Pen } from '../../files/vector';
 import type { Range } from '../../player/clock';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import { ticks } from '../../time/format';
+import type { Names } from '../../words/phrase';
 import {
   AXIS_PX,
   bandsApart,
@@ -31,6 +32,7 @@ export interface Picture {
   atNs: number;
   scale: Scale;
   troubles: TroubleMark[];
+  names: Names;
   visits: Visit[];
   strips: Strip[];
   lanes: LaneRow[];
@@ -105,9 +107,14 @@ function drawAxis(context: Pen, picture: Picture): void {
   const { scale, width } = picture;
   context.font = NUMBERS;
   context.fillStyle = COLOURS.dim;
+  let free = NAMES_PX;
   for (const tick of marks(picture)) {
-    const end = width - context.measureText(tick.label).width - 3;
-    context.fillText(tick.label, Math.min(Math.round(scale.x(tick.atNs)) + 4, end), RAIL_PX + AXIS_PX / 2);
+    const room = context.measureText(tick.label).width;
+    const x = Math.min(Math.round(scale.x(tick.atNs)) + 4, width - room - 3);
+    // A label at the edge must not lie on the one before; its line stays.
+    if (x < free) continue;
+    context.fillText(tick.label, x, RAIL_PX + AXIS_PX / 2);
+    free = x + room + 4;
   }
   line(context, 0, RAIL_PX + AXIS_PX - 0.5, width, RAIL_PX + AXIS_PX - 0.5);
 }
@@ -131,7 +138,10 @@ function drawTroubles(context: Pen, picture: Picture): void {
     context.fill();
     const last = troubles.at(-1);
     if (!last) continue;
-    const text = troubles.length > 1 ? `${troubles.length}× ${troubleWords(last)}` : troubleWords(last); // english: allow
+    const text =
+      troubles.length > 1
+        ? `${troubles.length}× ${troubleWords(last, picture.names)}`
+        : troubleWords(last, picture.names); // english: allow
     context.font = FONT;
     const width = context.measureText(text).width;
     if (x + 7 + width < free) context.fillText(text, x + 7, RAIL_PX / 2 + 0.5);

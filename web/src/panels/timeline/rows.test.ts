@@ -26,7 +26,7 @@ function plan(
     summary: '',
     route: [],
     visits: Object.entries(begins).map(([id, begin_ns]) => ({ target: id, begin_ns, end_ns: begin_ns + 1 })),
-    left_out: left.map(id => ({ target: id, reason: 'no time' })),
+    left_out: left.map(id => ({ target: id, reason: 'no time', needs: null })),
   };
 }
 
@@ -44,6 +44,7 @@ describe('rows of targets', () => {
     troubles: [{ t_ns: 60, kind: 'interrupted' as const, subject: '', cause: '', task: 1, target: null }],
     facts: {
       kind: 'fixed-wing' as const,
+      duration_ns: 100,
       landing_distance_m_max: null,
       windows: [{ target: 'a', look: 'x', from_ns: 5, to_ns: 80 }],
     },
@@ -61,6 +62,16 @@ describe('rows of targets', () => {
     expect(a?.windows).toEqual([{ fromNs: 5, toNs: 80 }]);
     expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
     expect(b?.words).toContain('left out: no time');
+  });
+  it('mark an observation without a visit at its instant', () => {
+    const [row] = targetRows({
+      ...known,
+      targets: [target('a', [[50, 'observed']])],
+      plans: [],
+      troubles: [],
+    });
+    expect(row?.visits).toEqual([{ fromNs: 50, toNs: 50, state: 'observed' }]);
+    expect(row?.words).toContain('observed T+0:00:00');
   });
 });
 

@@ -149,11 +149,14 @@ describe('failures and faults', () => {
   });
 
   it('have words', () => {
-    expect(troubleWords(trouble(0, 'interrupted', '(fly line from (1 2) to (3 4))'))).toBe(
+    const names = new Map([['zaca', 'Zaca']]);
+    expect(troubleWords(trouble(0, 'interrupted', '(fly line from (1 2) to (3 4))'), names)).toBe(
       'interrupted: fly line',
     );
-    expect(troubleWords(trouble(0, 'failed', '(map the fires)'))).toBe('failed: map the fires');
-    expect(troubleWords(trouble(0, 'left-out', 'Skyland'))).toBe('left out: Skyland');
+    expect(troubleWords(trouble(0, 'failed', '(scan zaca once along ((1 2) (3 4)))'), names)).toBe(
+      'failed: scan Zaca',
+    );
+    expect(troubleWords(trouble(0, 'left-out', 'zaca'), names)).toBe('left out: Zaca');
   });
 });
 
@@ -169,6 +172,7 @@ it('visits last from observing to the result; a skipped target is a mark', () =>
     detail: null,
     since_ns: null,
     announced_ns: null,
+    observed_ns: null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   });
   const visits = visitsOf(

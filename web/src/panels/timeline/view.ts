@@ -4,6 +4,7 @@ import type { Range } from '../../player/clock';
 import { type DenseBand, unpackBands } from '../../record/bands';
 import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
 import { type Names, phrase } from '../../words/phrase';
+import { subjectWords } from '../../words/subject';
 
 export { type Visit, visitsOf } from '../../record/visits';
 
@@ -150,16 +151,9 @@ const TROUBLE_WORDS: Record<Trouble['kind'], (subject: string) => string> = {
   ended: subject => `failed: ${subject}`,
 };
 
-/** `interrupted: fly line`: a goal without its arguments, a target by its name. */
-export function troubleWords(trouble: Trouble): string {
-  const subject = trouble.subject.startsWith('(') ? headOf(trouble.subject) : trouble.subject;
-  return TROUBLE_WORDS[trouble.kind](subject);
-}
-
-/** The words of a goal before its first argument in parentheses. */
-function headOf(goal: string): string {
-  const inner = goal.replace(/^\(|\)$/g, '');
-  return (inner.split(' (')[0] ?? inner).replace(/ (from|along|once along)$/, '').replaceAll('-', ' ');
+/** `interrupted: scan Columbine`: a goal as a phrase, a target by its name. */
+export function troubleWords(trouble: Trouble, names: Names): string {
+  return TROUBLE_WORDS[trouble.kind](subjectWords(trouble.subject, names));
 }
 
 /** A lane with a single task is named by the task's goal; a lane with many tasks of one step by their common goal head. */

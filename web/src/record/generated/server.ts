@@ -11,7 +11,11 @@ export type MissionFacts = {
  */
 kind: 'fixed-wing' | 'rotorcraft', 
 /**
- * Greatest permitted distance from a landing place, metres; `None` if the mission states none.
+ * Length of the mission as planned, nanoseconds.
+ */
+duration_ns: number, 
+/**
+ * Greatest distance from a landing place that the mission allows, metres; none if it states none.
  */
 landing_distance_m_max: number | null, 
 /**

@@ -91,7 +91,12 @@ observed: number,
  */
 score: number | null, 
 /**
- * Mission time in nanoseconds of the last recorded step.
+ * Kind of the score: `mission-score`, of which more is better, or `expected-cost-of-ignorance`, of which less is; none without
+ * a score, and for scores that do not say it.
+ */
+score_kind: string | null, 
+/**
+ * Mission time in nanoseconds of the last thing recorded.
  */
 end_ns: number, 
 /**
@@ -412,7 +417,7 @@ latitude_deg: number | null,
  */
 longitude_deg: number | null, 
 /**
- * Its value to the mission.
+ * Its value to the mission at that instant: that of its files, or of the last message `(new-value ID NUMBER)`.
  */
 value: number | null, 
 /**
@@ -435,6 +440,10 @@ since_ns: number | null,
  * Mission time in nanoseconds of its announcement; `None` if it was known from the start.
  */
 announced_ns: number | null, 
+/**
+ * Mission time in nanoseconds of the end of its last observation; none if it was not observed by then.
+ */
+observed_ns: number | null, 
 /**
  * Recorded changes up to that instant, oldest first, at most 500 entries.
  */
@@ -467,6 +476,35 @@ begin_ns: number,
 end_ns: number, };
 
 /**
+ * Change that a visit would need.
+ */
+export type VisitNeed = { "kind": "time", 
+/**
+ * Seconds.
+ */
+more_s: number, 
+/**
+ * The limit that leaves less: `the end of the mission`, `endurance`.
+ */
+limit: string, 
+/**
+ * True if energy is the limit.
+ */
+is_energy: boolean, 
+/**
+ * True if the target cannot be visited as the only one either.
+ */
+alone: boolean, } | { "kind": "value", 
+/**
+ * Points of the score that a visit would cost; none if any value is missing.
+ */
+more: number | null, } | { "kind": "cost", 
+/**
+ * Difference of the expected cost.
+ */
+more: number, } | { "kind": "window" };
+
+/**
  * A target without a visit.
  */
 export type LeftOutTarget = { 
@@ -477,7 +515,11 @@ target: string,
 /**
  * Reason.
  */
-reason: string, };
+reason: string, 
+/**
+ * Change that a visit would need, by the planner's own arithmetic; none where it states no figure.
+ */
+needs: VisitNeed | null, };
 
 /**
  * The plan in force at an instant.

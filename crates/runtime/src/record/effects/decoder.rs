@@ -99,7 +99,7 @@ pub(in crate::record) struct Item<'r> {
 }
 
 enum Content<'r> {
-    Shaped { shape: &'r KnownShape, values: &'r [Filling], task: u64 },
+    Shaped { place: usize, shape: &'r KnownShape, values: &'r [Filling], task: u64 },
     Stored(&'r [u8]),
 }
 
@@ -125,7 +125,34 @@ impl Item<'_> {
         }
     }
 
-    /// Returns the kind of the effect and its task.
+    /// Returns the place of its shape among the shapes; `None` without one.
+    pub(super) fn shape(&self) -> Option<usize> {
+        match &self.content {
+            Content::Shaped { place, .. } => Some(*place),
+            Content::Stored(_) => None,
+        }
+    }
+
+    /// Writes what it consists of: effects with the same signature are equal, at whatever instant. False for an effect that has no
+    /// signature: one without a shape, or with an instant among its values.
+    pub(in crate::record) fn signature(&self, bytes: &mut Vec<u8>) -> bool {
+        let Content::Shaped { place, shape, values, .. } = &self.content else { return false };
+        bytes.clear();
+        bytes.extend_from_slice(&place.to_le_bytes());
+        for (hole, value) in shape.holes.iter().zip(*values) {
+            match value {
+                Filling::Number(_) if *hole == Hole::Instant => return false,
+                Filling::Number(number) => bytes.extend_from_slice(&number.to_le_bytes()),
+                Filling::Text(text) => {
+                    bytes.extend_from_slice(&text.len().to_le_bytes());
+                    bytes.extend_from_slice(text.as_bytes());
+                }
+            }
+        }
+        true
+    }
+
+    /// Returns its kind and the task that it is about.
     pub(super) fn kind(&self) -> Result<(EffectKind, Option<u64>), String> {
         match &self.content {
             Content::Shaped { shape, task, .. } => Ok((shape.kind, shape.kind.has_task.then_some(*task))),
@@ -213,7 +240,7 @@ impl<'d, 'b> EffectReader<'d, 'b> {
         let shape = dictionary.shapes.get(place).ok_or_else(|| format!("shape {number} is not known"))?;
         self.values(place, shape)?;
         let values = self.memory.last.get(place).map_or(&[][..], |(_, values)| values);
-        Ok(Some(Item { now, content: Content::Shaped { shape, values, task: self.task } }))
+        Ok(Some(Item { now, content: Content::Shaped { place, shape, values, task: self.task } }))
     }
 
     /// Reads the values of an effect of `shape`.

@@ -12,7 +12,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub(super) use decoder::{Dictionary, EffectReader};
+pub(super) use decoder::{Dictionary, EffectReader, Item};
 pub(super) use encoder::EffectEncoder;
 pub(crate) use kind::{EffectKind, EffectNeed};
 pub use rows::EffectRows;

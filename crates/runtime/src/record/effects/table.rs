@@ -47,6 +47,8 @@ pub(crate) struct EffectTable {
     pub(in crate::record) read_to: i64,
     entries: Vec<EffectEntry>,
     kinds: Vec<EffectKind>,
+    /// By shape: place of its kind and 1; 0 before the first effect of the shape.
+    kinds_of_shapes: Vec<u32>,
     /// By task: place of its last effect.
     last: BTreeMap<u64, u32>,
     /// Adopted plans whose sources are still to be found: the step and the request.
@@ -120,16 +122,13 @@ impl EffectTable {
                 self.adopted.push((step.batch, request));
             }
             count += 1;
-            let kind = match self.kinds.iter().position(|known| *known == kind) {
-                Some(place) => place,
-                None => {
-                    self.kinds.push(kind);
-                    self.kinds.len() - 1
-                }
+            let kind = match item.shape() {
+                Some(shape) => kind_of_shape((&mut self.kinds, &mut self.kinds_of_shapes), shape, kind),
+                None => place_of(&mut self.kinds, kind),
             };
             let place = u32::try_from(self.entries.len()).map_err(|_| "there are too many effects")?;
             let before = task.and_then(|task| self.last.insert(task, place)).map_or(0, |before| before + 1);
-            self.entries.push(EffectEntry { task, kind: kind as u32, before });
+            self.entries.push(EffectEntry { task, kind, before });
         }
         let memory = reader.memory();
         self.steps.push(step);
@@ -193,4 +192,25 @@ impl EffectTable {
     pub(in crate::record) fn before(&self, place: usize) -> Option<usize> {
         self.entries.get(place)?.before.checked_sub(1).map(|before| before as usize)
     }
+}
+
+/// Returns the place of the kind that all effects of a shape have.
+fn kind_of_shape((kinds, known): (&mut Vec<EffectKind>, &mut Vec<u32>), shape: usize, kind: EffectKind) -> u32 {
+    if known.len() <= shape {
+        known.resize(shape + 1, 0);
+    }
+    let Some(slot) = known.get_mut(shape) else { return place_of(kinds, kind) };
+    if *slot == 0 {
+        *slot = place_of(kinds, kind) + 1;
+    }
+    *slot - 1
+}
+
+/// Returns the place of a kind, which is added if it is new.
+fn place_of(kinds: &mut Vec<EffectKind>, kind: EffectKind) -> u32 {
+    let place = kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
+        kinds.push(kind);
+        kinds.len() - 1
+    });
+    place as u32
 }

@@ -1,5 +1,5 @@
-//! Announcements of late targets: a target of the mission's files with `announced` = `by-event` is unknown before
-//! the first event `(new-target ID)`.
+//! Messages about targets. Announcements of late targets: a target of the mission's files with `announced` = `by-event` is unknown before
+//! the first event `(new-target ID)`. Values: the last event `(new-value ID NUMBER)` counts.
 //!
 //! GeoJSON states which targets are late. Tables and KML only state that some are: then every announced target counts as late, and a
 //! target that is never announced cannot be distinguished from one known from the start.
@@ -7,7 +7,9 @@
 
 use crate::error::RecordError;
 use crate::record::{RecordReader, codec};
+use crate::target_state::{NEW_VALUE, TARGET_VALUE_MAX};
 use apex_model::event::EventKind;
+use apex_model::quantity::Dimension;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use serde_json::Value as Json;
@@ -23,25 +25,34 @@ const LOOK: char = '/';
 /// The late targets of a record and their announcements so far.
 #[derive(Default)]
 pub(super) struct Announcements {
+    /// The record has targets: without any, no step is read.
+    has_targets: bool,
     /// The identifiers of late targets that are not announced yet; none before the record was first read.
     awaited: Option<BTreeSet<String>>,
     /// True if targets that no file marks as late may be announced too.
     others: bool,
     announced_ns: BTreeMap<String, i64>,
+    /// Values by target, with the instants from which they hold.
+    values: BTreeMap<String, Vec<(i64, f64)>>,
     seen_batch: i64,
 }
 
 impl Announcements {
     /// Reads the steps recorded since the last call.
     pub(super) fn refresh(&mut self, reader: &RecordReader) -> Result<(), RecordError> {
+        if !self.has_targets {
+            let sql = "SELECT EXISTS (SELECT 1 FROM target)";
+            let found = reader.connection.query_row(sql, [], |row| row.get(0));
+            self.has_targets = found.map_err(|error| reader.damaged("the targets", error))?;
+            if !self.has_targets {
+                return Ok(());
+            }
+        }
         if self.awaited.is_none() {
             let (late, others) = late_targets(reader)?;
             (self.awaited, self.others) = (Some(late), others);
         }
         let Some(awaited) = &mut self.awaited else { return Ok(()) };
-        if awaited.is_empty() && !self.others {
-            return Ok(());
-        }
         let variables = reader.variable_table()?;
         let broken = |error| reader.damaged("the steps", error);
         // Every agent receives the events, so the steps of all agents are read.
@@ -57,19 +68,27 @@ impl Announcements {
             }
             let batch = codec::decode(Time(t_ns), bytes, &variables)
                 .map_err(|fault| reader.garbled(format!("batch {id} at {} cannot be read: {fault}", Time(t_ns))))?;
-            for target in batch.events.iter().filter_map(|event| target_of(&event.kind)) {
-                if awaited.remove(&target) || self.others {
-                    self.announced_ns.entry(target).or_insert(t_ns);
+            for message in batch.events.iter().filter_map(|event| message_of(&event.kind)) {
+                match message {
+                    TargetMessage::Announced(target) if awaited.remove(&target) || self.others => {
+                        self.announced_ns.entry(target).or_insert(t_ns);
+                    }
+                    TargetMessage::Announced(_) => {}
+                    TargetMessage::Value(target, value) => self.values.entry(target).or_default().push((t_ns, value)),
                 }
-            }
-            if awaited.is_empty() && !self.others {
-                break;
             }
         }
         Ok(())
     }
 
-    /// Returns the mission time in nanoseconds from which the target or wanted look `id` is known; `None` while it is unknown.
+    /// Returns the value that messages have given to the target `id` by `at_ns`; `None` if there was none.
+    pub(super) fn value_at(&self, id: &str, at_ns: i64) -> Option<f64> {
+        let values = self.values.get(&id.to_lowercase())?;
+        let later = values.partition_point(|(since_ns, _)| *since_ns <= at_ns);
+        later.checked_sub(1).and_then(|last| values.get(last)).map(|(_, value)| *value)
+    }
+
+    /// Returns mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
     pub(super) fn known_ns(&self, id: &str) -> Option<i64> {
         let is_awaited = |id: &str| self.awaited.as_ref().is_some_and(|awaited| awaited.contains(id));
         let own = id.split(LOOK).next().unwrap_or(id);
@@ -81,7 +100,13 @@ impl Announcements {
     }
 }
 
-/// Returns the identifiers of the GeoJSON targets that are announced by event, and true if other files may contain such targets.
+/// Message about a target.
+enum TargetMessage {
+    Announced(String),
+    Value(String, f64),
+}
+
+/// Returns the identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such targets.
 fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), RecordError> {
     let mut late = BTreeSet::new();
     let mut others = false;
@@ -104,17 +129,28 @@ fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), Recor
 
 /// Returns true if the stored events can hold an announcement: symbols are stored as they are printed.
 fn names_head(bytes: &[u8]) -> bool {
-    bytes.windows(HEAD.len()).any(|window| window.eq_ignore_ascii_case(HEAD.as_bytes()))
+    // Both heads are `new-..`, and few bytes are a hyphen.
+    let hyphens = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'-').map(|(at, _)| at);
+    let has = |start: usize, head: &str| {
+        bytes.get(start..start + head.len()).is_some_and(|found| found.eq_ignore_ascii_case(head.as_bytes()))
+    };
+    hyphens.filter_map(|at| at.checked_sub(3)).any(|start| has(start, HEAD) || has(start, NEW_VALUE))
 }
 
-/// Returns the target that an event announces.
-fn target_of(kind: &EventKind) -> Option<String> {
+/// Returns what an event says about a target. A value that no target can have changes nothing.
+fn message_of(kind: &EventKind) -> Option<TargetMessage> {
     let EventKind::Occurrence(form) = kind else { return None };
-    let [head, target, ..] = form.as_list()? else { return None };
-    head.as_symbol().filter(|head| head.is(HEAD))?;
-    Some(match target {
+    let [head, target, more @ ..] = form.as_list()? else { return None };
+    let head = head.as_symbol()?;
+    let target = match target {
         Value::Symbol(name) => name.folded().to_owned(),
         Value::Text(name) => name.to_string(),
         other => other.to_string(),
-    })
+    };
+    if head.is(HEAD) {
+        return Some(TargetMessage::Announced(target));
+    }
+    let number = more.first().filter(|_| head.is(NEW_VALUE))?.as_number();
+    let number = number.filter(|(_, dimension)| *dimension == Dimension::NONE).map(|(number, _)| number);
+    number.filter(|number| (0.0..=TARGET_VALUE_MAX).contains(number)).map(|number| TargetMessage::Value(target, number))
 }

@@ -9,11 +9,11 @@ use crate::error::RecordError;
 use crate::record::{EffectKind, EffectNeed, RecordReader};
 use std::collections::BTreeMap;
 
-/// Effects of one block.
-pub(super) const BLOCK_EFFECTS: i64 = 128;
+/// Effects of one block: few, as a search reads all of a block that may match.
+pub(super) const BLOCK_EFFECTS: i64 = 32;
 /// Bits of a block's filter.
-const FILTER_BITS: usize = 1 << 15;
-/// Lengths of the n-grams in bytes: long ones are selective, short ones serve short search texts.
+const FILTER_BITS: usize = 1 << 13;
+/// Lengths of the n-grams in bytes: long ones choose well, short ones serve short searches.
 const GRAMS: [usize; 3] = [5, 3, 2];
 /// Effects that are read at once: the lock on the index is held until then.
 const CHUNK_EFFECTS: i64 = 8_192;
@@ -167,7 +167,7 @@ mod tests {
             let wanted = EffectSearch { from_ns: i64::MIN, to_ns: i64::MAX, kinds, find: Some(find) };
             index.blocks(&wanted).collect::<Vec<_>>()
         };
-        assert_eq!(blocks("chimney", &[]), [(19_969, 20_096)]);
+        assert_eq!(blocks("chimney", &[]), [(20_001, 20_032)]);
         assert!(blocks("smoke", &[]).is_empty() && blocks("chimney", &["command".into()]).is_empty());
         assert!(blocks("flight path", &["transition".into()]).len() > 200);
         let wanted = EffectSearch { from_ns: 5_000, to_ns: 5_010, kinds: &[], find: None };

@@ -4,10 +4,14 @@
 
 use super::state::StateWord;
 use crate::error::RecordError;
-use crate::record::{EffectKind, Effects, RecordReader};
+use crate::record::{EffectKind, EffectNeed, Effects, Item, RecordReader};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::task::TaskState;
 use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Word of the decision that selects a method.
+const SELECTED: &str = "selected";
 
 /// A task with the instants at which its properties became known, oldest first. Parent, tag and place are those of its creation.
 #[derive(Clone, Debug, Default)]
@@ -21,8 +25,8 @@ pub(super) struct IndexedTask {
     active_before_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
-    /// The method of each selection; `None` from a restart of the step to its next selection.
-    methods: Vec<(i64, Option<Box<str>>)>,
+    /// The method of each selection; none from a new start of the step until it is selected again.
+    methods: Vec<(i64, Option<Arc<str>>)>,
 }
 
 /// From `at_ns` on the task is in `state`.
@@ -40,6 +44,8 @@ pub(super) struct TaskIndex {
     /// Number of the last effect that was read or skipped.
     read_to: i64,
     tasks: BTreeMap<u64, IndexedTask>,
+    /// By task: the signature of its last selection. A step that repeats is mostly selected as before, and is not decoded again.
+    selected: BTreeMap<u64, Vec<u8>>,
 }
 
 /// A span of time in one state; the last one of a task that has not ended is open.
@@ -70,11 +76,28 @@ impl TaskIndex {
     pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
         let effects = reader.effects()?;
         let places = effects.table.place_after(self.read_to)..effects.table.place_after(last);
-        effects.scan(places, EffectKind::wanted_of_tasks, |found| {
+        let TaskIndex { tasks, selected, .. } = self;
+        let mut signature = Vec::new();
+        let wanted = |kind: &EffectKind, task: Option<u64>, item: &Item<'_>| {
+            let need = kind.wanted_of_tasks();
+            let Some(task) = task.filter(|_| need == EffectNeed::Effect) else { return need };
+            if kind.word != SELECTED || !item.signature(&mut signature) {
+                selected.remove(&task);
+                return need;
+            }
+            let known = selected.entry(task).or_default();
+            if *known == signature {
+                return EffectNeed::Kind;
+            }
+            known.clone_from(&signature);
+            need
+        };
+        effects.scan_items(places, wanted, |found| {
             let Some(id) = found.task else { return Ok(()) };
             let at_ns = found.at.0;
-            let task = self.tasks.entry(id).or_default();
+            let task = tasks.entry(id).or_default();
             match found.effect {
+                None if found.kind.word == SELECTED => task.select_again(at_ns),
                 None => {
                     let state = StateWord(found.kind.to.unwrap_or(TaskState::Pending));
                     task.change(Change { at_ns, state, outcome: found.kind.outcome });
@@ -109,10 +132,16 @@ impl IndexedTask {
             }
             DecisionKind::Selected { method, goal, .. } => {
                 self.set_goal(at_ns, goal.to_string());
-                self.methods.push((at_ns, Some(effects.method(method).into_boxed_str())));
+                self.methods.push((at_ns, Some(Arc::from(effects.method(method)))));
             }
             _ => {}
         }
+    }
+
+    /// Takes a selection that is equal to the last one.
+    fn select_again(&mut self, at_ns: i64) {
+        let method = self.methods.iter().rev().find_map(|(_, method)| method.clone());
+        self.methods.push((at_ns, method));
     }
 
     fn set_goal(&mut self, at_ns: i64, goal: String) {
@@ -129,8 +158,10 @@ impl IndexedTask {
         self.push(change);
     }
 
+    /// Changes come in the order of time, so the last one was in force until now.
     fn push(&mut self, change: Change) {
-        let before = self.active_until(change.at_ns);
+        let last = self.changes.len().saturating_sub(1);
+        let before = self.active_since(last, change.at_ns);
         self.active_before_ns.push(before);
         self.changes.push(change);
     }
@@ -138,6 +169,11 @@ impl IndexedTask {
     /// Returns the nanoseconds for which it was active up to `at_ns`.
     fn active_until(&self, at_ns: i64) -> i64 {
         let Some(last) = self.changes.partition_point(|change| change.at_ns <= at_ns).checked_sub(1) else { return 0 };
+        self.active_since(last, at_ns)
+    }
+
+    /// Returns the nanoseconds that it was active up to `at_ns`, before which the change at place `last` is the last one.
+    fn active_since(&self, last: usize, at_ns: i64) -> i64 {
         let (Some(change), Some(before)) = (self.changes.get(last), self.active_before_ns.get(last)) else { return 0 };
         let is_active = change.state.is_alive() && change.state.0 != TaskState::Pending;
         if is_active { before + at_ns.saturating_sub(change.at_ns) } else { *before }

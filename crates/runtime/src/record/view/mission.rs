@@ -84,6 +84,9 @@ pub struct Mission {
     pub observed: usize,
     /// The mission's score, if the report contains one; `None` before the flight's end.
     pub score: Option<f64>,
+    /// Kind of the score: `mission-score`, of which more is better, or `expected-cost-of-ignorance`, of which less is; none without
+    /// a score, and for scores that do not say it.
+    pub score_kind: Option<String>,
 }
 
 impl RecordView {
@@ -103,6 +106,7 @@ impl RecordView {
         let targets = self.targets(Some(at_ns))?.targets;
         let meta = |key: &str| self.reader.meta(key).map(|value| value.filter(|text| !text.is_empty()));
         let file_name = self.reader.path().file_name();
+        let report = self.report(Some(at_ns))?;
         let reason = meta("end_reason")?.filter(|_| self.is_over(&growth, at_ns));
         Ok(Mission {
             mission: meta("mission")?,
@@ -115,8 +119,9 @@ impl RecordView {
             ending: reason.map(|reason| Ending { failed: root_failed, reason }),
             tasks,
             targets: targets.len(),
-            observed: targets.iter().filter(|target| target.state.as_deref() == Some("observed")).count(),
-            score: self.report(Some(at_ns))?.score(),
+            observed: targets.iter().filter(|target| target.observed_ns.is_some()).count(),
+            score: report.score(),
+            score_kind: report.score_kind(),
             growth,
         })
     }

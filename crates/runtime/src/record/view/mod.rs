@@ -35,7 +35,7 @@ pub use events::{EventRow, Events, EventsQuery};
 pub use holdings::{Holding, Holdings, ResourceRow};
 pub use library::{DeclaredName, ProcedureRow, ProgramContents, ProgramFile, ProgramText, StepRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
-pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans};
+pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans, VisitNeed};
 pub use report::{Report, Section};
 pub use signals::{
     Excursion, SIGNALS_MAX, Signal, SignalKind, SignalLimit, SignalQuery, SignalWindow, SignalWindows, Signals,

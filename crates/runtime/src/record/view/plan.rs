@@ -6,6 +6,7 @@ use crate::record::Effects;
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::problem::{LeftOut, Plan, Position};
 use apex_model::time::Time;
+use apex_planning::obstacle::{Obstacle, TimeLimit};
 use rusqlite::OptionalExtension;
 use serde::Serialize;
 
@@ -47,6 +48,59 @@ pub struct LeftOutTarget {
     pub target: String,
     /// Reason.
     pub reason: String,
+    /// Change that a visit would need, by the planner's own arithmetic; none where it states no figure.
+    pub needs: Option<VisitNeed>,
+}
+
+/// Change that a visit would need.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum VisitNeed {
+    /// Time, or energy for that time.
+    Time {
+        /// Seconds.
+        more_s: f64,
+        /// The limit that leaves less: `the end of the mission`, `endurance`.
+        limit: String,
+        /// True if energy is the limit.
+        is_energy: bool,
+        /// True if the target cannot be visited as the only one either.
+        alone: bool,
+    },
+    /// Value.
+    Value {
+        /// Points of the score that a visit would cost; none if any value is missing.
+        more: Option<f64>,
+    },
+    /// A lower price: a visit raises the expected cost of ignorance.
+    Cost {
+        /// Difference of the expected cost.
+        more: f64,
+    },
+    /// A time window that closes later.
+    Window,
+}
+
+impl VisitNeed {
+    /// Returns what an obstacle of a planner lacks.
+    fn of(obstacle: Obstacle) -> VisitNeed {
+        match obstacle {
+            Obstacle::Late { over_s, limit, alone } => {
+                let limit = match limit {
+                    TimeLimit::Flight(name) => name,
+                    TimeLimit::Horizon => "the horizon".into(),
+                    TimeLimit::OtherVisits => "the time between the others".into(),
+                };
+                let is_energy = ["endurance", "battery", "fuel"].iter().any(|word| limit.contains(word));
+                VisitNeed::Time { more_s: over_s, limit, is_energy, alone }
+            }
+            Obstacle::Score { loss } => VisitNeed::Value { more: Some(loss) },
+            Obstacle::ExpectedCost { without, with } => VisitNeed::Cost { more: with - without },
+            Obstacle::Worthless => VisitNeed::Value { more: None },
+            Obstacle::Window => VisitNeed::Window,
+        }
+    }
 }
 
 /// The plans adopted by an instant.
@@ -143,8 +197,12 @@ fn shown(plan: Plan) -> Shown {
         begin_ns: Time::from_seconds(begin_s).0,
         end_ns: Time::from_seconds(end_s).0,
     };
-    let left_out =
-        |list: Vec<LeftOut>| list.into_iter().map(|LeftOut { target, reason }| LeftOutTarget { target, reason });
+    let left_out = |list: Vec<LeftOut>| {
+        list.into_iter().map(|LeftOut { target, reason }| {
+            let needs = Obstacle::parse(&reason).map(VisitNeed::of);
+            LeftOutTarget { target, reason, needs }
+        })
+    };
     match plan {
         Plan::Surveillance(plan) => {
             let visits = plan.visits.into_iter().map(|one| visit(one.target, one.arrive_s, one.end_s)).collect();

@@ -48,8 +48,14 @@ impl RecordView {
 }
 
 impl Report {
-    /// Returns the mission's score: section `score`, as a number or as an object with a member `score` or `total`; otherwise a member
-    /// `score` of any section.
+    /// Returns the kind of the score, if section `score` states it.
+    pub fn score_kind(&self) -> Option<String> {
+        let own = self.sections.iter().find(|section| section.section == "score")?;
+        own.body.get("kind").and_then(Value::as_str).map(str::to_owned)
+    }
+
+    /// Returns the mission's score: section `score`, as a number or as an object with a member `score` or `total`; else a
+    /// member `score` of any section.
     pub fn score(&self) -> Option<f64> {
         let own = self.sections.iter().find(|section| section.section == "score").and_then(|section| {
             section.body.as_f64().or_else(|| member(&section.body, "score")).or_else(|| member(&section.body, "total"))

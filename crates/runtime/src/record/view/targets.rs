@@ -3,6 +3,7 @@
 use super::announcements::Announcements;
 use super::{RecordView, for_writing};
 use crate::error::RecordError;
+use crate::target_state::TARGET_GONE;
 use rusqlite::Connection;
 use serde::Serialize;
 use serde_json::Value;
@@ -31,7 +32,7 @@ pub struct Target {
     pub latitude_deg: Option<f64>,
     /// Centre, degrees east.
     pub longitude_deg: Option<f64>,
-    /// Its value to the mission.
+    /// Its value to the mission at that instant: that of its files, or of the last message `(new-value ID NUMBER)`.
     pub value: Option<f64>,
     /// GeoJSON.
     #[cfg_attr(test, ts(type = "GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null"))]
@@ -44,6 +45,8 @@ pub struct Target {
     pub since_ns: Option<i64>,
     /// Mission time in nanoseconds of its announcement; `None` if it was known from the start.
     pub announced_ns: Option<i64>,
+    /// Mission time in nanoseconds of the end of its last observation; none if it was not observed by then.
+    pub observed_ns: Option<i64>,
     /// Recorded changes up to that instant, oldest first, at most 500 entries.
     pub history: Vec<TargetChange>,
 }
@@ -88,6 +91,7 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
             continue;
         }
         let now = state_of(&history);
+        let observed_ns = history.iter().rev().find(|change| change.state == "observed").map(|change| change.t_ns);
         let older = history.len().saturating_sub(HISTORY_MAX);
         history.drain(..older);
         let geometry: Option<String> = row.get(5)?;
@@ -95,7 +99,8 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
             name: row.get::<_, Option<String>>(1)?.filter(|name| !name.is_empty()).unwrap_or_else(|| id.clone()),
             latitude_deg: row.get(2)?,
             longitude_deg: row.get(3)?,
-            value: row.get(4)?,
+            value: announcements.value_at(&id, at_ns).map_or_else(|| row.get(4), |value| Ok(Some(value)))?,
+            observed_ns,
             geometry: geometry.and_then(|text| serde_json::from_str(&text).ok()),
             state: now.as_ref().map(|change| change.state.clone()),
             detail: now.as_ref().and_then(|change| change.detail.clone()),
@@ -112,7 +117,9 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
 /// for `planned` counts.
 fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
     let last = history.last()?;
-    let first = history.iter().rev().take_while(|change| change.state == last.state).last()?;
+    let is_gone = |change: &TargetChange| change.detail.as_deref() == Some(TARGET_GONE);
+    let is_same = |change: &&TargetChange| change.state == last.state && is_gone(change) == is_gone(last);
+    let first = history.iter().rev().take_while(is_same).last()?;
     let detail = if last.state == "planned" { &last.detail } else { &first.detail };
     Some(TargetChange { t_ns: first.t_ns, state: first.state.clone(), detail: detail.clone() })
 }
@@ -146,6 +153,8 @@ mod tests {
     fn a_target_is_skipped_since_the_first_plan_of_a_run_and_planned_as_the_last_one_says() {
         let history = [change(1, "planned", "at 5"), change(2, "skipped", "too far"), change(3, "skipped", "too late")];
         assert_eq!(state_of(&history), Some(change(2, "skipped", "too far")));
+        let gone = [change(1, "skipped", "too far"), change(2, "skipped", TARGET_GONE)];
+        assert_eq!(state_of(&gone), Some(change(2, "skipped", TARGET_GONE)));
         let history = [change(1, "planned", "at 5"), change(2, "planned", "at 6")];
         assert_eq!(state_of(&history), Some(TargetChange { t_ns: 1, ..change(2, "planned", "at 6") }));
         assert_eq!(state_of(&[]), None);

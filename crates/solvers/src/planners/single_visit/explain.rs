@@ -4,6 +4,7 @@ use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
 use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
+use apex_planning::obstacle::{Obstacle, TimeLimit};
 use apex_planning::solver::{Budget, WorkBudget};
 
 /// Number of positions, those with the shortest detours, that are examined to explain why a target does not fit.
@@ -74,11 +75,11 @@ impl Troubles {
     }
 }
 
-/// Returns the reason for which a visit of the target has no value; `None` if it has one.
-fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<&'static str> {
+/// Returns the reason for which a visit of the target earns nothing; `None` if it earns something.
+fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<String> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-    (data.value * best_quality <= 0.0).then_some("is worth nothing: its value or every manoeuvre's quality is 0")
+    (data.value * best_quality <= 0.0).then(|| Obstacle::Worthless.to_string())
 }
 
 fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
@@ -109,10 +110,15 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
         }
     }
     if least_over_s.is_finite() {
-        return Some(format!("needs {} more than {} leaves, even alone", spoken(least_over_s), schedule.limit_name));
+        return Some(late(schedule, least_over_s, true));
     }
     first_trouble
         .map(|trouble| if trouble.contains("window") { window_trouble(schedule, target, trouble) } else { trouble })
+}
+
+/// Returns the reason of a visit that ends `over_s` after what the flight's limit allows.
+fn late(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
+    Obstacle::Late { over_s, limit: TimeLimit::Flight(schedule.limit_name.to_string()), alone }.to_string()
 }
 
 fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
@@ -128,7 +134,7 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
 fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
     let Some(target) = schedule.problem.targets.get(target) else { return trouble };
     if trouble == closed_window(&target.name) {
-        "its last time window closes before the vehicle can be there".to_string()
+        Obstacle::Window.to_string()
     } else {
         trouble
     }
@@ -207,8 +213,8 @@ pub(super) fn left_out_quickly(
     let missing = problem.targets.iter().enumerate().filter(|(target, _)| seen.get(*target) == Some(&false));
     missing
         .map(|(target, data)| {
-            let known = troubles.alone(target).map(String::as_str).or_else(|| worthless(problem, target));
-            let reason = known.unwrap_or("is not in the best plan so far").to_string();
+            let known = troubles.alone(target).cloned().or_else(|| worthless(problem, target));
+            let reason = known.unwrap_or_else(|| "is not in the best plan so far".to_string());
             LeftOut { target: data.name.clone(), reason }
         })
         .collect()
@@ -244,13 +250,13 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
     if best_score.is_finite() {
         let loss = judged.score - best_score;
         return if loss > 0.0 {
-            format!("would lower the score by {loss:.2}: the time it takes costs more than it is worth")
+            Obstacle::Score { loss }.to_string()
         } else {
             "was not reached within the planning budget".to_string()
         };
     }
     if least_over_s.is_finite() {
-        return format!("needs {} more than {} leaves", spoken(least_over_s), schedule.limit_name);
+        return late(schedule, least_over_s, false);
     }
     trouble
 }
@@ -270,16 +276,4 @@ fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeu
     let mut gaps: Vec<(f64, usize)> = (0..=order.len()).map(|at| (detour_s(at), at)).collect();
     gaps.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     gaps.into_iter().take(GAPS_EXPLAINED).map(|(_, at)| at).collect()
-}
-
-/// Formats a span of time as in speech: `41 min`, `3 h 5 min`, `20 s`.
-pub(super) fn spoken(seconds: f64) -> String {
-    let minutes = libm::ceil(seconds / 60.0);
-    if seconds < 60.0 {
-        format!("{:.0} s", libm::ceil(seconds))
-    } else if minutes < 60.0 {
-        format!("{minutes:.0} min")
-    } else {
-        format!("{:.0} h {:.0} min", libm::floor(minutes / 60.0), minutes - 60.0 * libm::floor(minutes / 60.0))
-    }
 }

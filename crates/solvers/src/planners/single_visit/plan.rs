@@ -119,7 +119,7 @@ pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> S
         "{} of {} targets in {}; worth {:.2} of at most {:.2}, costs {:.2}, score {:.2}.",
         plan.visits.len(),
         problem.targets.len(),
-        explain::spoken(plan.end_s - problem.start_s),
+        apex_planning::obstacle::spoken(plan.end_s - problem.start_s),
         plan.benefits,
         plan.benefits_bound.unwrap_or(plan.benefits),
         plan.costs,

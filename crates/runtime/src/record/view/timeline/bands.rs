@@ -5,6 +5,9 @@ use super::shapes::Band;
 use super::window::Window;
 use apex_model::task::TaskState;
 
+/// Largest difference between the share of a band's first pixel and those of the others: a quarter of a pixel of height.
+const SHARE_STEP: f64 = 0.02;
+
 /// Intervals gathered by pixel.
 pub(super) struct Bands {
     window: Window,
@@ -51,19 +54,31 @@ impl Bands {
     pub(super) fn finish(self) -> Vec<Band> {
         let pixel_ns = self.window.pixel_ns;
         let mut bands: Vec<Band> = Vec::new();
+        // Share of the first pixel of the last band: all of its pixels look like it.
+        let mut first_share = 0.0;
         for (at, pixel) in self.pixels.into_iter().enumerate().filter_map(|(at, pixel)| Some((at, pixel?))) {
             let from_ns = self.window.start_ns(at);
             let to_ns = from_ns.saturating_add(pixel_ns).min(self.window.known_ns()).max(from_ns);
-            // The share is in thousandths, as in the answer.
-            let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64 * 1e3).round().min(1e3) / 1e3;
+            let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64).min(1.0);
             match bands.last_mut() {
-                Some(last) if pixel.count == 0 && last.to_ns == from_ns && last.ongoing == ongoing => {
+                Some(last) if last.to_ns == from_ns && look_the_same(first_share, ongoing) => {
+                    let pixels = last.pixels as f64;
+                    last.ongoing = (last.ongoing * pixels + ongoing) / (pixels + 1.0);
                     last.to_ns = to_ns;
                     last.pixels += 1;
+                    last.count += pixel.count;
                 }
-                _ => bands.push(Band { from_ns, to_ns, pixel: at, pixels: 1, count: pixel.count, ongoing }),
+                _ => {
+                    first_share = ongoing;
+                    bands.push(Band { from_ns, to_ns, pixel: at, pixels: 1, count: pixel.count, ongoing });
+                }
             }
         }
         bands
     }
+}
+
+/// Returns true for shares of two pixels that are drawn with the same height: a lane has about eleven pixels.
+fn look_the_same(first: f64, next: f64) -> bool {
+    (first - next).abs() <= SHARE_STEP && (first > 0.0) == (next > 0.0)
 }

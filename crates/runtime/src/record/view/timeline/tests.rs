@@ -86,6 +86,42 @@ fn every_interval_of_any_window_is_one_bar_or_counted_in_one_band() {
 }
 
 #[test]
+fn bands_keep_the_shares_of_their_pixels() {
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(11));
+    for round in 0..200 {
+        // One task that works in turns of about the same length, below a lane that is always shown.
+        let mut index = TaskIndex::default();
+        index.insert(0, None, "root", &[(0, TaskState::Ongoing)]);
+        let (work, wait) = (1 + dice.below(30), 1 + dice.below(30));
+        let mut at_ns = 0;
+        let mut changes = Vec::new();
+        for turn in 0..400 {
+            let state = if turn % 2 == 0 { TaskState::Ongoing } else { TaskState::Pending };
+            changes.push((at_ns, state));
+            let length = if turn % 2 == 0 { work } else { wait };
+            at_ns += i64::try_from(length + dice.below(1 + length / 4)).unwrap();
+        }
+        index.insert(1, Some(0), "turns", &changes);
+        let window = Window::new((0, 9_000), 20_000, 1 + dice.below(60) as usize);
+        let timeline = draw(&index, window, 1, None);
+        let share = |pixel: usize| {
+            let (from_ns, to_ns) = (window.start_ns(pixel), window.start_ns(pixel + 1));
+            let drawn = index.get(1).unwrap().drawn(window.from_ns, window.known_ns());
+            let ongoing = drawn.filter(|interval| interval.state.0 == TaskState::Ongoing);
+            let inside = ongoing.map(|one| (one.to_ns.min(to_ns) - one.from_ns.max(from_ns)).max(0)).sum::<i64>();
+            (inside as f64 / window.pixel_ns as f64).min(1.0)
+        };
+        for band in &timeline.more.bands {
+            let shares: Vec<f64> = (band.pixel..band.pixel + band.pixels).map(share).collect();
+            let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+            assert!((band.ongoing - mean).abs() < 1e-9, "round {round}: {band:?} {shares:?}");
+            assert!(shares.iter().all(|one| (one - shares[0]).abs() < 0.0201), "round {round}: {band:?} {shares:?}");
+            assert!(shares.iter().all(|one| (*one > 0.0) == (shares[0] > 0.0)), "round {round}: {band:?} {shares:?}");
+        }
+    }
+}
+
+#[test]
 fn a_thousand_tasks_at_once_are_eight_rows_and_a_band() {
     let mut index = TaskIndex::default();
     index.insert(0, None, "root", &[(0, TaskState::Ongoing)]);
@@ -111,7 +147,8 @@ fn a_task_of_many_intervals_is_dense_from_afar_and_bars_from_near() {
     let far = draw(&index, window(0, 20_000), 40, None);
     assert_eq!(counted(&far), (0, 4_000));
     assert!(far.lanes[0].bands.iter().all(|band| (band.ongoing - 0.5).abs() < 1e-9));
-    assert_eq!(serde_json::to_string(&far.lanes[0].bands[1]).unwrap(), "[1,1,40,500]");
+    // A hundred pixels that look the same are one band.
+    assert_eq!(serde_json::to_string(&far.lanes[0].bands).unwrap(), "[[0,100,4000,500]]");
     let near = draw(&index, window(1_000, 1_100), 40, None);
     assert_eq!(counted(&near).1, 0);
     assert_eq!(near.lanes[0].rows[0].first().map(|bar| bar.state), Some(StateWord(TaskState::Ongoing)));

@@ -1,8 +1,8 @@
 //! Reasons for which a target is not in a route: the least shortage over all positions.
 
-use super::super::explain::spoken;
 use super::route::Route;
 use crate::routing::network::Network;
+use apex_planning::obstacle::{Obstacle, TimeLimit};
 
 /// Returns the numbers of the targets that have nodes and are not visited, with the reasons.
 pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)> {
@@ -17,7 +17,8 @@ pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)>
     }
     let told = |over: Option<i32>| match over {
         Some(over) if over > 0 => {
-            format!("needs {} more than is left between the others", spoken(f64::from(over) * network.tick_s))
+            let over_s = f64::from(over) * network.tick_s;
+            Obstacle::Late { over_s, limit: TimeLimit::OtherVisits, alone: false }.to_string()
         }
         Some(_) => "fits, but is not worth its time, or was not reached within the planning budget".to_string(),
         None => "no place between the others is within its time windows".to_string(),
