@@ -12,12 +12,12 @@ from apex_autonomy._apex import InputError, cost_points, expected_cost_of
 __all__ = ["Cost", "ExpectedCost", "TargetCost", "cost_table", "expected_cost"]
 
 Cost = Callable[[float], float]
-"""What it costs not to know of an event, by its age in seconds; never less for an older event."""
+"""The cost of not knowing of an event, as a function of its age in seconds; it never falls with age."""
 
 
 @dataclass(frozen=True, slots=True)
 class TargetCost:
-    """What one target costs over the mission.
+    """The cost of one target over the mission.
 
     Attributes
     ----------

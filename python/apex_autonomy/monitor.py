@@ -43,7 +43,7 @@ class Monitor:
     Raises
     ------
     ConditionError
-        The condition or the library is wrong; the text says where, why and what to do.
+        The condition or the library is wrong; the text gives the place, the reason and advice.
     OSError
         The library's file cannot be read.
 
@@ -119,7 +119,7 @@ class Monitor:
         return self._session.now_ns
 
     def push(self, t: Instant, value: Any, *, variable: str | Variable | None = None) -> Results:
-        """Hand over one sample, the last of its instant.
+        """Pass one sample, the last of its instant.
 
         Parameters
         ----------
@@ -129,12 +129,12 @@ class Monitor:
             A number (in the declared unit, if one is declared), ``bool``, ``str``, :class:`Symbol`, :class:`Quantity`,
             ``numpy.timedelta64`` or a list of such. None and not-a-number are missing measurements.
         variable : str or Variable, optional
-            What was measured, ``"(altitude uav)"``. Not needed where the condition names one variable.
+            The measured variable, ``"(altitude uav)"``. Not needed if the condition names a single variable.
 
         Returns
         -------
         Results
-            What has become known.
+            The new results.
 
         Raises
         ------
@@ -155,7 +155,7 @@ class Monitor:
         return self._take()
 
     def extend(self, t: npt.ArrayLike, values: npt.ArrayLike, *, variable: str | Variable | None = None) -> Results:
-        """Hand over many samples of one variable.
+        """Pass many samples of one variable.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known at the instants that are over. The interpreter's lock is released meanwhile.
+            The new results at instants that are over. The interpreter's lock is released meanwhile.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known.
+            The new results.
 
         Raises
         ------
@@ -239,7 +239,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known, also by time alone.
+            The new results, including those that follow from time alone.
 
         Examples
         --------
@@ -258,7 +258,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known.
+            The new results.
         """
         self._session.finish()
         return self._take()
