@@ -61,7 +61,7 @@ pub(crate) struct AppState {
     pub(crate) names: Vec<String>,
     /// True if connections are encrypted.
     pub(crate) is_encrypted: bool,
-    /// Places for WebSockets.
+    /// Free places for WebSocket connections.
     pub(crate) live_places: Arc<Semaphore>,
 }
 
@@ -183,7 +183,7 @@ impl Drop for Lent<'_> {
     }
 }
 
-/// Returns the answer to questions about a record of a server that serves none.
+/// Returns the error for requests about a record if the server serves no record.
 pub(crate) fn no_record() -> ApiError {
     ApiError::not_found("this server serves no flight record", "start it with one: `apex serve RECORD`")
 }

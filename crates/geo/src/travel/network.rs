@@ -27,7 +27,7 @@ pub struct EndpointId(pub(crate) usize);
 struct Leg {
     course: Course,
     blocks: Vec<Block>,
-    /// Forwards and backwards.
+    /// Timings in the forward and in the backward direction.
     timings: [Timing; 2],
 }
 
@@ -236,7 +236,7 @@ impl Network {
         }
     }
 
-    /// Returns the obstacle at `place` at some time of `time_s`; `None` if flight is permitted there at all times of it.
+    /// Returns an obstacle that forbids flight at `place` at any time in `time_s`; `None` if flight is permitted throughout.
     pub fn place_trouble(&self, place: EndpointId, time_s: Span) -> Option<TravelError> {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
@@ -246,7 +246,7 @@ impl Network {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
 
-    /// Returns the obstacle of the straight leg between two positions at some time of `time_s`.
+    /// Returns an obstacle on the straight leg between two positions at any time of the span.
     pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<TravelError> {
         let spots = self.ground.spot(from).and_then(|from| Ok((from, self.ground.spot(to)?)));
         match spots {
