@@ -37,7 +37,7 @@ pub struct PlannedLine {
     pub ground_speed_mps: f64,
     /// Heading minus track: the angle by which the nose points into the wind.
     pub crab_deg: f64,
-    /// Instant at which the image of the line is on the ground; none if that is not planned.
+    /// Instant at which the image of the line is on the ground; `None` if that is not planned.
     pub on_ground_s: Option<f64>,
 }
 

@@ -14,7 +14,7 @@ export interface HeaderView {
   statusHelp: string;
   /** The mission score, at the end only. */
   score: string | null;
-  /** `3 of 22 targets observed`; none without targets. */
+  /** Text such as `3 of 22 targets observed`; null without targets. */
   progress: string | null;
   time: string;
   civil: string | null;
