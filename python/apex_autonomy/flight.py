@@ -70,12 +70,12 @@ class Plan:
 
 @dataclass(frozen=True)
 class Report:
-    """What a flight achieved.
+    """Results of a flight.
 
     Attributes
     ----------
     sections : dict
-        The report by section, as ``apex fly --json`` prints it.
+        The report by section, in the format of ``apex fly --json``.
     text : str
         The report as text.
     """
@@ -93,9 +93,9 @@ class Flight:
     end_s : float
         Mission time at the end.
     reason : str
-        Why it ended.
+        Reason of the end.
     report : dict
-        What it achieved, by section.
+        Its results, by section.
     text : str
         The report as text.
     record : Path
@@ -125,7 +125,7 @@ class Difference:
     step : int
         Number of the step in the record.
     what : str
-        Which effect, planning problem or situation differs.
+        The effect, planning problem or situation that differs.
     recorded, replayed : str or None
         The values of both flights; None if a flight has none.
     """
@@ -139,7 +139,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """What a replay found.
+    """Result of a replay.
 
     Attributes
     ----------
@@ -285,11 +285,11 @@ def fly(
     record : str or Path
         The flight record to write; an older record there is replaced.
     seed : int, optional
-        Seed of the simulated world; left out, the mission's.
+        Seed of the simulated world; by default that of the mission.
     until_s : float, optional
         Mission time at which the flight ends at the latest.
     pace : float, optional
-        Simulated seconds per second; left out, as fast as possible, or 1 for missions of type ``realtime``.
+        Simulated seconds per second; by default as fast as possible, or 1 for missions of type ``realtime``.
     planners : iterable of Planner
         User-defined planners in addition to the planners that ship with Apex.
     table : str, optional
@@ -297,7 +297,7 @@ def fly(
     solver_timeout_s : float, optional
         Wall time after which a planner that does not answer is abandoned; by default 5 minutes.
     solver_memory_mib : int, optional
-        Growth of the program, in MiB, at which a planner is stopped; left out, 1,024.
+        Growth of the program, in MiB, at which a planner is stopped; by default 1,024.
     on_progress : callable, optional
         Called with the mission time in seconds, at most once a minute of mission time.
 

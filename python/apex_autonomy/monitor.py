@@ -20,25 +20,24 @@ Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
 class Monitor:
     """Watches one condition.
 
-    Samples and messages are handed over with their instants: seconds as a number, or ``numpy.timedelta64``,
-    ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All that has one instant is one
-    step: what a call returns are the results of the instants that are over, so a result of the newest instant comes
-    with the next call, :meth:`advance` or :meth:`finish` - except from :meth:`push`, which takes its instant to be
-    complete.
+    Samples and messages are passed with their instants: seconds as a number, or ``numpy.timedelta64``,
+    ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All inputs of one instant form a
+    step, and a call returns the results of instants that are over. So a result of the newest instant is returned by the
+    next call, by :meth:`advance` or by :meth:`finish`; only :meth:`push` assumes that its instant is complete.
 
     Parameters
     ----------
     condition : str
         A condition of PDL, for example ``"(altitude uav > 400ft)"``.
     library : str or pathlib.Path, optional
-        Declarations of state variables, functions and constants that the condition is read with: PDL as text, or the
-        path of a file.
+        Declarations of state variables, functions and constants for the condition: PDL as text, or the path of a
+        file.
     created : Instant, optional
-        The instant from which on evidence counts, as if the task that waits for the condition were created then. By
+        The instant from which evidence counts, as if the task that waits for the condition were created then. By
         default everything counts.
     gaps : bool, default False
-        Results tell the largest sampling gap within them, ``Result.gap_s_max``. Every sample then costs more; without,
-        it is None.
+        Results contain the largest sampling gap within them, ``Result.gap_s_max``, which makes every sample slower.
+        Otherwise it is None.
 
     Raises
     ------
@@ -50,7 +49,7 @@ class Monitor:
     Warns
     -----
     UserWarning
-        For what ``apex check`` warns about.
+        For the warnings of ``apex check``.
 
     Examples
     --------

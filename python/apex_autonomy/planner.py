@@ -22,7 +22,7 @@ class PlannerStopped(BaseException):
 
 
 class Environment:
-    """What a planner may use."""
+    """The environment of a planner."""
 
     def __init__(self, surroundings: PlannerContext | _Program) -> None:
         self._surroundings = surroundings
@@ -93,7 +93,7 @@ class Planner(abc.ABC):
     def serve(self) -> None:
         """Answer one problem on standard input, as a solver program (``docs/reference/solver-programs.md``).
 
-        What the planner prints goes to standard error. When standard input ends, so does the process.
+        Output printed by the planner goes to standard error. When standard input ends, so does the process.
         """
         with os.fdopen(os.dup(1), "w", encoding="utf-8") as output:
             os.dup2(2, 1)
