@@ -1,6 +1,6 @@
 """Apex, the autonomy executive, for Python.
 
-A :class:`Monitor` watches one condition of PDL over samples and messages, and tells every way in which it comes true:
+A :class:`Monitor` watches one condition of PDL over samples and messages, and returns all ways in which it comes true:
 
 >>> from apex_autonomy import Monitor
 >>> monitor = Monitor("(rssi modem < 20)")
@@ -13,7 +13,7 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 :func:`expected_cost` scores any plan of surveillance, also by user-defined costs, and :func:`cost_table` makes them
 tables for planners.
 
-Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing is decided here.
+Syntax and meaning are those of PDL (``docs/reference/conditions.md``); this package only translates.
 """
 
 from apex_autonomy._apex import (

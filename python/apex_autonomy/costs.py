@@ -12,12 +12,12 @@ from apex_autonomy._apex import InputError, cost_points, expected_cost_of
 __all__ = ["Cost", "ExpectedCost", "TargetCost", "cost_table", "expected_cost"]
 
 Cost = Callable[[float], float]
-"""What it costs not to know of an event, by its age in seconds; never less for an older event."""
+"""The cost of not knowing of an event, as a function of its age in seconds; it never falls with age."""
 
 
 @dataclass(frozen=True, slots=True)
 class TargetCost:
-    """What one target costs over the mission.
+    """The cost of one target over the mission.
 
     Attributes
     ----------
@@ -91,18 +91,18 @@ def expected_cost(
     Parameters
     ----------
     problem : dict or str
-        A problem of surveillance as :func:`plan` takes it.
+        A problem of surveillance in the form accepted by :func:`plan`.
     visits : mapping or iterable of mapping
-        What :func:`plan` returns, its ``plan``, or visits in any order, each with its ``target`` and ``end_s``, the
-        second at which its observation ends. Those that end after the horizon do not count.
+        A result of :func:`plan`, its ``plan``, or visits in any order, each with its ``target`` and ``end_s``, the
+        second at which its observation ends. Observations that end after the horizon do not count.
     costs : mapping of str to callable, optional
-        By the name of a target, ``cost(age_s) -> float`` for use instead of the family that the problem gives. It is
-        integrated by adaptive quadrature; ``(cost, ages_s)`` also names the ages at which it jumps or has a kink, and
-        needs fewer calls.
+        For each named target, ``cost(age_s) -> float``, which replaces the cost in the problem. It is integrated by
+        adaptive quadrature; ``(cost, ages_s)`` also gives the ages at which it jumps or has a kink, and needs fewer
+        calls.
     survival : bool, default False
-        Count only the first event after an observation, whose likelihood is that none came before it. Otherwise
-        likelihoods are added up as the paper does, which is as good where two events between two observations are
-        rare, and what planners and bounds do.
+        Count only the first event after an observation, weighted with the probability that no other came before it.
+        Otherwise likelihoods are added up as in the paper and as in planners and bounds; the two results agree if two
+        events between two observations are rare.
 
     Returns
     -------
@@ -114,8 +114,8 @@ def expected_cost(
     PlanningError
         The problem cannot be read or is invalid.
     InputError
-        A visit or cost of no target, or a cost that raises, returns no number, is negative, not finite, or falls with
-        age, as far as it was asked: the text names the target and the age.
+        A visit or cost for an unknown target; or a cost that raises, returns no number, is negative, not finite, or
+        falls between evaluated ages. The text names the target and the age.
 
     Examples
     --------
@@ -144,21 +144,22 @@ def expected_cost(
 def cost_table(cost: Cost, *, horizon_s: float, relative_error: float = 1e-4) -> dict[str, Any]:
     """Put a user-defined cost into a table that planners can use, as the ``cost`` of a target in a problem.
 
-    If the cost never falls with age, the table is within `relative_error` of it at every age up to `horizon_s`, or of a
-    thousandth of its cost there where it is less; jumps are found, and met to a part in 10^12 of `horizon_s`. So the
-    expected cost of every plan is met within `relative_error` of itself plus a thousandth of what it would be if each
-    event cost as much as the oldest. This is proven from the ages asked: they are halved until the costs of neighbours
-    are as near. Not seen is whether the cost falls between two ages asked: then nothing is promised.
+    The cost must never fall with age. Then at every age up to `horizon_s` the error of the table is at most
+    `relative_error` of the cost, or of a thousandth of the cost at `horizon_s` if that is more; jumps are found to a
+    part in 10^12 of `horizon_s`. So the error of the expected cost of every plan is at most `relative_error` of itself
+    plus of a thousandth of the expected cost if each event cost as much as the oldest one. This is proven by adding
+    ages until neighbouring costs are close enough. A fall between two evaluated ages is not detected, and then nothing
+    is guaranteed.
 
     Parameters
     ----------
     cost : callable
         ``cost(age_s) -> float``, not negative, never falling.
     horizon_s : float
-        The oldest age that matters: the problem's horizon, and the target's initial age on top. Beyond it the table
-        stays as it is there.
+        The oldest age that can occur: the sum of the problem's horizon and the target's initial age. Beyond it the
+        table is constant.
     relative_error : float
-        The less, the more points and calls: up to 320 points and 230,000 calls for 1e-4 and smooth costs.
+        A smaller error needs more points and calls: up to 320 points and 230,000 calls for 1e-4 and smooth costs.
 
     Returns
     -------
@@ -168,8 +169,8 @@ def cost_table(cost: Cost, *, horizon_s: float, relative_error: float = 1e-4) ->
     Raises
     ------
     InputError
-        The cost raises, returns no number, is negative, not finite or falls, with the age; or it takes too many
-        points or calls.
+        The cost raises, returns no number, is negative, not finite or falls; the text names the age. Also if too many
+        points or calls are needed.
 
     Examples
     --------

@@ -40,7 +40,7 @@ class Target:
     latitude_deg, longitude_deg, elevation_m : float
         Position, and elevation above mean sea level.
     worth : float
-        What its observation is worth; 0 for bases and places.
+        Worth of its observation; 0 for bases and places.
     """
 
     id: str
@@ -61,7 +61,7 @@ class Plan:
     problem : dict
         The problem that the mission poses (``docs/reference/planning-problems.md``).
     answer : dict
-        What ``apex plan --json`` prints: ``value``, ``bound``, ``plan`` and more.
+        The output of ``apex plan --json``: ``value``, ``bound``, ``plan`` and more.
     """
 
     problem: dict[str, Any]
@@ -70,12 +70,12 @@ class Plan:
 
 @dataclass(frozen=True)
 class Report:
-    """What a flight achieved.
+    """Results of a flight.
 
     Attributes
     ----------
     sections : dict
-        The report by section, as ``apex fly --json`` prints it.
+        The report by section, in the format of ``apex fly --json``.
     text : str
         The report as text.
     """
@@ -93,9 +93,9 @@ class Flight:
     end_s : float
         Mission time at the end.
     reason : str
-        Why it ended.
+        Reason of the end.
     report : dict
-        What it achieved, by section.
+        Its results, by section.
     text : str
         The report as text.
     record : Path
@@ -125,9 +125,9 @@ class Difference:
     step : int
         Number of the step in the record.
     what : str
-        Which effect, planning problem or situation differs.
+        The effect, planning problem or situation that differs.
     recorded, replayed : str or None
-        Both sides; None where one has nothing.
+        The values of both flights; None if a flight has none.
     """
 
     t_s: float
@@ -139,7 +139,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """What a replay found.
+    """Result of a replay.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ class Mission:
         Parameters
         ----------
         planner : Planner or str, optional
-            Yours, or the name of one; left out, the profile table chooses.
+            A user-defined planner, or the name of a planner; by default the profile table selects one.
         budget_s : float, optional
             Time for deliberation, in the time of a flight; left out, that of the mission's first solver.
         seed : int, optional
@@ -240,7 +240,7 @@ class Mission:
         planners : iterable of Planner
             User-defined planners that `planner` or `table` may name.
         table : str, optional
-            Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
+            Text of the profile table (`Profile.table`); by default the one that ships with Apex.
 
         Raises
         ------
@@ -281,23 +281,23 @@ def fly(
     Parameters
     ----------
     mission : Mission
-        The mission; it asks planners by ``(solver NAME ..)``.
+        The mission; it names planners by ``(solver NAME ..)``.
     record : str or Path
         The flight record to write; an older record there is replaced.
     seed : int, optional
-        Seed of the simulated world; left out, the mission's.
+        Seed of the simulated world; by default that of the mission.
     until_s : float, optional
         Mission time at which the flight ends at the latest.
     pace : float, optional
-        Simulated seconds per second; left out, as fast as possible, or 1 for missions of type ``realtime``.
+        Simulated seconds per second; by default as fast as possible, or 1 for missions of type ``realtime``.
     planners : iterable of Planner
-        User-defined planners in addition to those that ship.
+        User-defined planners in addition to the planners that ship with Apex.
     table : str, optional
-        Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
+        Text of the profile table (`Profile.table`); by default the one that ships with Apex.
     solver_timeout_s : float, optional
-        Wall time after which a planner that does not answer is abandoned; left out, 5 minutes.
+        Wall time after which a planner that does not answer is abandoned; by default 5 minutes.
     solver_memory_mib : int, optional
-        Growth of the program, in MiB, at which a planner is stopped; left out, 1,024.
+        Growth of the program, in MiB, at which a planner is stopped; by default 1,024.
     on_progress : callable, optional
         Called with the mission time in seconds, at most once a minute of mission time.
 
@@ -398,7 +398,7 @@ def fork(
     until_s : float, optional
         Mission time at which the forked flight ends at the latest.
     planners : iterable of Planner
-        User-defined planners in addition to those that ship.
+        User-defined planners in addition to the planners that ship with Apex.
 
     Returns
     -------

@@ -20,37 +20,36 @@ Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
 class Monitor:
     """Watches one condition.
 
-    Samples and messages are handed over with their instants: seconds as a number, or ``numpy.timedelta64``,
-    ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All that has one instant is one
-    step: what a call returns are the results of the instants that are over, so a result of the newest instant comes
-    with the next call, :meth:`advance` or :meth:`finish` - except from :meth:`push`, which takes its instant to be
-    complete.
+    Samples and messages are passed with their instants: seconds as a number, or ``numpy.timedelta64``,
+    ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All inputs of one instant form a
+    step, and a call returns the results of instants that are over. So a result of the newest instant is returned by the
+    next call, by :meth:`advance` or by :meth:`finish`; only :meth:`push` assumes that its instant is complete.
 
     Parameters
     ----------
     condition : str
         A condition of PDL, for example ``"(altitude uav > 400ft)"``.
     library : str or pathlib.Path, optional
-        Declarations of state variables, functions and constants that the condition is read with: PDL as text, or the
-        path of a file.
+        Declarations of state variables, functions and constants for the condition: PDL as text, or the path of a
+        file.
     created : Instant, optional
-        The instant from which on evidence counts, as if the task that waits for the condition were created then. By
+        The instant from which evidence counts, as if the task that waits for the condition were created then. By
         default everything counts.
     gaps : bool, default False
-        Results tell the largest sampling gap within them, ``Result.gap_s_max``. Every sample then costs more; without,
-        it is None.
+        Results contain the largest sampling gap within them, ``Result.gap_s_max``, which makes every sample slower.
+        Otherwise it is None.
 
     Raises
     ------
     ConditionError
-        The condition or the library is wrong; the text says where, why and what to do.
+        The condition or the library is wrong; the text gives the place, the reason and advice.
     OSError
         The library's file cannot be read.
 
     Warns
     -----
     UserWarning
-        For what ``apex check`` warns about.
+        For the warnings of ``apex check``.
 
     Examples
     --------
@@ -119,7 +118,7 @@ class Monitor:
         return self._session.now_ns
 
     def push(self, t: Instant, value: Any, *, variable: str | Variable | None = None) -> Results:
-        """Hand over one sample, the last of its instant.
+        """Pass one sample, the last of its instant.
 
         Parameters
         ----------
@@ -129,12 +128,12 @@ class Monitor:
             A number (in the declared unit, if one is declared), ``bool``, ``str``, :class:`Symbol`, :class:`Quantity`,
             ``numpy.timedelta64`` or a list of such. None and not-a-number are missing measurements.
         variable : str or Variable, optional
-            What was measured, ``"(altitude uav)"``. Not needed where the condition names one variable.
+            The measured variable, ``"(altitude uav)"``. Not needed if the condition names a single variable.
 
         Returns
         -------
         Results
-            What has become known.
+            The new results.
 
         Raises
         ------
@@ -155,7 +154,7 @@ class Monitor:
         return self._take()
 
     def extend(self, t: npt.ArrayLike, values: npt.ArrayLike, *, variable: str | Variable | None = None) -> Results:
-        """Hand over many samples of one variable.
+        """Pass many samples of one variable.
 
         Parameters
         ----------
@@ -170,7 +169,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known at the instants that are over. The interpreter's lock is released meanwhile.
+            The new results at instants that are over. The interpreter's lock is released meanwhile.
 
         Raises
         ------
@@ -211,7 +210,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known.
+            The new results.
 
         Raises
         ------
@@ -239,7 +238,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known, also by time alone.
+            The new results, including those that follow from time alone.
 
         Examples
         --------
@@ -258,7 +257,7 @@ class Monitor:
         Returns
         -------
         Results
-            What has become known.
+            The new results.
         """
         self._session.finish()
         return self._take()

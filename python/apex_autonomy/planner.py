@@ -1,4 +1,4 @@
-"""Planners written in Python: planning functions and flights ask them like those that ship."""
+"""Planners written in Python: planning functions and flights use them like the planners that ship with Apex."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PlannerStopped(BaseException):
 
 
 class Environment:
-    """What a planner may use."""
+    """The environment of a planner."""
 
     def __init__(self, surroundings: PlannerContext | _Program) -> None:
         self._surroundings = surroundings
@@ -34,7 +34,7 @@ class Environment:
 
     @property
     def previous(self) -> dict[str, Any] | None:
-        """The plan that is flown now, or the best one before the problem changed: a place to begin."""
+        """The plan flown at present, or the best plan before the problem changed, as a starting point."""
         text = self._surroundings.previous_json
         return None if text is None else json.loads(text)
 
@@ -51,12 +51,12 @@ class Environment:
     def charge(self, units: int) -> bool:
         """Charge `units` of work, each for a microsecond of flight; false when the planner must return now.
 
-        It waits while the planner is paused.
+        The call waits while the planner is paused.
         """
         return self._surroundings.charge(units)
 
     def report(self, plan: Sequence[str] | dict[str, Any]) -> None:
-        """Tell a better plan than the one before; the last one counts if the planner has to be stopped."""
+        """Report a better plan than the previous one; the last report counts if the planner has to be stopped."""
         self._surroundings.report_json(json.dumps(plan))
 
 
@@ -87,13 +87,13 @@ class Planner(abc.ABC):
         Raises
         ------
         Exception
-            There is no plan; its text says why.
+            There is no plan; the text is the reason.
         """
 
     def serve(self) -> None:
         """Answer one problem on standard input, as a solver program (``docs/reference/solver-programs.md``).
 
-        What the planner prints goes to standard error. When standard input ends, so does the process.
+        Output printed by the planner goes to standard error. When standard input ends, so does the process.
         """
         with os.fdopen(os.dup(1), "w", encoding="utf-8") as output:
             os.dup2(2, 1)
@@ -180,13 +180,13 @@ def means(
     solver_timeout_s: float | None = None,
     solver_memory_mib: int | None = None,
 ) -> Means:
-    """Return user-defined planners in addition to those that ship, with the table that chooses and the limits."""
+    """Return the user-defined planners, the profile table and the limits of one request."""
     registered = _registered(planners)
     return Means(registered, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
 
 
 def chosen(planner: Planner | str | None, planners: Iterable[Planner]) -> tuple[str | None, list[Planner]]:
-    """Return the name of the planner that is asked for, and all planners to register."""
+    """Return the name of the requested planner, and all planners to register."""
     if isinstance(planner, Planner):
         return planner.name, [*(other for other in planners if other is not planner), planner]
     return planner, list(planners)
@@ -208,7 +208,7 @@ def problem(name: str | Path) -> dict[str, Any]:
     Raises
     ------
     PlanningError
-        There is no such problem, or the file holds something else.
+        The problem does not exist, or the file has other contents.
 
     Examples
     --------
@@ -236,7 +236,7 @@ def plan(
     problem : dict or str
         A problem as ``docs/reference/planning-problems.md`` describes it, or its JSON text.
     planner : Planner or str, optional
-        Yours, or the name of one; left out, the profile table chooses.
+        A user-defined planner, or the name of a planner; by default the profile table selects one.
     budget_s : float
         Time for deliberation, in the time of a flight.
     seed : int
@@ -244,12 +244,12 @@ def plan(
     planners : iterable of Planner
         User-defined planners that `planner` or `table` may name.
     table : str, optional
-        Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
+        Text of the profile table (`Profile.table`); by default the one that ships with Apex.
 
     Returns
     -------
     dict
-        What ``apex plan --json`` prints: ``value``, ``bound``, ``plan`` and more.
+        The output of ``apex plan --json``: ``value``, ``bound``, ``plan`` and more.
 
     Raises
     ------

@@ -12,12 +12,12 @@ __all__ = ["Profile", "profile_cells"]
 
 
 def profile_cells(*names: str) -> list[str]:
-    """Return the names of cells of test missions; ``"all"`` and ``"subset"`` name many.
+    """Return the names of cells of test missions; ``"all"`` and ``"subset"`` name several cells.
 
     Raises
     ------
     MissionError
-        There is no such cell, or one is named twice.
+        A cell is unknown or named twice.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class Profile:
     Attributes
     ----------
     text : str
-        The profile as ``apex profile build`` writes it.
+        The profile in the format of ``apex profile build``.
 
     Examples
     --------
@@ -63,9 +63,9 @@ class Profile:
         Parameters
         ----------
         cells : iterable of str
-            Names of cells; ``"all"`` and ``"subset"`` name many.
+            Names of cells; ``"all"`` and ``"subset"`` name several cells.
         planners : iterable of Planner or str
-            Yours, or names of those that ship.
+            User-defined planners, or names of planners that ship with Apex.
         missions : int
             Test missions of each cell.
         budgets_s : sequence of float
@@ -80,28 +80,28 @@ class Profile:
         return Profile(measured(None, (list(cells), missions, list(budgets_s)), names, means(own)))
 
     def with_planners(self, planners: Iterable[Planner | str]) -> Profile:
-        """Measure more planners on the same missions; one that was measured before is replaced.
+        """Measure more planners on the same missions; results of a planner measured before are replaced.
 
         Raises
         ------
         MissionError
-            As `measure`; the profile was measured on test missions of another version.
+            As for `measure`; or the profile was measured on test missions of another version.
         """
         names, own = _names_and_own(planners)
         return Profile(measured(self.text, ([], 0, []), names, means(own)))
 
     @staticmethod
     def merge(parts: Iterable[Profile]) -> Profile:
-        """Merge profiles of different cells or planners that were measured apart.
+        """Merge profiles of different cells or planners that were measured separately.
 
         Raises
         ------
         MissionError
-            The profiles are not parts of one.
+            The profiles do not belong together.
         """
         return Profile(merged_profile([part.text for part in parts]))
 
     @property
     def table(self) -> str:
-        """The table that chooses planners: for `plan`, `fly`, and ``apex fly --table``."""
+        """The table by which planners are selected: for `plan`, `fly`, and ``apex fly --table``."""
         return profile_table(self.text)

@@ -1,4 +1,4 @@
-"""Series of flights: what a mission achieves over many seeds, and how it is lost."""
+"""Series of flights: the results of a mission over many seeds, and the causes of losses."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def fly_runs(
     runs : int
         Number of flights.
     jobs : int, optional
-        Flights at the same time. The rows do not depend on it.
+        Number of flights at the same time. The rows do not depend on it.
     seed : int, optional
         Seed of the first flight; left out, the mission's.
     until_s : float, optional

@@ -17,12 +17,12 @@ _INSTANTS: Final[tuple[Literal["start_ns", "end_ns", "recognised_at_ns"], ...]] 
 
 
 def to_arrow(results: Results) -> pyarrow.Table:
-    """Put results into a table, one row each.
+    """Put results into a table, with one row for each.
 
     Parameters
     ----------
     results : Results
-        What :meth:`Monitor.push`, :meth:`Monitor.extend` and the like return.
+        Results of :meth:`Monitor.push`, :meth:`Monitor.extend` and similar methods.
 
     Returns
     -------

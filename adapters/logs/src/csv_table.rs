@@ -87,8 +87,8 @@ impl<R: Read> CsvTable<R> {
             let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
             let found: String = fields.join(", ").chars().take(200).collect();
             self.damages.add(|| match &self.wanted {
-                Some((name, _)) => format!("line {line}: no column is called `{name}`; there are {found}"),
-                None => format!("line {line}: no column is a time; there are {found}. Expected `t`, `time (s)`, `timestamp_ms`, `datetime` or the like, or a mapping with (time \"COLUMN\" :unit U)"),
+                Some((name, _)) => format!("line {line}: there is no column `{name}`; the columns are {found}"),
+                None => format!("line {line}: no column has the name of a time; the columns are {found}. Expected `t`, `time (s)`, `timestamp_ms`, `datetime` or the like, or a mapping with (time \"COLUMN\" :unit U)"),
             });
             return Ok(());
         }
@@ -134,7 +134,7 @@ impl<R: Read> CsvTable<R> {
         match at {
             None => self.damages.add(|| format!("line {line}: `{}` is not a time", text.chars().take(40).collect::<String>())),
             Some(_) if at == self.newest => self.damages.add(|| {
-                format!("line {line}: its time is that of the row before, `{text}`: of a state variable that both measure, the later value counts")
+                format!("line {line}: it has the time of the row before, `{text}`; if both measure a state variable, the later value counts")
             }),
             Some(_) => {}
         }

@@ -34,7 +34,7 @@ impl<R: Read> DataFlashText<R> {
         let name = parts.next().unwrap_or_default();
         if name == "FMT" {
             if self.define(&mut parts).is_none() {
-                self.damages.add(|| format!("line {number}: this FMT row cannot be understood"));
+                self.damages.add(|| format!("line {number}: this FMT row is malformed"));
             }
             return;
         }

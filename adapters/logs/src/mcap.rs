@@ -74,7 +74,7 @@ impl Encoding {
                 let SchemaText { name, data, .. } = wanted("protobuf")?;
                 protobuf::descriptor(name, data).map(Encoding::Protobuf)
             }
-            _ => Err("json, cdr and protobuf are read here".to_string()),
+            _ => Err("only json, cdr and protobuf are supported".to_string()),
         }
     }
 

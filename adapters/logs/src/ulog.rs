@@ -65,7 +65,7 @@ impl<R: Read> ULog<R> {
         match letter {
             b'F' => {
                 if !self.formats.define(&text(payload)) {
-                    self.damages.add(|| format!("byte {at}: this definition of a format cannot be understood"));
+                    self.damages.add(|| format!("byte {at}: this definition of a format is malformed"));
                 }
                 false
             }
@@ -84,7 +84,8 @@ impl<R: Read> ULog<R> {
             b'B' => {
                 let unknown = payload.get(8..16).unwrap_or_default().iter().enumerate();
                 if unknown.into_iter().any(|(index, flags)| *flags & if index == 0 { !1 } else { !0 } != 0) {
-                    self.damages.add(|| format!("byte {at}: the log needs a feature that is not known here"));
+                    self.damages
+                        .add(|| format!("byte {at}: the log needs a feature that this reader does not support"));
                 }
                 false
             }

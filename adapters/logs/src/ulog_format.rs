@@ -128,10 +128,10 @@ impl Formats {
     ) -> Result<(), String> {
         let fields = self.0.get(format).ok_or_else(|| format!("the format `{format}` is not defined"))?;
         if depth > DEPTH_MAX {
-            return Err(format!("the format `{format}` holds itself, or is nested too deep"));
+            return Err(format!("the format `{format}` contains itself, or is nested too deep"));
         }
         for (kind, name) in fields {
-            let (kind, count) = counted(kind).ok_or_else(|| format!("the type `{kind}` is none"))?;
+            let (kind, count) = counted(kind).ok_or_else(|| format!("the type `{kind}` is not known"))?;
             let plain = UlogMessageKind::named(kind);
             if plain == Some(UlogMessageKind::Text(1)) {
                 push(leaves, format!("{prefix}{name}"), *offset, UlogMessageKind::Text(count.unwrap_or(1)), format)?;

@@ -78,7 +78,7 @@ fn rows_of_one_instant_are_told() {
     let (found, damages) = rows("t,roll\n1,5\n1,6\n1,7\n2,8\n");
     assert_eq!(found.len(), 4);
     assert_eq!(damages.count, 2);
-    assert!(damages.first[0].starts_with("line 3: its time is that of the row before"), "{damages:?}");
+    assert!(damages.first[0].starts_with("line 3: it has the time of the row before"), "{damages:?}");
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn times_that_are_none_are_told_with_their_text() {
         ("t,roll\n1,5\n,6\n", "line 3: the row has no time"),
         ("t_s,roll\n1,5\n99999999999999,6\n", "line 3: `99999999999999` is not a time"),
         ("datetime,roll\n2023-02-30T00:00:00Z,6\n", "line 2: `2023-02-30T00:00:00Z` is not a time"),
-        ("speed,roll\n1,5\n", "line 1: no column is a time; there are speed, roll"),
+        ("speed,roll\n1,5\n", "line 1: no column has the name of a time; the columns are speed, roll"),
     ] {
         let (_, damages) = rows(text);
         assert!(damages.count == 1 && damages.first[0].contains(expected), "{text}: {damages:?}");

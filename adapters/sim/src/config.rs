@@ -134,7 +134,7 @@ pub struct Start {
     pub heading_deg: f64,
     /// True: in flight at cruise speed; false: parked.
     pub airborne: bool,
-    /// Share of the fuel capacity on board; none is full.
+    /// Share of the fuel capacity on board; `None` is full.
     pub fuel_share: Option<f64>,
 }
 

@@ -25,7 +25,7 @@ const HIGH_FT: f64 = 2_000.0;
 const SCALE_FT: f64 = 1_750.0;
 /// `EDR = SHARE sigma L^(-1/3)`.
 const EDR_SHARE: f64 = 0.894;
-/// Slower air is passed this fast: gusts drift over a hovering vehicle.
+/// Least airspeed at which gusts are passed, because they also drift over a hovering vehicle.
 const AIRSPEED_M_S_MIN: f64 = 3.0;
 /// The aircraft follows a vertical gust with this lag (simulation assumption), in steps of at most this length.
 const HEAVE_S: f64 = 1.0;
@@ -116,13 +116,13 @@ pub(crate) struct Gusts {
 }
 
 impl Gusts {
-    /// Smooth air so far.
+    /// Returns gusts of zero strength.
     pub(crate) fn new(random: Random) -> Gusts {
         let (across, up) = (Lateral::default(), Lateral::default());
         Gusts { random, along: 0.0, across, up, heave_m_s: 0.0, velocity_m_s: [0.0; 3], bump_m_s2: 0.0 }
     }
 
-    /// No gusts: on the ground, and in smooth air.
+    /// Sets the gusts to zero: on the ground, and in smooth air.
     pub(crate) fn rest(&mut self) {
         (self.along, self.across, self.up) = (0.0, Lateral::default(), Lateral::default());
         (self.heave_m_s, self.bump_m_s2, self.velocity_m_s) = (0.0, 0.0, [0.0; 3]);

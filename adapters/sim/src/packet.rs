@@ -45,7 +45,7 @@ const CHANGE_SHARE: f64 = 0.01;
 pub struct PublishedVariable {
     /// The attribute; the object is the vehicle's name.
     pub name: &'static str,
-    /// The unit its values print in; none for words, lists, durations and plain numbers.
+    /// The unit in which its values are printed; `None` for words, lists, durations and plain numbers.
     pub unit: Option<&'static str>,
     /// Rate of reports.
     pub pace: Pace,

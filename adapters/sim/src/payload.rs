@@ -37,7 +37,7 @@ impl SimulatedWorld {
         self.scanner_on = match wanted.map(|symbol| symbol.folded()) {
             Some("on") => true,
             Some("off") => false,
-            _ => return Err(arguments.wrong("it is switched on or off")),
+            _ => return Err(arguments.wrong("the scanner is switched on or off")),
         };
         self.answer(id, Ok(Value::symbol(if self.scanner_on { "on" } else { "off" })), inputs);
         Ok(())
@@ -80,7 +80,7 @@ impl SimulatedWorld {
                 camera.stop(off == "power-off");
                 answer = Some(Value::symbol(&camera.model.name));
             }
-            ("camera", _) => return Err(arguments.wrong("a camera takes power-up, power-off or rest")),
+            ("camera", _) => return Err(arguments.wrong("the action of a camera is power-up, power-off or rest")),
             (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
             ("point-camera", _) => {
                 self.point(&mut camera, arguments)?;

@@ -30,7 +30,7 @@ struct Panel {
 /// is a number.
 ///
 /// # Errors
-/// What the drawing library reports.
+/// An error of the drawing library.
 pub fn plot(
     session: &MonitorSession,
     conditions: &[Condition],

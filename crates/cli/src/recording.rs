@@ -40,7 +40,7 @@ pub fn options(power_safe: bool, spare_folder: Option<&PathBuf>) -> RecordOption
 /// The file is not a key.
 pub fn signing_key(path: &Path) -> CliResult<SigningKey> {
     SigningKey::read(path).map_err(|why| {
-        CliError::user(format!("{} is not a key to sign with", path.display()))
+        CliError::user(format!("{} is not a signing key", path.display()))
             .because(why)
             .help("write one with `openssl rand -hex 32 > flight.key`")
     })

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn refuse_to_overwrite(out: &Path, inputs: &[PathBuf], option: &str) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     if real(out).is_some() && inputs.iter().any(|input| real(input) == real(out)) {
-        return Err(CliError::user(format!("the table would be written over its source, {}", out.display()))
+        return Err(CliError::user(format!("the table would overwrite its source, {}", out.display()))
             .help(format!("give `{option}` another file")));
     }
     Ok(())

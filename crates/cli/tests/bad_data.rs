@@ -123,7 +123,7 @@ fn sites_and_zones_are_checked_like_targets() {
     rates("[]", &["feature 2 `farmhouse`: `rates_per_h` is empty", "help: write hours with events per hour"]);
     rates("[[0, -1]]", &["`rates_per_h` has [0, -1]; rates are between"]);
     rates("[[1, 2], [1, 3]]", &["`rates_per_h` has 1 h after 1 h; hours rise"]);
-    rates("[[1, 2]], \"rate_per_h\": 3", &["`rate_per_h` and `rates_per_h` say two things"]);
+    rates("[[1, 2]], \"rate_per_h\": 3", &["`rate_per_h` and `rates_per_h` both state the rate"]);
     watch("sites.geojson", "\"saturating\"", "\"cheap\"", &["`farmhouse`", "unknown `cost`: `cheap`", "logistic"]);
     watch("obstacles.geojson", "\"Polygon\"", "\"Circle\"", &["m/obstacles.geojson is not GeoJSON", "why: "]);
 }
@@ -207,7 +207,7 @@ fn outlines_of_airspace_that_make_no_sense_are_told_with_their_corners() {
     mast("[[[-121.1, 37.4], [-121.0, 37.5], [-121.1, 37.4]]]", &["a ring has 2 corners", "three or more"]);
     mast(
         "[[[-121.1, 37.4], [-121.1, 37.5], [-121.1, 37.6], [-121.1, 37.4]]]",
-        &["its polygon encloses nothing", "three or more corners around an area"],
+        &["its polygon encloses no area", "three or more corners around an area"],
     );
     let inner = "[[-121.0995, 37.41], [-121.099, 37.41], [-121.099, 37.4105], [-121.0995, 37.41]]";
     let outer = "[[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4095]]";

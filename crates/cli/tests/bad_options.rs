@@ -23,7 +23,7 @@ fn impossible_paces_and_times_leave_an_older_record_alone() {
     let mission = mission("first-picture");
     let fly = |more: &[&str]| desk.apex(&[&["fly", &mission, "--record", "flight.apex"], more].concat());
     for pace in ["0", "-1", "NaN", "inf"] {
-        fly(&["--pace", pace]).complained(2, &["is not a pace", "1 is real time"]);
+        fly(&["--pace", pace]).complained(2, &["is invalid", "1 is real time"]);
     }
     fly(&["--pace", "fast"]).complained(2, &["'fast'", "--pace"]);
     for until in ["NaN", "inf", "soon", "3kg", "1:2:3:4"] {

@@ -53,7 +53,7 @@ fn an_edited_plan_is_printed_in_every_format() {
         plan(&desk, &what, &["--plan", "p.json", "--format", format]).well().told(&[phrase]);
     }
     plan(&desk, &what, &["--plan", "p.json", "--json", "--out", "p.json"])
-        .complained(2, &["p.json is what the plan is made from"]);
+        .complained(2, &["p.json is the source of the plan"]);
 }
 
 /// Returns the only kind of problem that a plan speaks of.
@@ -126,7 +126,7 @@ fn what_is_left_out_says_why() {
         assert!(reason("barn").contains("Quarry"), "{}", reason("barn"));
         if more.is_empty() {
             assert_eq!(reason("chapel"), "closed on Sundays");
-            assert_eq!(reason("museum"), "the plan that was brought does not visit it");
+            assert_eq!(reason("museum"), "the given plan does not visit it");
         }
     }
 }
@@ -215,7 +215,7 @@ fn what_is_no_plan_for_the_problem_is_told() {
         &["p.json is not a plan for small-fixed-fixed-6-uniform", "it is a plan of single visits"],
     );
     edited(&desk, |body| body["visits"][2]["target"] = json!("atlantis"));
-    refused(&desk.read("p.json"), &["visit 3 is of `atlantis`, and there is no such target", "--problem"]);
+    refused(&desk.read("p.json"), &["visit 3 names `atlantis`, which is not a target", "--problem"]);
     again(&desk, CELL, &["--visits", "a"]).complained(2, &["cannot be used with"]);
     again(&desk, CELL, &["--solver", "wam"]).complained(2, &["cannot be used with"]);
     plan(&desk, CELL, &["--retime"]).complained(2, &["--plan"]);

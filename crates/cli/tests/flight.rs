@@ -137,8 +137,8 @@ fn a_task_that_is_not_there_is_answered_with_those_that_are() {
         .complained(2, &["No task is called `nonsense`", "T2 (get hires image hangar-1), created at 0s"]);
     why("T999", &[]).complained(2, &["There is no task T999 in this flight", "Tasks are:"]);
     why("get hires", &[]).complained(2, &["may be one of 2 tasks. Say which:", "hangar-1", "wind-tunnel"]);
-    why(" ", &[]).complained(2, &["has no name", "its number (T12)"]);
-    why_not(" ", &[]).complained(2, &["names nothing", "a goal such as"]);
+    why(" ", &[]).complained(2, &["is not given", "its number (T12)"]);
+    why_not(" ", &[]).complained(2, &["the question is empty", "a goal such as"]);
     why_not("hangr", &[]).complained(2, &["Nothing is called `hangr`", "Near it are: ", "hangar"]);
     why_not("T999", &[]).complained(2, &["There is no task T999 in this flight"]);
     why_not("T2", &["--at", "-5"]).complained(2, &["`--at -5` is before the start"]);

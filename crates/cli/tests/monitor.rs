@@ -102,7 +102,7 @@ fn mistakes_say_what_to_do() {
     desk.apex(&["monitor", "(a b)", "--mapping", "i.jsonl", "--inputs", "i.jsonl"]).complained(2, &["i.jsonl"]);
     desk.apex(&["monitor", "--fields", "--inputs", "i.jsonl"]).complained(2, &["`--fields` is for logs"]);
     desk.write("x.dat", "something");
-    desk.apex(&["monitor", "(a b)", "--inputs", "x.dat"]).complained(2, &["x.dat is in no format that is known"]);
+    desk.apex(&["monitor", "(a b)", "--inputs", "x.dat"]).complained(2, &["the format of x.dat is not known"]);
     desk.write("x.mcap", "\u{89}");
     desk.apex(&["monitor", "(a b)", "--inputs", "x.mcap"]).complained(2, &["x.mcap needs a mapping"]);
     let said = desk.apex(&["monitor", "(rol uav > 3)", "--expect", "satisfied", "--inputs", "i.jsonl"]);
@@ -165,7 +165,7 @@ fn what_became_of_each_sample_is_in_the_table() {
     let bytes = std::fs::read(desk.path("t.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
     desk.apex(&["export", "i.jsonl", "--format", "parquet"]).complained(2, &["needs a file"]);
-    desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["written over its source"]);
+    desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["overwrite its source"]);
 }
 
 /// Counts from a plain scan of the files' bytes, independent of these readers.
@@ -224,7 +224,7 @@ fn a_file_that_is_not_a_log_ends_with_two() {
         for options in [["--expect", "not-satisfied"].as_slice(), &[]] {
             let said = desk.apex(&[["monitor", "(v uav > 15)", "--inputs", name].as_slice(), options].concat());
             assert_eq!(said.code, Some(2), "{name}: {}{}", said.out, said.err);
-            assert!(said.err.contains(&format!("{name} is not a ")), "{name}: {}", said.err);
+            assert!(said.err.contains(&format!("{name} holds no readable message of format ")), "{name}: {}", said.err);
         }
         assert_eq!(desk.apex(&["monitor", "--fields", "--inputs", name]).code, Some(2), "{name}");
     }
@@ -283,7 +283,7 @@ fn several_logs_are_watched_into_one_table() {
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--inputs", "calm.csv", "--expect", "satisfied"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--results", "a.csv"]);
-    said.complained(2, &["would be written over its source"]);
+    said.complained(2, &["would overwrite its source"]);
 }
 
 #[test]

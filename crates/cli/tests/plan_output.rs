@@ -249,13 +249,13 @@ fn what_cannot_be_printed_is_told_with_what_to_do() {
     plan(&[test, "--budget", "1ms", "--out", "none/a.kml"])
         .complained(1, &["cannot write none/a.kml", "the folder does not exist"]);
     plan(&[test, "--budget", "1ms", "--out", "."]).complained(2, &[". is a folder", "name a file"]);
-    plan(&["two.json", "--out", "two.json"]).complained(2, &["two.json is what the plan is made from"]);
+    plan(&["two.json", "--out", "two.json"]).complained(2, &["two.json is the source of the plan"]);
     assert_eq!(desk.read("two.json"), TWO);
     let tour = "NAME: three\nTYPE: ATSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n0 1 2\n3 0 4\n5 6 0\nEOF\n";
     desk.write("three.atsp", tour);
     plan(&["three.atsp", "--budget", "1ms", "--format", "kml"])
         .complained(2, &["three has no places", "lie at one point", "--format table"]);
-    plan(&["three.atsp", "--format", "qgc"]).complained(2, &["not places on earth"]);
+    plan(&["three.atsp", "--format", "qgc"]).complained(2, &["not places on Earth"]);
     plan(&["three.atsp", "--budget", "1ms", "--format", "table"]).well();
 }
 
@@ -308,7 +308,7 @@ fn names_that_nothing_has_are_told_with_the_nearest() {
         "small-fixed-fixd-12-uniform@3",
         &["fixd is not a spread of costs", "did you mean the test mission `small-fixed-fixed-12-uniform@3`?"],
     );
-    plan("smal-fixed-fixed-8-uniform", &["begins with no scale", "`small-fixed-fixed-8-uniform`"]);
+    plan("smal-fixed-fixed-8-uniform", &["does not begin with a scale", "`small-fixed-fixed-8-uniform`"]);
     plan(&"a-".repeat(5000), &["SCALE-RATE"]);
     plan("missing/mission.pdl", &["cannot read missing/mission.pdl", "folder missing does not exist"]);
 }

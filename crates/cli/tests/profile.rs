@@ -56,16 +56,16 @@ fn parts_that_were_measured_apart_make_the_profile_of_one_machine() {
     let text = desk.read("c.txt");
     let cost = text.lines().find(|line| line.starts_with("wam 1000 ")).and_then(|line| line.split(' ').nth(2)).unwrap();
     desk.write("f.txt", &text.replacen(cost, "1.0", 1));
-    refused(&["c.txt", "f.txt"], &["f.txt: wam has other costs in", "than in a part before"]);
+    refused(&["c.txt", "f.txt"], &["f.txt: wam has other costs in", "than in an earlier part"]);
     desk.write("g.txt", &text.replacen("generator 1", "generator 2", 1));
     refused(&["c.txt", "g.txt"], &["g.txt has other missions (by version"]);
     let hash = text.lines().find(|line| line.starts_with("cell ")).and_then(|line| line.split(' ').nth(2)).unwrap();
     desk.write("h.txt", &text.replacen(hash, &"0".repeat(hash.len()), 1));
-    refused(&["c.txt", "h.txt"], &[&format!("h.txt: {first} has other missions here than in a part before")]);
+    refused(&["c.txt", "h.txt"], &[&format!("h.txt: {first} has other missions here than in an earlier part")]);
     part("i.txt", first, "wam", &[&six[..], &["--budgets", "1ms,20ms"]].concat());
     refused(&["a.txt", "i.txt"], &["i.txt has other budgets than a.txt"]);
     desk.write("mine.txt", "my notes");
-    desk.apex(&["profile", "merge", "mine.txt", "c.txt"]).complained(2, &["is not written over"]);
+    desk.apex(&["profile", "merge", "mine.txt", "c.txt"]).complained(2, &["is not overwritten"]);
     assert_eq!(desk.read("mine.txt"), "my notes");
     refused(&[], &["PART"]);
 }
@@ -145,7 +145,7 @@ fn mistakes_are_told_before_anything_is_measured() {
     build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);
     build(&["--cells", "subset", "--missions", "1", "--threads", "0"]).complained(2, &["0 threads"]);
     desk.write("new.txt", "my notes");
-    build(&[]).complained(2, &["new.txt is not a profile, and is not written over"]);
+    build(&[]).complained(2, &["new.txt exists and is not a profile, so it is not overwritten"]);
     assert_eq!(desk.read("new.txt"), "my notes");
     desk.apex(&["profile", "show", "new.txt"])
         .complained(2, &["new.txt:1:1: this is not a profile", "my notes", "help: "]);
@@ -157,5 +157,6 @@ fn mistakes_are_told_before_anything_is_measured() {
     desk.change("a.txt", "generator 1", "generator 2");
     desk.apex(&["profile", "update", "a.txt", "--planners", "wam"])
         .complained(2, &["a.txt cannot be updated", "version 2 of the generator", "apex profile build"]);
-    desk.apex(&["profile", "compare", "a.txt"]).complained(2, &["does not answer", "two-opt or wam was not measured"]);
+    desk.apex(&["profile", "compare", "a.txt"])
+        .complained(2, &["cannot be compared with Figure 4", "two-opt or wam was not measured"]);
 }

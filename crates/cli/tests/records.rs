@@ -125,7 +125,7 @@ fn names_that_are_no_files_are_refused() {
     let mission = mission("first-picture");
     for name in [":memory:", "file:flight.apex", "file::memory:?cache=shared"] {
         let said = desk.apex(&["fly", &mission, "--no-progress", "--record", name]);
-        said.complained(2, &["the flight record cannot be", "SQLite takes this name", "./flight.apex"]);
+        said.complained(2, &["the flight record cannot be", "SQLite does not use this name", "./flight.apex"]);
     }
 }
 
@@ -268,5 +268,5 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     desk.apex(&["verify", "f.apex", "--signer", &key]).complained(1, &["it is not signed"]);
     desk.write("bad.key", "secret");
     desk.apex(&[&fly[..], &["--sign", "bad.key"]].concat())
-        .complained(2, &["bad.key is not a key", "openssl rand -hex 32"]);
+        .complained(2, &["bad.key is not a signing key", "openssl rand -hex 32"]);
 }

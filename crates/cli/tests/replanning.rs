@@ -50,8 +50,8 @@ fn news_and_the_clock_have_the_mission_planned_again() {
         "barn: 50 events an hour from now on",
         "no longer a target: winery",
         "castle is not a target of this mission",
-        "(new-value barn ..) is without a number from 0 to 1000000000, and changes nothing",
-        "winds-of-mars.csv is none of the mission's forecasts, winds.csv, winds-actual.csv",
+        "(new-value barn ..) has no number from 0 to 1000000000, and is ignored",
+        "winds-of-mars.csv is not one of the mission's forecasts, winds.csv, winds-actual.csv",
     ] {
         assert_eq!(report.matches(told).count(), 1, "{told}: {report}");
     }

@@ -91,9 +91,9 @@ fn the_trace_is_never_written_over_what_is_run() {
     let desk = Desk::with_greetings();
     let program = desk.read("greetings.pdl");
     let arguments = ["run", "greetings.pdl", "--trace", "greetings.pdl"];
-    desk.apex(&arguments).complained(2, &["written over the program", "greetings.pdl"]);
+    desk.apex(&arguments).complained(2, &["would overwrite the program", "greetings.pdl"]);
     let arguments = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--trace", "./go.jsonl"];
-    desk.apex(&arguments).complained(2, &["written over the file of inputs", "help: give `--trace` another file"]);
+    desk.apex(&arguments).complained(2, &["would overwrite the file of inputs", "help: give `--trace` another file"]);
     assert_eq!((desk.read("greetings.pdl"), desk.read("go.jsonl")), (program, GO.to_string()));
     let arguments = ["run", "greetings.pdl", "--trace", "no/such/trace"];
     desk.apex(&arguments).complained(2, &["cannot write the trace to no/such/trace", "why: ", "help: "]);

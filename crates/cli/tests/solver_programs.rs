@@ -56,7 +56,7 @@ fn whatever_a_program_does_is_an_outcome_with_a_cause_and_the_flight_goes_on() {
     for (script, cause) in [
         ("exit 0", "ended with exit code 0 and without an answer"),
         ("ulimit -c 0; kill -SEGV $$", "was ended by signal 11 (SIGSEGV"),
-        ("yes nonsense", "not of the protocol (expected ident at line 1 column 2): `nonsense`"),
+        ("yes nonsense", "does not follow the protocol (expected ident at line 1 column 2): `nonsense`"),
         ("yes >&2", "more than 16 MiB to standard error"),
         ("sleep 600", "gave no answer within 2 s"),
     ] {

@@ -24,7 +24,7 @@ pub fn demands(library: &Library) -> Vec<Demand> {
 /// Remembered data of one subject.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryUse {
-    /// Of what.
+    /// The variable or message to which the figures apply.
     pub subject: Subject,
     /// Maximum age; `None` without a stated bound.
     pub span: Option<Duration>,

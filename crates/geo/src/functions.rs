@@ -67,7 +67,7 @@ pub fn host_functions() -> HostFunctions {
                 }
                 let value = body(arguments).map_err(|trouble| format!("`{name}`: {trouble}"))?;
                 if has_nan(&value) {
-                    return Err(format!("`{name}` has no answer for {}.", Value::list(arguments.iter().cloned())));
+                    return Err(format!("`{name}` cannot be computed for {}.", Value::list(arguments.iter().cloned())));
                 }
                 Ok(value)
             }),

@@ -28,7 +28,7 @@ pub struct LogMonitorTerms {
     pub library: Arc<Library>,
     /// The conditions.
     pub conditions: Vec<Condition>,
-    /// The instant from which they are watched; none is that of the first input.
+    /// The instant from which the conditions are watched; `None` is that of the first input.
     pub created: Option<Time>,
     /// First and last instant that count.
     pub span: (Option<Time>, Option<Time>),

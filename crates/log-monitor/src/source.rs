@@ -76,8 +76,8 @@ impl Source {
             return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
         }
         let Some(format) = Format::of(&first, &extension) else {
-            return Err(MissionError::data(format!("{} is in no format that is known here", path.display()))
-                .because("neither its first bytes nor its name's ending say what it is")
+            return Err(MissionError::data(format!("the format of {} is not known", path.display()))
+                .because("neither its first bytes nor the ending of its name show the format")
                 .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
         };
         Ok(Source::Log(Box::new(LogFile::new(path, format, mapping, own_time))))
@@ -92,7 +92,7 @@ impl Source {
         let (path, format) = (log.path().to_path_buf(), log.format());
         let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, format, error))? else {
             return Err(MissionError::data(format!("{} needs a mapping", path.display()))
-                .because(format!("nothing says what the fields of a log in {} mean", format.name()))
+                .because(format!("the meaning of the fields of a log in {} is not known", format.name()))
                 .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
         };
         let text = mapping.declarations_beside(library);
@@ -253,8 +253,7 @@ fn unread<E: From<MissionError>>(path: &Path, format: Format, error: LogError<E>
         LogError::Mapping(error) => of_mapping(error),
         LogError::NotALog(first) => {
             let name = format.name();
-            let article = if name.starts_with('A') || name == "MCAP" { "an" } else { "a" };
-            let error = MissionError::data(format!("{} is not {article} {name} with any message", path.display()));
+            let error = MissionError::data(format!("{} holds no readable message of format {name}", path.display()));
             let error = first.into_iter().fold(error, MissionError::because);
             error.help(
                 "name another file, or rename it to the ending of its format: .ulg, .bin, .log, .tlog, .mcap or .csv",
@@ -276,6 +275,6 @@ fn tell_damages(path: &Path, damages: &ReadErrors, note: Note<'_>) {
     }
     let more = damages.count.saturating_sub(damages.first.len() as u64);
     if more > 0 {
-        note(&format!("note: {}: and {more} more places like these", path.display()));
+        note(&format!("note: {}: {more} further damaged places", path.display()));
     }
 }

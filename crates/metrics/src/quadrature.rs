@@ -126,7 +126,7 @@ pub fn integrate(
         pieces.push(rule(function, piece.from, middle));
         pieces.push(rule(function, middle, piece.until));
     }
-    Err(format!("the integral between {from} and {until} does not settle; name the places of its jumps"))
+    Err(format!("the integral between {from} and {until} does not converge; name the places of its jumps"))
 }
 
 #[cfg(test)]

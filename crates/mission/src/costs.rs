@@ -57,7 +57,7 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         let oldest_s = settings.duration.seconds() + site.initial_age_s + response_s;
         let points =
             tabulate(&mut |age_s| cost_at(&agent, function, age_s), oldest_s, RELATIVE_ERROR).map_err(|why| {
-                MissionError::setting(format!("`{function}` is not a cost of `{name}`"))
+                MissionError::setting(format!("`{function}` cannot be the cost of `{name}`"))
                     .at(place)
                     .because(why)
                     .help(EXAMPLE)

@@ -138,7 +138,7 @@ impl MissionError {
         self
     }
 
-    /// Adds what to do.
+    /// Adds advice on what to do.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> MissionError {
         self.help = Some(help.into());

@@ -90,7 +90,7 @@ impl LevelReader {
             return Err(form.wrong("`:levels` excludes `:full-level`, `:range` and `:exponent`".to_string()));
         }
         if self.range_m.is_some() && self.exponent.is_some() {
-            return Err(form.wrong("`:range` and `:exponent` both say how fast the level falls".to_string()));
+            return Err(form.wrong("`:range` and `:exponent` both determine how fast the level falls".to_string()));
         }
         let full_level_m = self.full_level_m.unwrap_or(FULL_LEVEL_M);
         let law = match (self.table, self.range_m) {

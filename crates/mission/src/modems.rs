@@ -29,7 +29,7 @@ pub struct Modem {
     pub dropouts_s: Vec<(f64, f64)>,
 }
 
-/// Reads the radios of a mission; none without the option.
+/// Reads the radios of a mission; empty without the option.
 ///
 /// # Errors
 /// A form of another shape, a figure of another type or outside of its range, a station that is not a place, a name twice.

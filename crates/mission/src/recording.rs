@@ -121,7 +121,7 @@ fn check_place(path: &Path) -> MissionResult {
     let name = path.to_string_lossy();
     if name.is_empty() || name == ":memory:" || name.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("file:")) {
         return Err(MissionError::record_file(format!("the flight record cannot be `{}`", name.escape_debug()))
-            .because("SQLite takes this name for something else than a file")
+            .because("SQLite does not use this name for a file")
             .help("name a file with `--record`, for example `./flight.apex`"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));

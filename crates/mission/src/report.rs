@@ -118,7 +118,7 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     let Some(TargetChange { at, state, detail, .. }) = last else {
         return match trouble(mission, target, name) {
             Some(why) => format!("no way to observe it: {why}"),
-            None => "no plan ever reached it".to_string(),
+            None => "no plan included it".to_string(),
         };
     };
     match state {

@@ -93,7 +93,7 @@ impl Report {
         if self.notes.len() > NOTES_PRINTED_MAX {
             writeln!(
                 out,
-                "  .. and {} more; `apex trace` and `--json` tell them all",
+                "  .. and {} more; `apex trace` and `--json` list all of them",
                 self.notes.len() - NOTES_PRINTED_MAX
             )?;
         }

@@ -254,7 +254,7 @@ impl SettingsReader<'_> {
         items.iter().map(text).collect()
     }
 
-    /// Returns a list of forms; none without the option.
+    /// Returns a list of forms; empty without the option.
     fn list(&self, option: &str) -> MissionResult<Vec<Value>> {
         match self.application.option(option) {
             None => Ok(Vec::new()),
@@ -350,7 +350,7 @@ impl SettingsReader<'_> {
             }
         }
         if !known.contains(&":probability-per-hour") {
-            return Err(wrong("it states no :probability-per-hour, without which failure costs nothing".to_string()));
+            return Err(wrong(":probability-per-hour is missing, and without it a failure costs nothing".to_string()));
         }
         Ok(term)
     }

@@ -46,7 +46,7 @@ pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
         if feature.has_holes() {
             return Err(feature
                 .trouble("airspace with a hole")
-                .because("what is inside the hole would be flown as if there were none")
+                .because("the hole would be ignored")
                 .help("cut the area into polygons without holes, as a MultiPolygon or as separate features"));
         }
         for corners in &polygons {
@@ -90,7 +90,7 @@ fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> MissionRe
     };
     if in_one_line(&flat) {
         return Err(feature
-            .trouble("its polygon encloses nothing")
+            .trouble("its polygon encloses no area")
             .because("its corners lie in one line or at one place")
             .help("give three or more corners around an area"));
     }

@@ -77,7 +77,7 @@ pub struct PictureTerms {
     pub overlap: f64,
     /// Share of a line's width that the next line sees, too.
     pub sidelap: f64,
-    /// Pictures of a point; none: as many as turbulence demands.
+    /// Number of pictures of a point; `None`: as many as required by the turbulence.
     pub count: Option<u32>,
 }
 
@@ -377,7 +377,7 @@ fn rate(feature: &NamedFeature) -> MissionResult<EventRate> {
         return Ok(EventRate::constant(events_per_h / SECONDS_PER_HOUR));
     }
     if feature.has("rate_per_h") {
-        return Err(wrong("`rate_per_h` and `rates_per_h` say two things of one rate".to_string()));
+        return Err(wrong("`rate_per_h` and `rates_per_h` both state the rate".to_string()));
     }
     if let Some((from_h, rate)) = steps.iter().find(|(from_h, rate)| !from_h.is_finite() || !(0.0..=1e6).contains(rate))
     {
@@ -418,7 +418,7 @@ fn cost_table(feature: &NamedFeature) -> MissionResult<CostFunction> {
     if let Some(idle) = idle {
         return Err(feature
             .trouble(format!("`{idle}` has no meaning where `cost` is table"))
-            .because("`cost_points` say what an event costs at every age")
+            .because("`cost_points` state the cost of an event at every age")
             .help(format!("leave `{idle}` out")));
     }
     let points = feature.pairs("cost_points")?;

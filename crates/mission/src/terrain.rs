@@ -147,7 +147,7 @@ impl Header {
 fn tile(place: &str, bytes: &[u8]) -> MissionResult<TerrainGrid> {
     let name = place.rsplit(['/', '\\']).next().unwrap_or(place);
     let corner = tile_corner(name).ok_or_else(|| {
-        MissionError::data(format!("the name `{name}` does not say where the tile lies"))
+        MissionError::data(format!("the name `{name}` does not state the position of the tile"))
             .at(place)
             .help("name a tile by its south-western corner, for example N34W118.hgt")
     })?;
@@ -247,7 +247,7 @@ impl Mismatch {
                     .help("add a file that covers it to `:terrain`, or take it out of the mission")
             }
             Mismatch::Other { stated_m, ground_m } => {
-                MissionError::data(format!("`elevation_m` of {what} is not that of the terrain"))
+                MissionError::data(format!("`elevation_m` of {what} differs from the terrain"))
                     .at(place)
                     .because(format!(
                         "it is {stated_m:.0} m, and the ground of `:terrain` lies at {ground_m:.0} m there; {STATED_M:.0} m may differ"

@@ -13,7 +13,7 @@
 pub struct BuiltIn {
     /// The name, lower case.
     pub name: &'static str,
-    /// At least so many arguments.
+    /// Least number of arguments.
     pub arguments_min: usize,
     /// Maximum number of arguments; `None` if it is unlimited.
     pub arguments_max: Option<usize>,

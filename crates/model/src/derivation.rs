@@ -24,7 +24,7 @@ pub struct Derivation {
     pub place: Place,
 }
 
-/// One input of a derivation: what it reads of a state variable.
+/// One input of a derivation: the value that it reads from a state variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DerivationInput {
     /// The variable in the expression, without `?`.
@@ -53,7 +53,7 @@ pub enum Reading {
 /// Rule by which samples of several variables are brought to one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Join {
-    /// A variable has the value of its latest sample, for this time at most; none is without limit.
+    /// A variable has the value of its latest sample for at most this time; `None` is without limit.
     Hold(Option<Duration>),
     /// A number is interpolated linearly between the samples before and after, if they are at most this far apart; other values hold.
     Interpolate(Duration),

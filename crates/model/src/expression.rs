@@ -112,7 +112,7 @@ impl Parameters {
         self.required.len()
     }
 
-    /// Returns the greatest number of arguments; none is unlimited.
+    /// Returns the greatest number of arguments; `None` is unlimited.
     pub fn arguments_max(&self) -> Option<usize> {
         self.rest.is_none().then_some(self.required.len() + self.optional.len())
     }

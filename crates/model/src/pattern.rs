@@ -24,7 +24,7 @@ pub enum Pattern {
     Segment {
         /// The variable, if any.
         variable: Option<Symbol>,
-        /// At least so many elements.
+        /// Least number of elements.
         minimum: u8,
         /// Maximum number of elements; `None` if it is unlimited.
         maximum: Option<u8>,

@@ -36,7 +36,7 @@ pub struct Procedure {
     pub log: Vec<LogPolicy>,
     /// Estimate of its duration.
     pub expected_duration: Option<Expr>,
-    /// Added to the task's priority while ongoing; none is the default 0.1.
+    /// Added to the task's priority while it is ongoing; `None` is the default 0.1.
     pub interrupt_cost: Option<Expr>,
     /// Transition clauses at procedure level.
     pub transitions: Transitions,
@@ -55,7 +55,7 @@ pub struct Procedure {
 pub struct ResourceNeed {
     /// The name, possibly a variable bound by the index.
     pub resource: Template,
-    /// Units of a capacity or amount of a depletable; none takes the whole.
+    /// Units of a capacity or amount of a depletable resource; `None` takes the whole resource.
     pub amount: Option<Expr>,
     /// `:refuse-if-busy`: the task fails instead of waiting for the resource.
     #[serde(default)]
@@ -181,9 +181,9 @@ pub enum Activity {
     Goal(Template),
     /// `(terminate [task] [outcome] [>> value])`; without a task it ends the procedure.
     Terminate {
-        /// The task; none is the step's parent.
+        /// The task to end; `None` is the step's parent.
         task: Option<Box<Expr>>,
-        /// The outcome; none is success.
+        /// The outcome; `None` is success.
         outcome: Option<Box<Expr>>,
         /// The value handed to the parent.
         value: Option<Box<Expr>>,

@@ -206,7 +206,7 @@ pub struct Quantity {
     pub si: f64,
     /// Measured dimension.
     pub dimension: Dimension,
-    /// Index into [`UNITS`] of the unit to print in; none prints SI base units.
+    /// Index in [`UNITS`] of the unit for printing; `None` prints SI base units.
     pub unit: Option<u8>,
 }
 

@@ -97,7 +97,7 @@ pub struct FlightSample {
     pub position: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,
-    /// Attitude; none if the record has none. Lines then count as level with clarity 0.
+    /// Attitude; `None` if the record has none. Lines then count as level with clarity 0.
     pub attitude: Option<Attitude>,
     /// Ground speed.
     pub ground_speed_mps: f64,
@@ -118,7 +118,7 @@ pub struct Picture {
     pub vertical_field_deg: f64,
     /// Angle of one pixel.
     pub pixel_mrad: f64,
-    /// True if the mount holds tilt relative to the horizon and pan relative to the heading, whatever the body does.
+    /// True if the mount holds tilt relative to the horizon and pan relative to the heading, regardless of the body's attitude.
     pub is_stabilised: bool,
     /// Weights of clarity by motion, readiness and light.
     pub weights: ClarityWeights,

@@ -31,7 +31,7 @@ pub struct PictureView {
     pub attitude: Attitude,
     /// Angles of the mount.
     pub angles: GimbalAngles,
-    /// True if tilt is measured from the horizon and pan from the heading, whatever the body does.
+    /// True if tilt is measured from the horizon and pan from the heading, regardless of the body's attitude.
     pub is_stabilised: bool,
     /// Full field of view along the rows.
     pub wide_deg: f64,

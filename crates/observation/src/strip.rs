@@ -83,9 +83,9 @@ pub(crate) fn hiding<'a>(grid: &TargetGrid, ground: &'a dyn Ground, half_field_r
 pub struct ScannerSetting {
     /// Mode.
     pub mode: ScannerMode,
-    /// Limits of roll; none: roll does not degrade lines.
+    /// Limits of roll; `None`: roll does not degrade lines.
     pub roll: Option<RollLimits>,
-    /// Limits of rates; none: rates do not degrade lines.
+    /// Limits of rates; `None`: rates do not degrade lines.
     pub rates: Option<RateLimits>,
     /// Scan rate. None: the lowest rate of the mode without gaps is chosen for height and speed.
     pub scan_rate_hz: Option<f64>,

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Span;
 
-/// Certainty that a fix is what the author meant.
+/// Certainty that a fix matches the author's intention.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Applicability {
     /// No other meaning is possible: the fix may be applied without asking.

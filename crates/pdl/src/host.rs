@@ -9,7 +9,7 @@ use apex_model::symbol::Symbol;
 pub struct HostSignature {
     /// Its name.
     pub name: String,
-    /// At least so many arguments.
+    /// Least number of arguments.
     pub parameters_min: usize,
     /// Maximum number of arguments; `None` if it is unlimited.
     pub parameters_max: Option<usize>,

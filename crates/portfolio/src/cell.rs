@@ -179,12 +179,16 @@ impl FromStr for Cell {
         let count = count.parse().ok().filter(|count| (1..=TARGETS_MAX).contains(count));
         let space = Space::ALL.into_iter().find(|known| known.word() == *space);
         Ok(Cell {
-            scale: scale.ok_or_else(|| format!("{text} begins with no scale: it is large, medium or small"))?,
+            scale: scale
+                .ok_or_else(|| format!("{text} does not begin with a scale, which is large, medium or small"))?,
             rate: spread("rates", rate)?,
             cost: spread("costs", cost)?,
-            count: count
-                .ok_or_else(|| format!("{text} has no count of targets: it is a number from 1 to {}", TARGETS_MAX))?,
-            space: space.ok_or_else(|| format!("{text} ends with no space: it is two-cluster, globular or uniform"))?,
+            count: count.ok_or_else(|| {
+                format!("{text} has no count of targets, which is a number from 1 to {}", TARGETS_MAX)
+            })?,
+            space: space.ok_or_else(|| {
+                format!("{text} does not end with a space, which is two-cluster, globular or uniform")
+            })?,
         })
     }
 }

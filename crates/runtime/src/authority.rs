@@ -62,7 +62,7 @@ pub struct Actor {
 pub enum AuthorityRequest {
     /// To hold it.
     Take,
-    /// Offer authority to the actor of this name, who takes or refuses it.
+    /// Offer authority to the actor of this name, who accepts or rejects it.
     Offer(String),
     /// Refuse the offered authority.
     Refuse,
@@ -75,7 +75,7 @@ pub enum AuthorityRequest {
 pub struct Authority {
     /// The number of changes of the holder.
     pub epoch: u64,
-    /// The holder; none while authority is free.
+    /// The holder; `None` while authority is free.
     pub holder: Option<Actor>,
     /// The name of the actor to which authority is offered, and the wall time of the offer.
     offer: Option<(String, Duration)>,

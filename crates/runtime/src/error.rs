@@ -128,7 +128,7 @@ pub enum RecordError {
         path: PathBuf,
         /// The instant of the failed write. Earlier steps of the open group may be lost, too.
         since: Time,
-        /// The instant of the last step that is stored; none if no step is.
+        /// The instant of the last stored step; `None` if no step is stored.
         held: Option<Time>,
         /// The system's reason.
         reason: String,

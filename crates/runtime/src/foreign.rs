@@ -27,13 +27,13 @@ use std::rc::Rc;
 /// Messages of Apex to the simulator in addition to effects, from the application's `:init`, `:start`, `:step` and `:stop`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cues {
-    /// Said in the greeting.
+    /// Messages in the greeting.
     pub init: Vec<Value>,
-    /// Said with the first answer.
+    /// Messages in the first answer.
     pub start: Vec<Value>,
     /// Messages sent with every line after the first.
     pub step: Vec<Value>,
-    /// Said with the last answer.
+    /// Messages in the last answer.
     pub stop: Vec<Value>,
 }
 

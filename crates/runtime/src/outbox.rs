@@ -18,7 +18,7 @@ pub struct Sent {
     pub end: Option<String>,
     /// Messages to other agents, in order.
     pub told: Vec<(Symbol, Message)>,
-    /// Requests to solvers, in order, numbered as outside of the agents.
+    /// Requests to solvers, in order, with their numbers in the run instead of those in the agent.
     pub requests: Vec<SolveRequest>,
     /// Decisions of the runtime in between (a dropped answer, for example), for [`crate::ports::Observer::note`].
     pub notes: Vec<String>,
@@ -75,8 +75,8 @@ pub fn leaves(effect: &Effect) -> bool {
     }
 }
 
-/// Returns the solver requests among the effects of one step, in order, with outside numbers. A request that the same step cancels is
-/// never posed.
+/// Returns the solver requests among the effects of one step, in order, with their numbers in the run. A request that the same step
+/// cancels is never posed.
 pub fn requests(effects: &[Effect], numbering: Numbering) -> Vec<SolveRequest> {
     let is_cancelled =
         |request| effects.iter().any(|effect| matches!(effect, Effect::CancelSolve(id) if *id == request));

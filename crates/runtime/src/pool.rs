@@ -59,7 +59,7 @@ impl SolverPool {
     pub fn request(&mut self, request: &SolveRequest, at: Time, job: Box<dyn SolverJob>, waits: bool) {
         let (id, solver) = (request.request, &request.solver);
         if self.answered.len() + self.submitted.len() >= SOLVE_REQUESTS_MAX {
-            let full = failed(format!("{SOLVE_REQUESTS_MAX} requests are open already; no more are taken"));
+            let full = failed(format!("{SOLVE_REQUESTS_MAX} requests are open already; no more are accepted"));
             return self.keep(solver.clone(), id, at, full);
         }
         if let Err(reason) = self.queue.submit(id, solver, job) {

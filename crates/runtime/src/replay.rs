@@ -29,7 +29,7 @@ pub struct ReplayReport {
     pub problems: u64,
     /// The last instant that was executed.
     pub end: Time,
-    /// The first difference; none when the record is confirmed.
+    /// The first difference; `None` if the record is confirmed.
     pub difference: Option<Difference>,
     /// Steps that are missing because the disk accepted no writes: replay ends before them.
     pub gap: Option<RecordGap>,

@@ -19,7 +19,7 @@ use std::sync::mpsc::Receiver;
 pub struct FlyOptions {
     /// The last instant that is executed.
     pub until: Time,
-    /// Mission seconds per second of wall time; none is as fast as possible, 0 waits for [`Control::Pace`].
+    /// Mission seconds per second of wall time; `None` is as fast as possible, 0 waits for [`Control::Pace`].
     pub pace: Option<f64>,
     /// Clock that a pace follows: the wall clock, except in tests.
     pub clock: Arc<dyn Clock>,

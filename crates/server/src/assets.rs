@@ -23,7 +23,7 @@ pub(crate) async fn page(uri: Uri, headers: HeaderMap) -> Response {
     if path.starts_with("api/") || path == "api" {
         return ApiError::not_found(
             format!("there is no `/{path}` in this API"),
-            "docs/reference/server-api.md lists what there is",
+            "docs/reference/server-api.md lists all addresses",
         )
         .into_response();
     }

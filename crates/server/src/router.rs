@@ -201,7 +201,7 @@ async fn live(State(state): Shared, upgrade: WebSocketUpgrade) -> Response {
 async fn other_method() -> ApiError {
     ApiError {
         status: StatusCode::METHOD_NOT_ALLOWED,
-        error: "this address does not take that method".into(),
+        error: "this address does not accept that method".into(),
         help: "use GET; docs/reference/server-api.md names the addresses that take POST".into(),
     }
 }

@@ -64,7 +64,7 @@ pub(crate) struct AppState {
     pub(crate) names: Vec<String>,
     /// True if connections are encrypted.
     pub(crate) is_encrypted: bool,
-    /// Places for WebSockets.
+    /// Free places for WebSocket connections.
     pub(crate) live_places: Arc<Semaphore>,
 }
 

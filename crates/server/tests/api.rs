@@ -318,7 +318,10 @@ fn a_port_in_use_and_files_that_are_no_records_are_named() {
     let text = folder.path().join("notes.apex");
     std::fs::write(&text, "these are notes, and more than a header of a hundred bytes long ".repeat(20)).unwrap();
     let foreign = serve(options(&text)).unwrap_err().to_string();
-    assert!(foreign.contains("is not a flight record of Apex (it does not begin like one)"), "{foreign}");
+    assert!(
+        foreign.contains("is not a flight record of Apex (its first bytes are not those of a record)"),
+        "{foreign}"
+    );
 
     let other = folder.path().join("other.apex");
     rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE a (b)").unwrap();

@@ -66,7 +66,7 @@ pub fn fork(
     let mission = Arc::new(forkable(reader, at)?);
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     if real(output).is_some() && real(output) == real(reader.path()) {
-        let message = "the forked flight would be written over the record that it continues";
+        let message = "the forked flight would overwrite the record that it continues";
         return Err(MissionError::data(message).help("give `--output` another file"));
     }
     let seed = fact(reader, "seed")?.and_then(|seed| seed.parse().ok());
@@ -105,14 +105,14 @@ fn forkable(reader: &RecordReader, at: Time) -> MissionResult<Mission> {
         |why: String, help: &str| Err(MissionError::data(format!("{path} cannot be forked")).because(why).help(help));
     let fly = "fork a record that `apex fly` has written";
     if let Some(changes) = fact(reader, "forked_with")?.filter(|changes| changes != NOTHING) {
-        let why = format!("it is itself a fork ({changes}), and the simulated world before its change is another");
+        let why = format!("it is itself a fork ({changes}), and its simulated world differs before the change");
         return cannot(why, "fork the record that it continues");
     }
     let Some(mission) = recorded::mission_of(reader)? else {
         return cannot("its program names no vehicle and no targets".to_string(), fly);
     };
     if fact(reader, "vehicle_type")?.as_deref() != Some(BUILT_IN) {
-        let why = "its vehicle was not the built-in simulator, which alone can repeat what a vehicle did";
+        let why = "its vehicle was not the built-in simulator, and only that one can repeat a flight";
         return cannot(why.to_string(), fly);
     }
     let Some((first, last)) = reader.span().map_err(recording::read)? else {

@@ -240,7 +240,7 @@ fn impossible_figures_are_refused_by_name() {
         (":station home :full-level 0m", "", "is not a length in metres above 0"),
         (":station home :full-level 3s", "", "is not a length"),
         (":station home :full-level 2km :range 1km", "", "is not beyond the 2000 m of full level"),
-        (":station home :range 9km :exponent 3", "", "both say how fast"),
+        (":station home :range 9km :exponent 3", "", "both determine how fast"),
         (":station home :exponent 0.5", "", "`:exponent 0.5` is below 1"),
         (":full-level 2km", "", "needs a `:station`"),
         (":station home :levels ((1km 1))", "", "expected two pairs or more"),

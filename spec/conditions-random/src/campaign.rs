@@ -78,7 +78,7 @@ impl Outcome {
 /// Selection of questions.
 #[derive(Clone, Debug)]
 pub struct Manner {
-    /// In so many threads.
+    /// Number of threads.
     pub threads: u64,
     /// If present, only questions with this form are used, as named by [`features`].
     pub only: Option<String>,
@@ -94,7 +94,7 @@ pub fn run(seeds: Range<u64>) -> Outcome {
     run_as(seeds, &Manner { threads: cores(), only: None })
 }
 
-/// Asks the questions of `seeds`.
+/// Runs the questions of `seeds`.
 pub fn run_as(seeds: Range<u64>, manner: &Manner) -> Outcome {
     let threads = manner.threads.max(1);
     let mut whole = Outcome::default();

@@ -41,7 +41,7 @@ pub enum Said {
     Satisfied(Outcome),
     /// The condition has not been satisfied so far.
     NotSatisfied,
-    /// The data do not say.
+    /// The data do not decide the condition.
     Unknown,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Watch<'a> {
     /// Begins to watch.
     ///
     /// # Errors
-    /// What cannot be watched.
+    /// A condition that cannot be watched.
     pub fn new(accepted: &Accepted, question: &'a Question) -> Result<Watch<'a>, String> {
         let mut session = MonitorSession::new(Arc::clone(&accepted.library), HostFunctions::default())?;
         let created = time::Time(question.created);

@@ -138,7 +138,7 @@ pub enum Estimation {
 /// Fit of the line, and the criteria for its rejection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regression {
-    /// At least so many samples.
+    /// Least number of samples.
     pub points_min: Option<usize>,
     /// The root mean square of the residuals is not above.
     pub error_max: Option<f64>,

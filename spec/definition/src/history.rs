@@ -18,7 +18,7 @@ pub struct Arrival {
 /// Kinds of arrivals.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// A sample of `(attribute object)`; none is a missing measurement, which is how NaN is read.
+    /// A sample of `(attribute object)`; `None` is a missing measurement, and NaN is read as missing.
     Sample(String, String, Option<Value>),
     /// A message.
     Message(Vec<Value>),

@@ -12,7 +12,7 @@ pub type Interval = (Time, Time);
 /// One way in which a condition is satisfied.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Way {
-    /// First and last evidence; none if nothing was needed.
+    /// First and last evidence; `None` if no evidence was needed.
     pub(crate) hull: Option<Interval>,
     /// The evidence may still continue.
     pub(crate) open: bool,

@@ -103,7 +103,7 @@ impl Coverage {
         }
     }
 
-    /// Adds what another thread counted.
+    /// Adds the counts of another thread.
     pub fn join(&mut self, other: &Coverage) {
         for (construct, count) in &other.constructs {
             *self.constructs.entry(construct).or_default() += count;

@@ -9,7 +9,7 @@ use crate::value::{Bindings, Value, joined, matches};
 /// One way in which a condition is true.
 #[derive(Clone)]
 pub(crate) struct Proof {
-    /// First and last evidence; none if nothing was needed.
+    /// First and last evidence; `None` if no evidence was needed.
     hull: Option<(Time, Time)>,
     /// Since when it is known.
     known: Time,

@@ -173,7 +173,7 @@ fn meets_a_threshold(
     require(holds, "it does not meet the condition's threshold")
 }
 
-/// True if the measurement meets the comparisons of the condition with numbers; none if other constraints decide.
+/// True if the measurement meets the condition's comparisons with numbers; `None` if other constraints decide.
 pub(super) fn holds_of(
     thresholds: &Thresholds<'_, '_>,
     measurement: &MeasurementCondition,

@@ -77,7 +77,7 @@ export class Player {
   span = $state.raw<Range | null>(null);
   /** The rows of the timeline. */
   rows = $state.raw<Rows>('all');
-  /** Which panels stand where. */
+  /** The place of each panel. */
   readonly desk = new Desk();
   /** The place in the program requested by the user. */
   shownPlace = $state.raw<string | null>(null);

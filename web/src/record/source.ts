@@ -76,7 +76,7 @@ export interface RecordSource {
   plans(atNs: number): Promise<Plans>;
   /** The ground that sensors had seen by then. */
   footprints(atNs: number): Promise<Footprints>;
-  /** Who held which resource. */
+  /** The holders of each resource. */
   holdings(query: HoldingsQuery): Promise<Holdings>;
   /** Null for missions that are not measured by a score. */
   score(atNs: number): Promise<ScoreSoFar | null>;

@@ -5,11 +5,11 @@ use crate::config::WorldConfig;
 use crate::names::unknown_name;
 use crate::packet::VARIABLES;
 
-/// Failures that may be stated.
+/// Maximum number of stated failures.
 const FAULTS_MAX: usize = 1_000;
 /// Rates above one per second are taken for mistakes.
 const RATE_PER_H_MAX: f64 = 3_600.0;
-/// Time between two outlines of a fire.
+/// Least time between two outlines of a fire.
 const EVERY_H_MIN: f64 = 0.1;
 
 impl LivingWorld {
@@ -58,7 +58,7 @@ impl LivingWorld {
 
 impl PerimeterSpec {
     fn check(&self, config: &WorldConfig) -> Result<(), String> {
-        // Reports closer than this are a flood, and grow by less than the places of their corners.
+        // With shorter intervals, reports would flood the planner, and outlines would grow by less than the accuracy of their corners.
         if !(self.every_h.is_finite() && self.every_h >= EVERY_H_MIN) {
             return Err(format!("every_h is {}; it must be at least {EVERY_H_MIN}", self.every_h));
         }
@@ -117,21 +117,23 @@ impl FaultSpec {
             return Err(unknown_name(what, of, known.iter().copied()));
         }
         match (self.fault, self.by) {
-            (FaultKind::Bias, None) => Err("a `bias` fault needs `by`, what is added in SI units".to_owned()),
+            (FaultKind::Bias, None) => {
+                Err("a `bias` fault needs `by`, the amount that is added, in SI units".to_owned())
+            }
             (FaultKind::Bias, Some(_)) | (_, None) => Ok(()),
-            (_, Some(_)) => Err(format!("`by` means nothing for a `{word}` fault; leave it out")),
+            (_, Some(_)) => Err(format!("`by` has no effect in a `{word}` fault; leave it out")),
         }
     }
 
     fn check_without_object(&self, word: &str) -> Result<(), String> {
         if let Some(of) = &self.of {
-            return Err(format!("`of` \"{of}\" means nothing for a `{word}` fault; leave it out"));
+            return Err(format!("`of` \"{of}\" has no effect in a `{word}` fault; leave it out"));
         }
         match (self.fault, self.by) {
             (FaultKind::Leak, Some(by)) => positive("by", by),
             (FaultKind::Leak, None) => Err("a `leak` fault needs `by`, in kg/h of fuel or W of charge".to_owned()),
             (FaultKind::Navigation, _) | (_, None) => Ok(()),
-            (_, Some(_)) => Err(format!("`by` means nothing for a `{word}` fault; leave it out")),
+            (_, Some(_)) => Err(format!("`by` has no effect in a `{word}` fault; leave it out")),
         }
     }
 }

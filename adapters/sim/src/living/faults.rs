@@ -8,14 +8,14 @@ use crate::random::Random;
 use apex_model::time::{Duration, Time};
 use libm::log;
 
-/// Streams of random failures begin here.
+/// Number of the random stream of the first failure; each further failure has the next number.
 const STREAM: u64 = 1_000;
-/// No flight is longer.
+/// Upper limit on the length of a flight, up to which random failures are drawn.
 const HORIZON_S: f64 = 30.0 * 86_400.0;
 /// Maximum number of occurrences of one failure with a rate.
 const SPANS_MAX: usize = 10_000;
 
-/// One occurrence of a failure: from its beginning up to, and without, its end.
+/// One occurrence of a failure, from its beginning (included) to its end (excluded).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FaultSpan {
     pub(crate) from: Time,
@@ -63,7 +63,7 @@ impl Faults {
         self.spans.iter().take_while(move |span| span.from <= now).filter(move |span| span.holds(now))
     }
 
-    /// Returns the first failure of a kind that holds now, of this object or of none.
+    /// Returns the first failure of a kind that is active now and concerns this object, or concerns no particular object.
     pub(crate) fn find(&self, kind: FaultKind, of: &str, now: Time) -> Option<&FaultSpan> {
         self.active(now).find(|span| span.kind == kind && (span.of.is_empty() || span.of.eq_ignore_ascii_case(of)))
     }

@@ -176,7 +176,7 @@ pub struct PerimeterSpec {
     /// Rate of spread as a share of the model's: 0.3 to 0.5 by night.
     #[serde(default = "one")]
     pub rate_share: f64,
-    /// The fires that grow; none named: all.
+    /// The growing fires; all fires if none is named.
     #[serde(default)]
     pub targets: Vec<String>,
 }

@@ -10,7 +10,7 @@ pub fn run(options: &ConvertOptions) -> CliResult {
     let ConvertOptions { record, out } = options;
     if out.exists() {
         return Err(CliError::user(format!("{} is there already", out.display()))
-            .help("name another file; a conversion replaces nothing"));
+            .help("name another file; a conversion never overwrites one"));
     }
     let steps = convert(record, out).map_err(apex_mission::recording::read)?;
     output::print_line(format_args!("{steps} steps of {} are written to {}", record.display(), out.display()))

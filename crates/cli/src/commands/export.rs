@@ -83,7 +83,7 @@ fn format_of(options: &ExportOptions, out: Option<&Path>) -> CliResult<ExportFor
         (Some(format), _) => Ok(format),
         (None, Some("parquet" | "pq")) => Ok(ExportFormat::Parquet),
         (None, None | Some("csv")) => Ok(ExportFormat::Csv),
-        (None, Some(other)) => Err(CliError::user(format!("`.{other}` does not say which format is wanted"))
+        (None, Some(other)) => Err(CliError::user(format!("the ending `.{other}` does not determine the format"))
             .help("add `--format csv` or `--format parquet`")),
     }
 }

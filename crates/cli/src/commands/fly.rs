@@ -127,7 +127,7 @@ pub fn checked_pace(pace: f64) -> CliResult<f64> {
     if pace > 0.0 && pace <= PACE_MAX {
         return Ok(pace);
     }
-    Err(CliError::user(format!("`--pace {pace}` is not a pace"))
+    Err(CliError::user(format!("`--pace {pace}` is invalid"))
         .help("write simulated seconds per second, above 0: 1 is real time, 10 is ten times faster; leave it out to fly as fast as possible"))
 }
 
@@ -148,7 +148,7 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
     if let Some(text) = &options.solver_timeout {
         let time = sources::parse_time(text, "--solver-timeout")? - Time::ZERO;
         if time <= Duration::ZERO {
-            return Err(CliError::user(format!("`--solver-timeout {text}` gives no solver a chance"))
+            return Err(CliError::user(format!("`--solver-timeout {text}` leaves solvers no time"))
                 .help("write a time above 0, for example `30s`"));
         }
         means.timeout = std::time::Duration::from_secs_f64(time.seconds());

@@ -59,7 +59,7 @@ fn is_parquet(path: &Path) -> CliResult<bool> {
     match path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).as_deref() {
         Some("parquet" | "pq") => Ok(true),
         Some("csv") => Ok(false),
-        _ => Err(CliError::user(format!("`--out {}` does not say which format is wanted", path.display()))
+        _ => Err(CliError::user(format!("the name in `--out {}` does not determine the format", path.display()))
             .help("end the name in .parquet or .csv")),
     }
 }

@@ -30,7 +30,7 @@ pub fn run(options: &MonitorOptions) -> CliResult {
         check_picture_name(path)?;
         table_file::refuse_to_overwrite(path, inputs, "--plot")?;
         if inputs.len() > 1 {
-            return Err(CliError::user("`--plot` draws one input").help("name one with `--inputs`"));
+            return Err(CliError::user("`--plot` needs exactly one input").help("name one with `--inputs`"));
         }
     }
     let mut verdicts = Vec::new();
@@ -116,7 +116,7 @@ fn draw(path: &Path, watch: &LogMonitor<'_>) -> CliResult {
     };
     let picture = watch.picture().map_err(failed)?.ok_or_else(|| {
         CliError::user(format!("nothing to draw in {}", path.display()))
-            .because("no sample of what the conditions read is a number")
+            .because("no state variable in the conditions has a sample that is a number")
             .help("name other conditions, or leave `--plot` out")
     })?;
     std::fs::write(path, picture).map_err(|error| failed(error.into()))

@@ -146,7 +146,7 @@ fn format_of(options: &PlanOptions, out: Option<&Path>) -> PlanFormat {
 fn refuse_to_overwrite(out: &Path, input: &Path) -> CliResult {
     let same = std::fs::canonicalize(out).ok().zip(std::fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
     if same {
-        return Err(CliError::user(format!("{} is what the plan is made from", out.display()))
+        return Err(CliError::user(format!("{} is the source of the plan, and would be overwritten", out.display()))
             .help("name another file with `--out`"));
     }
     Ok(())
@@ -157,12 +157,12 @@ fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     match format {
         PlanFormat::Pdl if question.mission.is_none() => {
             Err(CliError::user("only a mission's plan can be a PDL procedure")
-                .because("the goal that it serves, and the places and heights of its steps, are a mission's")
+                .because("its goal, and the places and heights of its steps, come from a mission")
                 .help("plan for a mission's folder, or choose another `--format`"))
         }
         PlanFormat::Qgc if question.benchmark.is_some() => {
             Err(CliError::user("the plan of a benchmark cannot be a plan file of QGroundControl")
-                .because("its coordinates are a plane's, not places on earth")
+                .because("its coordinates are those of a plane, not places on Earth")
                 .help("choose `--format json` or `--format geojson`"))
         }
         _ => Ok(()),
@@ -179,7 +179,7 @@ fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     match format {
         PlanFormat::Table | PlanFormat::Json => Ok(()),
         _ => Err(CliError::user("`--survival` is for tables and JSON")
-            .because("the other formats hold what is flown")
+            .because("the other formats hold the flight only, without its cost")
             .help("leave `--survival` or `--format` out")),
     }
 }

@@ -15,7 +15,7 @@ pub fn run(options: &RecoverOptions) -> CliResult {
     let out = options.out.clone().unwrap_or_else(|| beside(&options.record));
     if out.exists() {
         return Err(CliError::user(format!("{} is there already", out.display()))
-            .help("name another file with `--out`; a recovery replaces nothing"));
+            .help("name another file with `--out`; a recovery never overwrites one"));
     }
     let recovered = recover(&options.record, &out).map_err(apex_mission::recording::read)?;
     if let Some(damage) = &recovered.damage {

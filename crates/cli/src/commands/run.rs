@@ -264,7 +264,7 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
         same if same == record.as_ref() => "the flight record",
         _ => return Ok(()),
     };
-    Err(CliError::user(format!("the trace would be written over {what}, {}", trace.display()))
+    Err(CliError::user(format!("the trace would overwrite {what}, {}", trace.display()))
         .help("give `--trace` another file"))
 }
 
@@ -290,7 +290,7 @@ fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, options: 
     })?)
 }
 
-/// Reads what the operator answers.
+/// Reads the operator's answers.
 fn answers_of(path: &Path) -> CliResult<Vec<ScriptedAnswer>> {
     let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
     read_answers(&path.display().to_string(), &read_text(path)?, &read_value).map_err(|errors| {

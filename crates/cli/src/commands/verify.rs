@@ -62,7 +62,7 @@ fn signature_of(reader: &RecordReader, options: &VerifyOptions) -> CliResult<Opt
         SignatureState::SignedBy(key) => Some(key),
         SignatureState::Broken(why) => {
             return Err(CliError::failure(format!("the signature of {record} does not hold")).because(why).help(
-                "take the record and its `.sig` file from where they were written; a flight that was cut off is not signed",
+                "copy the record and its `.sig` file again from their origin; an interrupted flight is not signed",
             ));
         }
     };

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// Explains one task, resource or command at one instant.
 pub fn run(options: &WhyOptions) -> CliResult {
     if options.task.trim().is_empty() {
-        return Err(CliError::user("the task to explain has no name")
+        return Err(CliError::user("the task to explain is not given")
             .help("give its number (T12), its tag, or words of its goal"));
     }
     let reader = recording::open(&options.record)?;

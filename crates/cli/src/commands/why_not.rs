@@ -7,10 +7,10 @@ use crate::{recording, sources};
 use apex_model::source::SourceFile;
 use apex_runtime::explain::Explainer;
 
-/// Explains what is not.
+/// Explains why something has not happened.
 pub fn run(options: &WhyNotOptions) -> CliResult {
     if options.what.trim().is_empty() {
-        return Err(CliError::user("the question names nothing")
+        return Err(CliError::user("the question is empty")
             .help("give a task (T12), a step's tag, a goal such as `(take picture ?x)`, a resource or a target"));
     }
     let reader = recording::open(&options.record)?;

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 /// Messages that one repeating step waits for, and those that it has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Listener {
-    /// The first words of the messages; none are all messages.
+    /// The first words of the messages; `None` for all messages.
     heads: Option<BTreeSet<Symbol>>,
     /// True if the step is busy: its `waitfor` is then not watched.
     busy: bool,

@@ -47,7 +47,7 @@ pub struct WakeQueue {
 }
 
 impl WakeQueue {
-    /// Asks for `wake` at `at`.
+    /// Schedules `wake` at `at`.
     pub fn schedule(&mut self, at: Time, wake: Wake) -> WakeKey {
         let key = WakeKey { at, number: self.next };
         self.next = self.next.saturating_add(1);

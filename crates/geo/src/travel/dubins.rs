@@ -21,7 +21,7 @@ const NO_TURN_RAD: f64 = 1e-9;
 /// Number of tracks that are examined if one is free and the two places are too near for a path without a turn there.
 const TRACKS: usize = 16;
 
-/// A place with a direction over ground, counter-clockwise from the x axis; none is free.
+/// A place with a direction over ground, counter-clockwise from the x axis; `None` for any direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position.

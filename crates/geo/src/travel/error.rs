@@ -53,7 +53,7 @@ impl fmt::Display for TravelError {
             TravelError::NoRoomToTurn => {
                 f.write_str("restricted areas leave too little space for turns of the vehicle")
             }
-            TravelError::Shut => f.write_str("restricted areas or the wind shut the way whenever it could be flown"),
+            TravelError::Shut => f.write_str("restricted areas or the wind leave no possible departure time"),
         }
     }
 }

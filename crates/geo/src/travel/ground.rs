@@ -253,10 +253,10 @@ impl PathConstraints {
         Some(TravelError::NoLandingPlace(nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m)))
     }
 
-    /// Returns the parts of the leg that are shut and their times; empty if none is.
+    /// Returns the closed parts of the leg with their times; empty if no part is closed.
     ///
     /// # Errors
-    /// The obstacle, if a part is shut forever.
+    /// The obstacle, if a part is closed forever.
     pub(crate) fn blocks(&self, from: &PreparedPoint, to: &PreparedPoint) -> Result<Vec<Block>, TravelError> {
         self.blocks_wider(from, to, 0.0)
     }

@@ -22,12 +22,12 @@ pub const BENDS_MAX: usize = 2_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct EndpointId(pub(crate) usize);
 
-/// A straight leg that is not shut forever.
+/// A straight leg that is not closed forever.
 #[derive(Clone, Debug)]
 struct Leg {
     course: Course,
     blocks: Vec<Block>,
-    /// Forwards and backwards.
+    /// Timings in the forward and in the backward direction.
     timings: [Timing; 2],
 }
 
@@ -69,7 +69,7 @@ pub(super) struct Endpoint {
 pub(super) struct Turns {
     /// Least radius of turns; 0 if they take neither time nor space.
     pub(super) radius: f64,
-    /// Radius of the circles over ground around places; 0 where none is circled around.
+    /// Radius of the circles over ground around places; 0 if no place is circled.
     pub(super) circle_radius: f64,
 }
 
@@ -91,7 +91,7 @@ pub struct Network {
     pub(super) ground: PathConstraints,
     pub(super) air: Air,
     pub(super) time_s: Span,
-    /// Instants at which zones open or shut, in order.
+    /// Instants at which zones open or close, in order.
     pub(super) changes_s: Vec<f64>,
     pub(super) on_plane: bool,
     pub(super) turns: Turns,
@@ -222,7 +222,7 @@ impl Network {
         }
     }
 
-    /// Returns the radius of the circles over ground around places; 0 where none is circled around.
+    /// Returns the radius of the circles over ground around places; 0 if no place is circled.
     pub fn circle_radius_m(&self) -> f64 {
         self.turns.circle_radius
     }
@@ -236,7 +236,7 @@ impl Network {
         }
     }
 
-    /// Returns the obstacle at `place` at some time of `time_s`; `None` if flight is permitted there at all times of it.
+    /// Returns an obstacle that forbids flight at `place` at any time in `time_s`; `None` if flight is permitted throughout.
     pub fn place_trouble(&self, place: EndpointId, time_s: Span) -> Option<TravelError> {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
@@ -256,7 +256,7 @@ impl Network {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
 
-    /// Returns the obstacle of the straight leg between two positions at some time of `time_s`.
+    /// Returns an obstacle on the straight leg between two positions at any time of the span.
     pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<TravelError> {
         let spots = self.ground.spot(from).and_then(|from| Ok((from, self.ground.spot(to)?)));
         match spots {
@@ -342,14 +342,14 @@ impl Network {
         leg.map_or(f64::NEG_INFINITY, |leg| leg.course.retreat(&self.air, ride.backwards, arrive_s, 1.0))
     }
 
-    /// Departures at which a ride is shut.
+    /// Departures at which a leg is closed.
     pub(super) fn closed(&mut self, ride: DirectedLeg) -> &[Span] {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return &[] };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
         timing.map_or(&[], |timing| leg.course.closed(&self.air, ride.backwards, &leg.blocks, timing))
     }
 
-    /// Returns the first departure from `ready_s` on at which the ride is not shut.
+    /// Returns the first departure from `ready_s` on at which the leg is open.
     pub(super) fn first_open(&mut self, ride: DirectedLeg, ready_s: f64) -> f64 {
         first_open(self.closed(ride), ready_s)
     }

@@ -21,7 +21,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Greatest deviation of drawn paths from the flown one, as a share of the radius: 3 m of 3 km.
 pub const TOLERANCE_SHARE: f64 = 1e-3;
-/// Places of a piece where its wind is taken.
+/// Places along a piece, as shares of its length, at which its wind is sampled.
 const WIND_SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Number of directions examined at a place whose direction is free.
 const TRACKS: usize = 32;
@@ -91,7 +91,7 @@ impl TurnLeg<'_> {
             return TurnLeg { from, to, length: apart.length(), frame, bearings_rad: (bearing_rad, bearing_rad) };
         }
         let up = from.direction;
-        // Between two identical places any line will do.
+        // Between two identical places the direction of the line is arbitrary.
         let beside = Direction::of(geodesy::destination(from.position, 90.0, 1_000.0));
         let near = up.quarter_turn_to(to.direction).is_none();
         let along = up.quarter_turn_to(if near { beside } else { to.direction }).unwrap_or(beside);
@@ -177,7 +177,7 @@ impl TurnLeg<'_> {
     }
 }
 
-/// Directions that are tried where any is as good.
+/// Directions that are tried if no direction is required.
 fn tracks() -> impl Iterator<Item = f64> {
     (0..TRACKS).map(|index| TAU * index as f64 / TRACKS as f64)
 }
@@ -213,7 +213,7 @@ impl Network {
                     wind_mps,
                 };
                 let Some(straight_s) = straight_s(&flyer, piece.length) else {
-                    // The legs themselves are shut while this wind blows.
+                    // The straight legs are closed while this wind blows.
                     possible = false;
                     break;
                 };

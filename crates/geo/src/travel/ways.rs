@@ -40,7 +40,7 @@ struct TravelPath {
     to: EndpointId,
     path_vertices: Vec<usize>,
     rides: Vec<DirectedLeg>,
-    /// Departures at which some part is shut: open spans, sorted.
+    /// Departures at which some part is closed: open spans, sorted.
     closed_s: Vec<Span>,
     /// Effect of turns, once it was computed; the inner `None` if there is no space for them.
     turned: Option<Option<Turned>>,

@@ -19,7 +19,7 @@ use apex_observation::target::TargetArea;
 
 /// Candidates for one goal.
 pub(super) const CANDIDATES_MAX: usize = 160;
-/// Lowest flight over ground where the mission requires no other: fixed wing, rotorcraft.
+/// Least height above ground if the mission requires no other: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 20.0);
 /// Height kept from faces of zones.
 const FACE_M: f64 = 30.0;
@@ -27,7 +27,7 @@ const FACE_M: f64 = 30.0;
 const APART_SHARE: f64 = 0.08;
 /// Look angles to try, degrees.
 const LOOK_ANGLES_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
-/// Share of a footprint that is planned on: roll and position are never exact.
+/// Share of a footprint that plans use, because roll and position are never exact.
 const FOOTPRINT_SHARE: f64 = 0.8;
 
 /// A manoeuvre with the sensor that records it.
@@ -165,7 +165,7 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// Returns the ground speed of a rotorcraft or airspeed of a fixed wing, no faster than pictures smear or overlap.
+    /// Returns the ground speed of a rotorcraft or the airspeed of a fixed wing, limited so that pictures neither smear nor leave gaps.
     fn speed_mps(&self, slant_m: f64) -> f64 {
         let model = &self.mission.model;
         let cruise = model.true_airspeed_m_s_cruise;
@@ -260,7 +260,7 @@ impl Setting<'_> {
                 (0..8).map(corner).collect()
             }
         };
-        // Its direction is searched for the wind and the shape.
+        // The direction of a sweep is searched, depending on the wind and the shape.
         let path = Sweep {
             corners,
             height_m: self.height_m,

@@ -23,7 +23,7 @@ pub(super) const PERFECT_POINTS: f64 = 100.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum ProductKind {
-    /// Whatever serves.
+    /// Any suitable kind.
     Any,
     /// Single pictures.
     Stills,
@@ -62,7 +62,7 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) latency_s: Option<f64>,
     /// Latest end, since the mission's start.
     pub(crate) by_s: Option<f64>,
-    /// The sensor; none: whichever serves.
+    /// The sensor; `None` for any suitable one.
     pub(crate) sensor: Option<String>,
 }
 

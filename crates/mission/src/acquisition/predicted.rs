@@ -24,7 +24,7 @@ pub struct PerformedManoeuvre<'a> {
     pub target: &'a str,
     /// The camera, or `scanner`; `None` for the vehicle's default sensor.
     pub sensor: Option<&'a str>,
-    /// Airspeed of a fixed wing, ground speed of a rotorcraft; none: that of the sharpest pictures.
+    /// Airspeed of a fixed wing, ground speed of a rotorcraft; `None` is the speed of the sharpest pictures.
     pub speed_mps: Option<f64>,
     /// Distance over ground between pictures.
     pub every_m: f64,

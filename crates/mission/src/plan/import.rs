@@ -84,6 +84,6 @@ fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     plan.map_err(|error| {
         MissionError::planning("this is not a plan").at(format!("{place}:{}:{}", error.line(), error.column()))
             .because(error)
-            .help("write what `apex plan PROBLEM --json` prints, or its member `plan`; docs/reference/schema/plan.schema.json says what they hold")
+            .help("give the output of `apex plan PROBLEM --json`, or its member `plan`; docs/reference/schema/plan.schema.json describes them")
     })
 }

@@ -95,7 +95,7 @@ impl PlanInput {
 /// If the plan is not a surveillance plan, or its cost cannot be computed.
 pub fn survival_cost(solved: &Deliberation) -> MissionResult<f64> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
-        return Err(MissionError::planning("the plan is none of surveillance"));
+        return Err(MissionError::planning("the plan is not one of surveillance"));
     };
     let cost = survival::expected_cost(problem, &plan.visits);
     cost.map(|cost| cost.total)
@@ -162,13 +162,13 @@ impl PlanInput {
             let place = format!("{place}:{}:{}", error.line(), error.column());
             MissionError::planning("this is not a planning problem").at(place)
                 .because(error)
-                .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
+                .help("docs/reference/planning-problems.md describes problems; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
         })?;
         validate(&problem).map_err(|reason| {
             MissionError::planning("the problem is invalid")
                 .at(place)
                 .because(reason)
-                .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
+                .help("docs/reference/schema/planning-problem.schema.json describes each member")
         })?;
         Ok(PlanInput::new("problem".into(), problem))
     }
@@ -256,7 +256,7 @@ fn places_alone(path: &Path) -> MissionError {
         ),
     };
     MissionError::planning(format!("{} holds places, not a planning problem", path.display()))
-        .because("what flies, from where, how long and for which goal is a mission's to say")
+        .because("the vehicle, its start, the duration and the goal are stated in a mission")
         .help(help)
 }
 

@@ -47,7 +47,7 @@ fn internal_error(contradiction: &Contradiction) -> MissionError {
     let Contradiction { problem, plan, .. } = contradiction;
     let evidence = serde_json::json!({ "problem": problem, "plan": plan });
     MissionError::planning(contradiction.to_string())
-        .because("a proof says that no plan is better than the bound, and the plan is")
+        .because("the plan is better than its bound, which is proven for all plans")
         .help(format!("report it with this evidence: {evidence}"))
 }
 

@@ -41,7 +41,7 @@ const STEP_S: f64 = 5.0;
 const GROUND_TILT_DEG: f64 = -3.0;
 
 impl Scene<'_> {
-    /// Returns the least margin of all cameras that point; none by night, without civil time, and while no camera points.
+    /// Returns the least margin of all cameras that point; `None` by night, without civil time, and while no camera points.
     pub(super) fn sun(&self) -> Option<Reading> {
         let keep_out = self.requirements().sun?;
         let zero_unix_s = self.mission.settings.epoch_unix_s?;

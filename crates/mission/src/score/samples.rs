@@ -101,7 +101,7 @@ impl Latest {
         })
     }
 
-    /// Angles of a camera's mount; none before they were reported.
+    /// Angles of a camera's mount; `None` before the first report.
     pub(super) fn angles(&self, camera: &str) -> Option<GimbalAngles> {
         let name = camera.to_lowercase();
         Some(GimbalAngles { pan_deg: *self.pans_deg.get(&name)?, tilt_deg: *self.tilts_deg.get(&name)? })

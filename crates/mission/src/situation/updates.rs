@@ -62,7 +62,7 @@ impl MissionUpdate {
             match number.map(|(number, _)| number).filter(|number| (0.0..=most).contains(number)) {
                 Some(number) => update(subject.clone(), number),
                 None => MissionUpdate::Invalid(format!(
-                    "({head} {subject} ..) is without a number from 0 to {most}, and changes nothing"
+                    "({head} {subject} ..) has no number from 0 to {most}, and is ignored"
                 )),
             }
         };
@@ -75,7 +75,7 @@ impl MissionUpdate {
             "new-perimeter" => match items.get(1).and_then(outline) {
                 Some(outline) => MissionUpdate::NewPerimeter(subject, outline),
                 None => MissionUpdate::Invalid(format!(
-                    "({head} {subject} ..) is without an outline of 3 to {CORNERS_MAX} places, and changes nothing"
+                    "({head} {subject} ..) has no outline of 3 to {CORNERS_MAX} places, and is ignored"
                 )),
             },
             "planned-by-people" => {
@@ -211,7 +211,7 @@ impl MissionUpdates {
         let file = |name: &&String| !mission.forecasts.iter().any(|(known, _)| known == *name);
         let forecasts = self.forecasts.iter().filter(file).map(|name| {
             let known: Vec<&str> = mission.forecasts.iter().map(|(known, _)| known.as_str()).collect();
-            format!("{name} is none of the mission's forecasts, {}", known.join(", "))
+            format!("{name} is not one of the mission's forecasts, {}", known.join(", "))
         });
         targets.chain(likely).chain(forecasts).collect()
     }
@@ -341,9 +341,9 @@ mod tests {
         let barn = Value::Symbol(Symbol::new("barn"));
         let long = Value::Duration(apex_model::time::Duration::from_seconds(60.0));
         for bad in [Value::Real(-1.0), Value::Real(f64::NAN), Value::Real(2e9), Value::symbol("much"), long] {
-            assert!(said(&mut updates, "new-value", &[barn.clone(), bad]).contains("changes nothing"));
+            assert!(said(&mut updates, "new-value", &[barn.clone(), bad]).contains("is ignored"));
         }
-        assert!(said(&mut updates, "new-likelihood", &[barn]).contains("changes nothing"));
+        assert!(said(&mut updates, "new-likelihood", &[barn]).contains("is ignored"));
         assert_eq!(updates, MissionUpdates::default());
     }
 

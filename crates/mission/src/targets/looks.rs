@@ -80,7 +80,7 @@ pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms<'_>) ->
     }
     let of_part = |part: &NamedFeature| match part.number("value", 0.0, 1e9)? {
         Some(value) => look(part, value, place, terms),
-        None => Err(part.trouble("a look without `value`").help("say what it is worth, in points")),
+        None => Err(part.trouble("a look without `value`").help("state its worth in points")),
     };
     parts.iter().map(of_part).collect()
 }
@@ -212,7 +212,7 @@ fn slope(feature: &NamedFeature) -> MissionResult<Option<ValueSlope>> {
     let Some(over_h) = feature.number("falls_over_h", 1e-6, 1e6)? else {
         let idle = ["falls", "falls_from_h"].into_iter().find(|key| feature.has(key));
         return idle.map_or(Ok(None), |key| {
-            let help = "say over how many hours the worth falls";
+            let help = "state the number of hours over which the worth falls";
             Err(feature.trouble(format!("`{key}` without `falls_over_h`")).help(help))
         });
     };

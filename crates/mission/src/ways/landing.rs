@@ -15,7 +15,7 @@ const APPROACH_ROOM_M: f64 = 1_000.0;
 /// A landing by a way.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Landing {
-    /// Course of the final approach; none lets the vehicle choose.
+    /// Course of the final approach; `None` if the vehicle may choose.
     pub(super) course_deg: Option<f64>,
     /// Path to it.
     pub(super) way: Option<Way>,
@@ -55,7 +55,7 @@ impl Limits {
             }
         }
         let name = shut_by.unwrap_or_else(|| "airspace".to_string());
-        let why = "every final approach, and the descent to it, is shut".to_string();
+        let why = "every final approach, or the descent to it, is closed".to_string();
         let way = Way { broken: Some(Broken { name, why }), ..self.straight(&request, request.to) };
         Landing { course_deg: None, way: Some(way) }
     }

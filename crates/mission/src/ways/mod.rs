@@ -28,7 +28,7 @@ pub struct Request {
     pub from: Position,
     /// Its altitude above mean sea level.
     pub from_altitude_m: f64,
-    /// Its direction over ground, clockwise from north; none for a vehicle that may leave in any direction.
+    /// Its direction over ground, clockwise from north; `None` for a vehicle that may leave in any direction.
     pub from_track_rad: Option<f64>,
     /// Instant, since the mission's start.
     pub at_s: f64,
@@ -36,7 +36,7 @@ pub struct Request {
     pub to: Position,
     /// The altitude to be held there.
     pub to_altitude_m: f64,
-    /// The direction in which the place is to be reached; none for any.
+    /// The direction in which the place must be reached; `None` for any.
     pub to_track_rad: Option<f64>,
     /// Room for circles around the place.
     pub circle_radius_m: f64,

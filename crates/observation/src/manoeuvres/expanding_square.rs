@@ -17,7 +17,7 @@ pub struct ExpandingSquare {
     pub rounds: u32,
     /// Height above the target.
     pub height_m: f64,
-    /// Direction of the first leg; none: into the wind, north without wind.
+    /// Direction of the first leg; `None`: into the wind, or north without wind.
     pub first_track_deg: Option<f64>,
 }
 

@@ -56,7 +56,7 @@ pub struct Forecast {
     pub pictures: usize,
     /// Share of the pictures with the middle of the target in view.
     pub tracked_share: f64,
-    /// Instant at which everything is on the ground; none: after landing.
+    /// Instant at which all data are on the ground; `None`: after landing.
     pub on_ground_s: Option<f64>,
     /// The poses.
     pub flown: FlownPath,

@@ -151,7 +151,7 @@ impl SpeedProfile {
                 let wind_mps = libm::hypot(wind.east_mps, wind.north_mps);
                 let limit = Limit { manoeuvre, figure: "a wind", unit: "m/s" };
                 let because =
-                    format!("at {airspeed_mps:.1} m/s {} does not get on along {track_deg:.0} degrees", craft.name);
+                    format!("at {airspeed_mps:.1} m/s {} makes no progress along {track_deg:.0} degrees", craft.name);
                 limit.refusal(wind_mps, airspeed_mps, &because, "wait for less wind, or fly faster".to_string())
             })
         };

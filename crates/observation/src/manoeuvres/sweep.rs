@@ -26,7 +26,7 @@ pub struct Sweep {
     pub swath_m: f64,
     /// Share of the swath that is seen twice.
     pub sidelap: f64,
-    /// Direction of the lines; none: the fastest in the wind.
+    /// Direction of the lines; `None`: the fastest one in the wind.
     pub track_deg: Option<f64>,
     /// Recorded beyond both ends of each line.
     pub run_in_m: f64,

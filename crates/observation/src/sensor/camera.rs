@@ -37,7 +37,7 @@ pub struct CameraSetting {
 /// Motion of the vehicle at an exposure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExposureMotion {
-    /// Roll angle; none if it is not known.
+    /// Roll angle; `None` if it is not known.
     pub roll_deg: Option<f64>,
     /// Speed over ground.
     pub ground_speed_mps: f64,
@@ -45,7 +45,7 @@ pub struct ExposureMotion {
     pub rotation_rad_s: f64,
     /// Distance to the ground in the middle of the picture.
     pub slant_m: f64,
-    /// Elevation of the sun; none if it is not known.
+    /// Elevation of the sun; `None` if it is not known.
     pub sun_deg: Option<f64>,
 }
 

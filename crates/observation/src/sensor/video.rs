@@ -42,7 +42,7 @@ impl ViewerTask {
         }
     }
 
-    /// Returns the probability of success with so many line pairs on the target.
+    /// Returns the probability of success with this number of line pairs on the target.
     pub fn probability(self, line_pairs: f64) -> f64 {
         let ratio = line_pairs / self.line_pairs_at_half();
         if ratio.is_nan() || ratio <= 0.0 {
@@ -65,7 +65,7 @@ impl VideoCamera {
         critical_m * foreshortening / (2.0 * self.pixel_mrad * 1e-3 * slant_m)
     }
 
-    /// Returns the greatest distance with so many line pairs across a target that is seen without foreshortening.
+    /// Returns the greatest distance with this number of line pairs across a target that is seen without foreshortening.
     pub fn range_m_max(&self, critical_m: f64, line_pairs: f64) -> f64 {
         critical_m / (2.0 * self.pixel_mrad * 1e-3 * line_pairs)
     }

@@ -52,7 +52,7 @@ pub(crate) enum Blocked {
     Endless(usize, Premise),
     /// This step waits for its own later state.
     OwnState(usize, Place),
-    /// Another message says why.
+    /// Another message gives the reason.
     Told,
 }
 

@@ -159,7 +159,7 @@ pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
     }
 }
 
-/// Returns the dimension of an expression as far as its text tells; bare numbers have none.
+/// Returns the dimension of an expression as far as its text determines it; bare numbers have none.
 pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(_, dimension)| dimension),

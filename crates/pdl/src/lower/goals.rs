@@ -24,7 +24,7 @@ pub(crate) struct Goal {
 pub(crate) struct Served {
     pub(crate) pattern: Pattern,
     pub(crate) span: Span,
-    /// The bundle of the procedure or primitive; none is the default bundle.
+    /// The bundle of the procedure or primitive; `None` is the default bundle.
     pub(crate) bundle: Option<Symbol>,
     /// True if a solver serves it: it is used only if no other method does.
     pub(crate) by_solver: bool,

@@ -90,7 +90,7 @@ pub(crate) struct Lowering {
     pub(crate) called: BTreeSet<Symbol>,
     /// An effect was seen since the last reset.
     pub(crate) had_effect: bool,
-    /// The bundle of the present forms; none is the default bundle.
+    /// The bundle of the present forms; `None` is the default bundle.
     pub(crate) bundle: Option<Symbol>,
     /// True if the present index is a solver's.
     pub(crate) is_solver: bool,

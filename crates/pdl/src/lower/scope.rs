@@ -28,7 +28,7 @@ pub(crate) struct Scope {
     pub(crate) index_words: BTreeMap<Symbol, Span>,
     /// Variables that `=>` binds, with the last step that does.
     pub(crate) results: BTreeMap<Symbol, usize>,
-    /// The step being lowered; none at procedure level.
+    /// The step being lowered; `None` at procedure level.
     pub(crate) step: Option<usize>,
     /// Parameters and `let` variables, innermost last; a name written `?x` keeps its question mark.
     pub(crate) locals: Vec<Symbol>,

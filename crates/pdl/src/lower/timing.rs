@@ -1,4 +1,4 @@
-//! Timing of episodes and events: start, end, duration and the manual's earliest and latest (`conditions.md`, T).
+//! Timing of episodes and events: start, end, duration, and the older words for earliest and latest times (`conditions.md`, T).
 
 use super::Lowering;
 use super::expected::{Expected, ExpectedKind};
@@ -28,7 +28,7 @@ fn is_word(item: &Datum) -> bool {
 }
 
 impl Lowering {
-    /// Lowers the values of `:timing`. An event's time may be constrained directly, as Table 1 of the paper prints it.
+    /// Lowers the values of `:timing`. An event's time may be constrained directly, as in Table 1 of the paper.
     pub(crate) fn timing(&mut self, items: &[Datum], is_event: bool) -> Option<Timing> {
         let mut timing = Timing::default();
         let mut complete = true;
@@ -53,7 +53,7 @@ impl Lowering {
         complete.then_some(timing)
     }
 
-    /// Lowers `(:start CONSTRAINT.. :end CONSTRAINT..)`, the spelling of the original.
+    /// Lowers `(:start CONSTRAINT.. :end CONSTRAINT..)`, an older spelling.
     fn timing_in_one_list(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {
         let mut complete = true;
         let mut rest = item.as_list().unwrap_or_default();

@@ -25,7 +25,7 @@ pub(super) fn legs(
     };
     let spare_s = plan.end_s - time_s - home_s;
     if spare_s.is_nan() || spare_s < -TOLERANCE_S {
-        found.push(format!("is back after {:.3} s, which takes {home_s:.3} s", plan.end_s - time_s));
+        found.push(format!("returns after {:.3} s, but the way back takes {home_s:.3} s", plan.end_s - time_s));
     }
 }
 
@@ -62,10 +62,10 @@ pub(super) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>
 fn leg(visit: &PlannedVisit, free_s: f64, needed_s: f64, found: &mut Vec<String>) {
     let name = &visit.target;
     if visit.depart_s < free_s - TOLERANCE_S {
-        found.push(format!("leaves for {name} before the visit before has ended"));
+        found.push(format!("leaves for {name} before the previous visit has ended"));
     }
     let given_s = visit.arrive_s - visit.depart_s;
     if given_s.is_nan() || given_s < needed_s - TOLERANCE_S {
-        found.push(format!("allows {given_s:.3} s for the way to {name}, which takes {needed_s:.3} s"));
+        found.push(format!("allows {given_s:.3} s for the way to {name}, but it takes {needed_s:.3} s"));
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         let leg = CheckedLeg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m, is_backwards: false };
         if problem.travel.is_none() {
             if visit.depart_s < time_s - 1e-6 {
-                found.push(format!("leaves for {} before the visit before has ended", visit.target));
+                found.push(format!("leaves for {} before the previous visit has ended", visit.target));
             }
             ends_meet(&visit.route, here, entry, &visit.target, &mut found);
             let flown = turns::flown(problem, &visit.route, &visit.path);
@@ -153,7 +153,7 @@ fn fly(
     let needed_s = (time_s - depart_s).max(change_s);
     let given_s = arrive_s - depart_s;
     if given_s.is_nan() || given_s < needed_s * (1.0 - TIME_TOLERANCE) - TIME_TOLERANCE_S {
-        found.push(format!("allows {given_s:.0} s for the way to {}, which takes {needed_s:.0} s", leg.to));
+        found.push(format!("allows {given_s:.0} s for the way to {}, but it takes {needed_s:.0} s", leg.to));
     }
 }
 
@@ -327,7 +327,7 @@ fn limits(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<
         found.push(format!("burns {burnt_kg:.0} kg and eats into the fuel reserve"));
     }
     if (burnt_kg - plan.fuel_used_kg).abs() > 1e-3 {
-        found.push(format!("claims to burn {:.1} kg and burns {burnt_kg:.1} kg", plan.fuel_used_kg));
+        found.push(format!("claims to burn {:.1} kg, but burns {burnt_kg:.1} kg", plan.fuel_used_kg));
     }
     if problem.end_s.is_some_and(|end_s| plan.end_s > end_s + 1e-6) {
         found.push("ends after the mission must end".to_string());
@@ -344,13 +344,14 @@ fn sums(problem: &SingleVisitProblem, plan: &SingleVisitPlan, benefits: f64, fou
         [(plan.benefits, benefits, "benefits"), (plan.costs, costs, "costs"), (plan.score, benefits - costs, "score")];
     for (claimed, own, name) in claims {
         if (claimed - own).abs() > WORTH_TOLERANCE * own.abs().max(1.0) {
-            found.push(format!("claims {name} of {claimed:.4}, which are {own:.4}"));
+            found.push(format!("claims {name} of {claimed:.4}, but the true value is {own:.4}"));
         }
     }
     for target in &problem.targets {
         let visited = plan.visits.iter().any(|visit| visit.target == target.name);
         if visited == plan.left_out.iter().any(|left_out| left_out.target == target.name) {
-            let what = if visited { "is visited and called left out" } else { "is not visited and no reason is given" };
+            let what =
+                if visited { "is visited, but listed as left out" } else { "is not visited and no reason is given" };
             found.push(format!("{} {what}", target.name));
         }
     }

@@ -51,11 +51,11 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
     let costs = problem.targets.iter().zip(&seen).map(|(target, ends)| cost(target, ends, problem.horizon_s));
     match costs.sum::<Result<f64, String>>() {
         Ok(cost) if (cost - plan.expected_cost).abs() > COST_TOLERANCE * cost.abs().max(1.0) => {
-            found.push(format!("claims an expected cost of {} and costs {cost}", plan.expected_cost));
+            found.push(format!("claims an expected cost of {}, but costs {cost}", plan.expected_cost));
         }
         Ok(cost) => {
             let claimed = plan.expected_cost_bound.filter(|bound| *bound > cost + COST_TOLERANCE * cost.abs().max(1.0));
-            found.extend(claimed.map(|bound| format!("claims that no plan costs less than {bound} and costs {cost}")));
+            found.extend(claimed.map(|bound| format!("claims that no plan costs less than {bound}, but costs {cost}")));
         }
         Err(trouble) => found.push(format!("has no expected cost: {trouble}")),
     }
@@ -117,7 +117,7 @@ fn bookkeeping(problem: &SurveillanceProblem, plan: &SurveillancePlan, seen: &[V
         let left_out = plan.left_out.iter().any(|left_out| left_out.target == target.name);
         if left_out != ends.is_empty() {
             let what =
-                if left_out { "is visited and called left out" } else { "is not visited and no reason is given" };
+                if left_out { "is visited, but listed as left out" } else { "is not visited and no reason is given" };
             found.push(format!("{} {what}", target.name));
         }
     }

@@ -360,7 +360,7 @@ impl<'a> Scenario<'a> {
         let travel = &self.problem.travel;
         let there_s = travel.start_to(index);
         if there_s >= UNREACHABLE_S {
-            return "cannot be reached from the start, nor in time by way of others".to_string();
+            return "cannot be reached from the start, nor in time via other targets".to_string();
         }
         let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
         let home_s = if self.problem.return_to_base { travel.to_base_at(index, there_s + dwell_s) } else { 0.0 };
@@ -408,7 +408,7 @@ mod tests {
         problem.travel.between_s.iter_mut().for_each(|row| (row[0], row[1]) = (UNREACHABLE_S, 5000.0));
         let scenario = Scenario::new(&problem).unwrap();
         let plan = scenario.cycle_plan("test", &[2]);
-        assert_eq!(plan.left_out[0].reason, "cannot be reached from the start, nor in time by way of others");
+        assert_eq!(plan.left_out[0].reason, "cannot be reached from the start, nor in time via other targets");
         assert_eq!(plan.left_out[1].reason, "needs 1410 s more than the horizon allows");
         problem.travel.from_start_s[2] = 9000.0;
         let message = Scenario::new(&problem).unwrap().plan("test", []).summary;

@@ -22,7 +22,7 @@ pub fn is_one(text: &str) -> bool {
     tsplib::is_one(text) || solomon::is_one(text) || toptw::is_one(text)
 }
 
-/// Reads `text`; `name` serves where the text tells none.
+/// Reads `text`; `name` is used if the text contains no name.
 ///
 /// # Errors
 /// The place, the error there, and the remedy.

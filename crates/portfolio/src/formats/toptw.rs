@@ -44,7 +44,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     let wanted = count.count("N, the number of vertices other than the depot", usize::MAX >> 12)?;
     pose::check_count(wanted, count)?;
     if lines.next().is_none() {
-        return Err(ends_early(text, "the second line is missing", "it is `D Q` (two numbers of no meaning here)"));
+        return Err(ends_early(text, "the second line is missing", "it is `D Q` (two numbers, which are ignored)"));
     }
     let mut vertices = Vec::with_capacity(wanted + 1);
     let (mut of_places, mut of_times) = (0, 0);

@@ -91,7 +91,7 @@ pub fn word(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Reads what [`written`] writes.
+/// Reads the text written by [`written`].
 ///
 /// # Errors
 /// The line, and the error in it.

@@ -140,7 +140,7 @@ impl Agreement {
 /// Returns a profile without the figure's planners.
 pub(super) fn not_answered() -> ProfileError {
     ProfileError::new(
-        "this profile does not answer the question of Figure 4",
+        "this profile cannot be compared with Figure 4",
         "add them with `apex profile update --planners two-opt,wam`",
     )
     .because("two-opt or wam was not measured")

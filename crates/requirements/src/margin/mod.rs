@@ -1,4 +1,4 @@
-//! Margin functions: positive while the requirement is kept, in the unit that the name says.
+//! Margin functions: positive while the requirement is kept, in the unit stated in the name.
 
 pub mod energy;
 pub mod landing;

@@ -17,7 +17,7 @@ use apex_model::time::Time;
 pub(super) fn answer(snapshot: RecordSnapshot<'_>, asked: &str) -> Result<WhyNot, RecordError> {
     let name = find::without_agent(asked, &snapshot.name)?.to_owned();
     if name.trim().is_empty() {
-        return Err(RecordError::Question("The question names nothing.".into()));
+        return Err(RecordError::Question("The question is empty.".into()));
     }
     if let Some(id) = snapshot.decisions().target_called(name.trim())? {
         return of_target(snapshot, asked, &id);

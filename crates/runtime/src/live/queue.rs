@@ -26,7 +26,7 @@ pub enum LiveInput {
 /// Inputs that wait.
 #[derive(Debug, Default)]
 pub(super) struct SourceQueue {
-    /// Oldest first; none in the place of a value that was lost.
+    /// Oldest first; `None` in the place of a lost value.
     slots: VecDeque<Option<LiveInput>>,
     /// The number of the first slot; slots are counted from 0 and never renumbered.
     first: u64,

@@ -237,7 +237,7 @@ impl RecordReader {
         }
         if let Some(earlier) = &self.missing {
             warnings.push(format!(
-                "The flight record {name} continues {}, which is not there; put it back, or into the same folder.",
+                "The flight record {name} continues {}, which is not there; put it back, or into the folder of this record.",
                 earlier.display()
             ));
         }
@@ -248,7 +248,7 @@ impl RecordReader {
         if version != ours {
             let version = version.escape_debug();
             warnings.push(format!(
-                "The flight record {name} was written by Apex {version}, this is Apex {ours}: it may read some of it otherwise."
+                "The flight record {name} was written by Apex {version}, this is Apex {ours}, which may read parts of it differently."
             ));
         }
         Ok((!warnings.is_empty()).then(|| warnings.join("\nwarning: ")))

@@ -116,7 +116,7 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
         true if id == Some(APPLICATION_ID) => FileState::Record,
         true => FileState::Other("it is a database of something else".into()),
         false if header.is_empty() => FileState::Record,
-        false => FileState::Other("it does not begin like one".into()),
+        false => FileState::Other("its first bytes are not those of a record".into()),
     })
 }
 

@@ -28,7 +28,7 @@ struct SegmentFile {
     seal: FileSeal,
     /// Keeps the copy that is read in its place.
     _copy: Option<Arc<Copied>>,
-    /// The end of the part that the next segment continues; none in the last file.
+    /// The end of the part that the next segment continues; `None` in the last file.
     until: Option<ChainPosition>,
     continues: Option<Continuation>,
 }

@@ -159,7 +159,7 @@ fn other_files_are_left_alone() {
     let (folder, path) = place_for_record();
     std::fs::write(&path, "my diary").unwrap();
     let (write, read) = refusal_of(&path);
-    assert!(write.contains("is not a flight record") && read.contains("does not begin like one"), "{write} {read}");
+    assert!(write.contains("is not a flight record") && read.contains("are not those of a record"), "{write} {read}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "my diary");
     let other = folder.path().join("other.db");
     Connection::open(&other).unwrap().execute_batch("CREATE TABLE t (x)").unwrap();

@@ -37,13 +37,13 @@ pub const SIGNED_BY: &str = "signed_by";
 pub struct RecordOptions {
     /// The vehicle whose measurements make the track, for example `aircraft-1`; `None` for no track.
     pub vehicle: Option<String>,
-    /// Largest size of each file in the record's folder, in bytes; none is as much as the disk holds.
+    /// Largest size of each file in the record's folder, in bytes; `None` is without limit.
     pub bytes_max: Option<u64>,
     /// Folder on another disk in which the record continues when its own disk accepts no more writes.
     pub spare_folder: Option<PathBuf>,
     /// Durability of a committed group.
     pub durability: Durability,
-    /// Bytes of the newest steps that are kept in memory while the disk takes none; none is [`RECORDING_KEPT_BYTES_MAX`].
+    /// Bytes of the newest steps kept in memory while the disk accepts none; `None` is [`RECORDING_KEPT_BYTES_MAX`].
     pub kept_bytes_max: Option<usize>,
 }
 
@@ -82,7 +82,7 @@ struct Snapshots {
     input_bytes_since: usize,
     last_bytes: usize,
     impossible: bool,
-    /// True if a snapshot is taken after this step, whatever its cost.
+    /// True if a snapshot is taken after this step, regardless of its cost.
     is_wanted: bool,
 }
 

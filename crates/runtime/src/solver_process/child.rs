@@ -56,7 +56,7 @@ pub(super) struct Running {
     to_say: Sender<String>,
     last_words: Arc<Mutex<LastWords>>,
     memory_peak: u64,
-    /// The thread that reads its last words.
+    /// The thread that reads its last output.
     errors: Option<JoinHandle<()>>,
 }
 
@@ -124,7 +124,7 @@ impl Running {
         let _ = self.to_say.send(line);
     }
 
-    /// Tells it to end soon.
+    /// Requests the program to end soon.
     pub(super) fn ask_to_stop(&self) {
         self.say(STOP_LINE.to_string());
     }
@@ -151,7 +151,7 @@ impl Running {
             .then(|| format!("took more than {} MiB of memory", self.limits.memory_bytes >> 20))
     }
 
-    /// Describes its end without an answer, with its last words.
+    /// Describes its end without an answer, with its last output.
     pub(super) fn end(&mut self) -> String {
         let since = Instant::now();
         let status = loop {
@@ -180,7 +180,7 @@ impl Running {
         let from = last.len().saturating_sub(3);
         match last.get(from..).unwrap_or_default() {
             [] => how,
-            last => format!("{how}; its last words: `{}`", excerpt_of(&last.join(" / "))),
+            last => format!("{how}; its last output: `{}`", excerpt_of(&last.join(" / "))),
         }
     }
 
@@ -271,9 +271,9 @@ fn read_lines(output: impl Read, lines: &SyncSender<Result<Vec<u8>, String>>) {
         let said = match read as u64 {
             0 => return,
             read if read <= most => Ok(line),
-            _ if most < SOLVER_LINE_BYTES_MAX => Err(format!("said more than {} MiB", SOLVER_OUTPUT_BYTES_MAX >> 20)),
+            _ if most < SOLVER_LINE_BYTES_MAX => Err(format!("sent more than {} MiB", SOLVER_OUTPUT_BYTES_MAX >> 20)),
             _ => Err(format!(
-                "said a line of more than {} MiB: `{}`",
+                "sent a line of more than {} MiB: `{}`",
                 SOLVER_LINE_BYTES_MAX >> 20,
                 excerpt(&String::from_utf8_lossy(line.get(..200).unwrap_or_default()))
             )),

@@ -59,7 +59,8 @@ impl ProgramLine {
     /// The error in the line, with its beginning.
     pub(super) fn read(line: &[u8], name: &str, problem: &Problem) -> Result<ProgramLine, String> {
         let text = String::from_utf8_lossy(line);
-        let wrong = |why: String| format!("said a line that is not of the protocol ({why}): `{}`", excerpt(&text));
+        let wrong =
+            |why: String| format!("sent a line that does not follow the protocol ({why}): `{}`", excerpt(&text));
         let json = crate::unique_json::parse(&text).map_err(|error| wrong(error.to_string()))?;
         let Json::Object(members) = json else { return Err(wrong("expected a JSON object".into())) };
         let mut members = members.into_iter();
@@ -132,7 +133,7 @@ mod tests {
             ("\u{1b}[2J", "\\u{1b}[2J"),
         ] {
             let fault = read(line).unwrap_err();
-            assert!(fault.contains("not of the protocol") && fault.contains(why), "{line}: {fault}");
+            assert!(fault.contains("does not follow the protocol") && fault.contains(why), "{line}: {fault}");
         }
         assert!(read(&"x".repeat(10_000)).unwrap_err().len() < 300);
     }

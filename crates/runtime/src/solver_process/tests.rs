@@ -68,11 +68,11 @@ fn the_request_holds_everything() {
 fn every_way_to_break_down_is_an_outcome_with_a_cause() {
     for (script, cause) in [
         ("exit 0", "ended with exit code 0 and without an answer"),
-        ("echo 'I am lost' >&2; exit 3", "ended with exit code 3 and without an answer; its last words: `I am lost`"),
+        ("echo 'I am lost' >&2; exit 3", "ended with exit code 3 and without an answer; its last output: `I am lost`"),
         ("kill -SEGV $$", "signal 11 (SIGSEGV"),
         ("kill -ABRT $$", "signal 6 (SIGABRT"),
         ("kill -KILL $$", "signal 9 (SIGKILL)"),
-        ("echo hello", "not of the protocol (expected value at line 1 column 1): `hello`"),
+        ("echo hello", "does not follow the protocol (expected value at line 1 column 1): `hello`"),
         ("echo '{\"charge\": 1}'; echo '{\"plan\": 5}'", "no plan"),
         ("head -c 40000000 /dev/zero | tr '\\0' x >&2; sleep 60", "more than 16 MiB to standard error"),
         ("head -c 40000000 /dev/zero | tr '\\0' x; sleep 60", "a line of more than 16 MiB: `xxxx"),

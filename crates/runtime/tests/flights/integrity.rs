@@ -95,7 +95,7 @@ fn try_answers(path: &Path) -> Result<(bool, Vec<String>), String> {
     let mut answers = Vec::new();
     let trace = trace_record(&reader, Vec::new(), TraceFormat::JsonLines, TraceFilter::default()).map_err(told)?;
     answers.push(String::from_utf8_lossy(&trace).into_owned());
-    // What `apex export` reads.
+    // The steps as read by `apex export`.
     for step in reader.steps().map_err(told)?.without_effects() {
         answers.push(format!("{:?}", step.map_err(told)?.batch));
     }

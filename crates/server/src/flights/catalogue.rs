@@ -61,7 +61,7 @@ impl From<MissionError> for ApiError {
         ApiError {
             status,
             error: error.reason.map_or(headline.clone(), |reason| format!("{headline}: {reason}")),
-            help: error.help.unwrap_or_else(|| "`/api/missions` says which missions load".into()),
+            help: error.help.unwrap_or_else(|| "`/api/missions` shows which missions load".into()),
         }
     }
 }

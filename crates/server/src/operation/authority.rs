@@ -9,7 +9,7 @@ use serde::Serialize;
 pub(crate) struct AuthorityState {
     /// The number of the epoch, which commands may state.
     epoch: u64,
-    /// The holder; none while authority is free.
+    /// The holder; `None` while authority is free.
     holder: Option<ActorState>,
     /// The holder was silent until another operator may take authority.
     silent: bool,

@@ -80,7 +80,7 @@ pub(crate) struct CommandState {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Operation {
     now_ns: i64,
-    /// Mission seconds per second of wall time; none is as fast as possible.
+    /// Mission seconds per second of wall time; `None` is as fast as possible.
     pace: Option<f64>,
     paused: bool,
     #[serde(flatten)]
@@ -184,7 +184,7 @@ impl FlightDoor {
         let mut sent = self.sent();
         sent.forget_old();
         if sent.entries.iter().filter(|entry| entry.ticket.end().is_none()).count() >= OPEN_MAX {
-            refusal.get_or_insert_with(|| format!("{OPEN_MAX} commands are on their way already"));
+            refusal.get_or_insert_with(|| format!("{OPEN_MAX} commands are in progress already"));
         }
         sent.last_number += 1;
         let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::default());
@@ -275,7 +275,7 @@ impl SourceEntry {
             Some(CommandEnd::Accepted { at: Time(at) }) => ("accepted", Some(at), None),
             Some(CommandEnd::Rejected { reason }) => ("rejected", None, Some(reason)),
             Some(CommandEnd::Expired) => {
-                let reason = format!("the run did not take it within {} s", EXPIRES_AFTER.as_secs());
+                let reason = format!("the run did not accept it within {} s", EXPIRES_AFTER.as_secs());
                 ("expired", None, Some(reason))
             }
         };

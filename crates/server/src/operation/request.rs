@@ -26,7 +26,7 @@ pub(crate) enum Wish {
     Pause,
     /// Mission time continues at the last pace.
     Resume,
-    /// Mission seconds per second of wall time; none is as fast as possible.
+    /// Mission seconds per second of wall time; `None` is as fast as possible.
     Pace {
         /// The pace.
         pace: Option<f64>,
@@ -153,7 +153,7 @@ impl Wish {
             Wish::Message { agent, form } => message_order(agent.as_deref(), form, read),
             Wish::AddTarget { target } => match known(target) {
                 None => Err(format!("the mission has no target `{target}`")),
-                Some(true) => Err(format!("{target} is to be observed already")),
+                Some(true) => Err(format!("{target} is already to be observed")),
                 Some(false) => Ok(news("new-target", target, None)),
             },
             Wish::RemoveTarget { target } => {

@@ -47,7 +47,7 @@ pub(crate) struct OpenQuestion {
     pub(crate) agent: String,
     pub(crate) question: u64,
     text: String,
-    /// The choices as printed; none if any answer is taken.
+    /// The choices as printed; empty if any answer is accepted.
     options: Vec<String>,
     /// Answer taken at the deadline; `None` fails the task.
     default: Option<String>,

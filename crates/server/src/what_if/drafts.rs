@@ -40,7 +40,7 @@ pub(crate) struct Worth {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct DraftViolation {
     reason: String,
-    /// The place among the visits, from 0; none if the draft as a whole is wrong.
+    /// The place among the visits, from 0; `None` if the whole draft is wrong.
     visit: Option<usize>,
 }
 

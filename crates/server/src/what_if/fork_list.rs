@@ -58,7 +58,7 @@ impl Forks {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks all forks to end.
+    /// Requests all forks to end.
     pub(crate) fn close(&self) {
         self.list().iter().for_each(|flight| flight.stop());
     }

@@ -42,7 +42,7 @@ impl fmt::Display for Contradiction {
         let Contradiction { value, bound, .. } = self;
         write!(
             formatter,
-            "internal error: a plan of value {value} betters its bound {bound}, so one of the two is wrong"
+            "internal error: a plan of value {value} is better than its bound {bound}, so one of the two is wrong"
         )
     }
 }

@@ -127,7 +127,7 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// Returns the instants after the plan's beginning at which the wind changes and zones open or shut, in order.
+    /// Returns the instants after the plan's beginning at which the wind changes and zones open or close, in order.
     pub(crate) fn changes_s(&self) -> Vec<f64> {
         let ends = self.problem.zones.iter().flat_map(|zone| [zone.active.from_s, zone.active.until_s]);
         let mut changes_s: Vec<f64> = ends.chain(self.air.changes_s().iter().copied()).collect();

@@ -4,7 +4,7 @@ export interface TraceFilter {
   /** Kinds by comma; empty takes all. */
   kinds: string;
   find: string;
-  /** Number of a task; none takes all. */
+  /** Number of a task; null for all tasks. */
   task: number | null;
   /** Only lines of the timeline's window. */
   window: boolean;

@@ -94,7 +94,7 @@ export function placedTargets(targets: readonly Target[]): TargetView[] {
 
 export interface ZoneView {
   lines: Position[][];
-  /** Where its label stands. */
+  /** Place of its label. */
   centre: Position;
   label: string;
   permitted: boolean;

@@ -33,7 +33,7 @@ export type WantedWindow = { target: string, look: string, from_ns: number, to_n
  */
 export type Operation = { now_ns: number, 
 /**
- * Mission seconds per second of wall time; none is as fast as possible.
+ * Mission seconds per second of wall time; `None` is as fast as possible.
  */
 pace: number | null, paused: boolean, targets: Array<TargetNews>, commands: Array<CommandState>, authority: AuthorityState, 
 /**
@@ -50,7 +50,7 @@ planning: Planning | null, };
  */
 export type OpenQuestion = { agent: string, question: number, text: string, 
 /**
- * The choices as printed; none if any answer is taken.
+ * The choices as printed; empty if any answer is accepted.
  */
 options: Array<string>, 
 /**
@@ -102,7 +102,7 @@ export type AuthorityState = {
  */
 epoch: number, 
 /**
- * The holder; none while authority is free.
+ * The holder; `None` while authority is free.
  */
 holder: ActorState | null, 
 /**
@@ -337,6 +337,6 @@ export type Worth = { what: string, value: number, };
  */
 export type DraftViolation = { reason: string, 
 /**
- * The place among the visits, from 0; none if the draft as a whole is wrong.
+ * The place among the visits, from 0; `None` if the whole draft is wrong.
  */
 visit: number | null, };

@@ -79,7 +79,7 @@ pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if text.parse::<Profile>().is_ok() || text.trim().is_empty() {
         return Ok(Some(text));
     }
-    Err(CliError::user(format!("{} is not a profile, and is not written over", path.display()))
+    Err(CliError::user(format!("{} exists and is not a profile, so it is not overwritten", path.display()))
         .help("name another file, or remove this one"))
 }
 
@@ -89,7 +89,7 @@ pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> CliResult 
         return Ok(apex_mission::replacing::replace(path, before, text)?);
     }
     std::fs::write(path, text).map_err(|error| {
-        CliError::failure(format!("cannot write {}", path.display())).because(error).help("name another place for it")
+        CliError::failure(format!("cannot write {}", path.display())).because(error).help("choose another path for it")
     })
 }
 
@@ -98,8 +98,11 @@ pub(super) fn write_table(path: Option<&Path>, profile: &Profile) -> CliResult {
     let Some(path) = path else { return Ok(()) };
     let before = if path.exists() { Some(crate::error::read_text(path)?) } else { None };
     if before.as_deref().is_some_and(|text| conclusion::read(text).is_err()) {
-        return Err(CliError::user(format!("{} is not a profile table, and is not written over", path.display()))
-            .help("name another file, or remove this one"));
+        return Err(CliError::user(format!(
+            "{} exists and is not a profile table, so it is not overwritten",
+            path.display()
+        ))
+        .help("name another file, or remove this one"));
     }
     write(path, before.as_deref(), &conclusion::written(profile))
 }

@@ -20,7 +20,7 @@ pub(super) fn run(options: &ProfileShowOptions) -> CliResult {
         return std::fs::write(path, picture::svg(&maps)).map_err(|error| {
             CliError::failure(format!("cannot write {}", path.display()))
                 .because(error)
-                .help("name another place for it")
+                .help("choose another path for it")
         });
     }
     if options.json {

@@ -45,7 +45,7 @@ impl Arbitration {
 pub(crate) struct Defeat {
     /// The loser.
     pub(crate) loser: TaskId,
-    /// Over what.
+    /// The resource that the conflict is about.
     pub(crate) resource: ResourceId,
     /// The winner.
     pub(crate) winner: TaskId,

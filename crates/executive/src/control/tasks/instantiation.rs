@@ -25,7 +25,7 @@ use smallvec::SmallVec;
 
 /// Input for a new task.
 pub(crate) struct Seed {
-    /// Its parent; none for the root.
+    /// The parent task; `None` for the root.
     pub(crate) parent: Option<TaskId>,
     /// Its template.
     pub(crate) origin: Origin,

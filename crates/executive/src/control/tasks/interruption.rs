@@ -56,7 +56,7 @@ pub(crate) fn run_hooks(
     run_step_hook(cycle, id, clause, which);
 }
 
-/// Runs a hook of the task's procedure or primitive; none while its failure handler is at work.
+/// Runs a hook of the task's procedure or primitive, unless its failure handler is at work.
 pub(crate) fn run_inner_hook(
     cycle: &mut Cycle<'_>,
     id: TaskId,

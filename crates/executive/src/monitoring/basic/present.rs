@@ -144,7 +144,7 @@ fn of_task(
     Ok(Present { truth: Some(holds), evidence: EvidenceList::one(evidence) })
 }
 
-/// Adds what the condition reads.
+/// Adds the variables and tasks that the condition reads.
 pub(crate) fn add_reads(condition: &Condition, reads: &mut Reads) {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => {

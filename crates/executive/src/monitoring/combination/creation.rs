@@ -37,13 +37,13 @@ struct Role {
     window: Window,
     keep: Keep,
     any_pair: bool,
-    /// Ends and states of tasks count that hold already.
+    /// True if ends and states of tasks count even if they were reached before the window.
     standing: bool,
     /// Whole runs are required: a run that later samples may invalidate is judged when it is over.
     whole_runs: bool,
 }
 
-/// Returns the tree for `condition`, before it has looked back. With `standing`, ends and states of tasks that hold already count.
+/// Returns the tree for `condition`, before it has looked back. With `standing`, ends and states that tasks have already reached count.
 ///
 /// # Errors
 /// When an expression that must be known now cannot be evaluated, or the construct is not supported.

@@ -21,7 +21,7 @@ use crate::monitoring::wake::WakeReason;
 use crate::state::monitors::monitor::{Part, PartKind};
 use apex_model::time::Time;
 
-/// Tells the part what happened.
+/// Passes a stimulus to the part.
 pub(crate) fn notice_part(
     part: &mut Part,
     stimulus: &Stimulus,
@@ -71,7 +71,7 @@ fn notice_kind(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, 
     }
 }
 
-/// Tells a part that watches a state variable of a sample.
+/// Passes a sample to a part that watches a state variable.
 fn notice_sample(
     part: &mut Part,
     sample: SampleView<'_>,

@@ -10,7 +10,7 @@
 use apex_model::condition::AllenRelation;
 use apex_model::time::{Duration, Time};
 
-/// An end point of an interval, or what is known about it.
+/// An end point of an interval, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EndPoint {
     /// It is this.
@@ -52,7 +52,7 @@ pub(crate) enum Decision {
     Fails,
     /// Decided by later inputs.
     Open,
-    /// The relation holds, whatever happens later.
+    /// The relation holds, regardless of later input.
     Holds,
 }
 

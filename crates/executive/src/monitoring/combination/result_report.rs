@@ -35,7 +35,7 @@ pub(crate) struct ResultReport {
 pub(crate) enum ResultReportKind {
     /// A new result; if it is open, its interval may still grow.
     Found { open: bool },
-    /// Its interval is final.
+    /// The interval of a reported result is final.
     Closed,
 }
 
@@ -92,7 +92,7 @@ struct ResultCollector<'a> {
     told: &'a mut ReportedResults,
     number: &'a mut usize,
     lateness: Duration,
-    /// Tags and constraints of the `:or`s around.
+    /// Tags and constraints of the enclosing `:or`s.
     above: Vec<(Option<Symbol>, Vec<apex_model::expression::Expr>)>,
     tellings: &'a mut Vec<ResultReport>,
 }
@@ -159,7 +159,7 @@ impl ResultCollector<'_> {
         self.use_up(part, &mut branch.used, query);
     }
 
-    /// Tells the intervals that are final now.
+    /// Reports the results whose intervals are final now.
     fn closed(&mut self, part: &Part, branch: &mut Branch, open_now: &[Key], query: &mut VerdictQuery<'_>) {
         if branch.open.iter().all(|key| open_now.contains(key)) {
             return;

@@ -70,13 +70,13 @@ pub(crate) fn record_sample(
     }
 }
 
-/// Keeps as much as is demanded.
+/// Sets the reach of each history to the greatest one demanded.
 pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
     for demand in demands {
         let lookback = match demand.reach {
             Reach::Span(span) => span,
             Reach::Unbounded => Duration::MAX,
-            // A log is opened by its procedure, for as long as that is at work.
+            // The procedure opens a log when it begins to work, and closes it when it ends.
             Reach::Log { .. } => continue,
         };
         match &demand.subject {

@@ -198,7 +198,7 @@ impl Moments {
         self.time_spread
     }
 
-    /// Samples per second over the span; none with fewer than two distinct instants.
+    /// Returns the samples per second over the span; `None` with fewer than two distinct instants.
     pub fn frequency_hz(&self) -> Option<f64> {
         let span = self.last_at - self.first_at;
         (span > Duration::ZERO).then(|| (self.count - 1) as f64 / span.seconds())

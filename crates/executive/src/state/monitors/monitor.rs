@@ -65,7 +65,7 @@ pub enum Verdict {
     Satisfied(Satisfaction),
     /// Not true up to now.
     NotSatisfied,
-    /// The data do not say.
+    /// The data do not decide the condition.
     Unknown,
 }
 

@@ -297,7 +297,7 @@ impl Fit {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }
 
-    /// Returns the last sample; none while there is none.
+    /// Returns the last sample; `None` before the first one.
     pub fn last(&self) -> Option<(Time, f64)> {
         self.newest.or_else(|| self.moments.span().map(|(_, last_at)| (last_at, self.before)))
     }

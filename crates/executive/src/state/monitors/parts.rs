@@ -95,7 +95,7 @@ pub struct AbsentPart {
 pub struct FunctionPart {
     /// The expression.
     pub expression: Expr,
-    /// Its value, as last evaluated, as text; none before, and after an error.
+    /// Its value as text, as last evaluated; `None` before, and after an error.
     pub value: Option<String>,
     /// The present instant as result, if the function is true now.
     pub holds: Option<Satisfaction>,

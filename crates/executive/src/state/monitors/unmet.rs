@@ -5,7 +5,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// Part of a condition that does not hold: what `apex why` prints.
+/// Part of a condition that does not hold, as printed by `apex why`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unmet {
     /// The part as PDL text.

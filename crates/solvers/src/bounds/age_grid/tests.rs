@@ -147,7 +147,7 @@ fn cycles_are_bounded_with_what_there_is() {
     assert!(complete && all.cost_per_s_bound > 0.0);
     for share in [100, 5, 2] {
         let (found, used, complete) = within(needed / share);
-        // Following the values is not interrupted.
+        // The pass that follows the computed values to a cycle is never interrupted, hence the allowance.
         assert!(!complete && used <= needed / share * 5 / 4 + 11_000, "{used} of {needed} / {share}");
         let Some(found) = found else { continue };
         assert!(found.cost_per_s_bound <= all.cost_per_s * (1.0 + 1e-9), "{found:?} {all:?}");

@@ -119,7 +119,7 @@ proptest! {
         for sizes in [SMALL, MemorySizes::SHIPPED] {
             let mut proof = ProofSearch::new(&network, sum, sizes).unwrap();
             let (mut reached, mut bound) = (incumbent, f64::INFINITY);
-            // Fast passes may leave a gap, which fine passes close.
+            // A search with coarse settings may leave a gap, which a search with fine settings must close.
             for is_fine in [false, true] {
                 if is_fine {
                     proof.restart_fine(None);
@@ -230,7 +230,7 @@ proptest! {
             let found = search.run(u64::MAX, &mut WorkBudget::new(u64::MAX)).unwrap();
             prop_assert!(found.value >= best - 1e-9, "run {run}: {} of {best}", found.value);
             prop_assert!(flies(network, &found.walk));
-            // A run with full values and full memory is exact.
+            // A search with unreduced values that remembers all visited targets is exact.
             if let Some(rest) = &rest {
                 let (all, values) = (vec![Targets::MAX; network.targets], reduced_profits(network, &[]));
                 let (reduced_profit, refund) = (values.as_slice(), MultiplierRefund::Unvisited(&multipliers));
@@ -299,7 +299,7 @@ fn between_multiples_there_is_no_route() {
     let tens = valued(&[10.0, 30.0, 50.0]);
     assert_eq!((tens.below(1_207.3), tens.below(1_210.0), tens.below(1_209.999_999_999)), (1_200.0, 1_210.0, 1_210.0));
     assert!(tens.above(1190.0) > 1199.9 && tens.above(1190.0) < 1200.0);
-    // The value of a plan may be one that no route has, because its values change with time.
+    // The value of a plan may differ from that of every route, because the values of targets change with time.
     assert!(tens.above(1194.5) > 1199.9 && tens.above(1194.5) < 1200.0);
     let tenths = valued(&[0.3, 0.6, 1.5]);
     assert!((tenths.below(0.1 + 0.2) - 0.3).abs() < 1e-6 && tenths.below(0.1 + 0.2) >= 0.1 + 0.2);

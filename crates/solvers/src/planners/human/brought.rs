@@ -17,7 +17,7 @@ use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
 
 /// Reason for left-out targets if the plan states none.
-const NOT_WANTED: &str = "the plan that was brought does not visit it";
+const NOT_WANTED: &str = "the given plan does not visit it";
 
 /// Returns the plan with its visits and times unchanged, by planner `human`, and with all derived figures computed.
 ///
@@ -78,17 +78,15 @@ fn is_flown_in_laps(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> R
 
 fn another_kind(problem: &Problem) -> String {
     match problem {
-        Problem::Surveillance(_) => {
-            "it is a plan of single visits, and the problem is to watch targets again and again"
-        }
-        Problem::SingleVisit(_) => "it is a plan of surveillance, and the problem is to visit targets once each",
+        Problem::Surveillance(_) => "it is a plan of single visits, but the problem is one of surveillance",
+        Problem::SingleVisit(_) => "it is a plan of surveillance, but the problem is one of single visits",
     }
     .to_string()
 }
 
 fn unknown<'a>(number: usize, name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<&str> = known.collect();
-    format!("visit {number} is of `{name}`, and there is no such target; there are {}", known.join(", "))
+    format!("visit {number} names `{name}`, which is not a target; the targets are {}", known.join(", "))
 }
 
 /// Checks that the visits name known targets.
@@ -106,7 +104,7 @@ fn target_of(problem: &SingleVisitProblem, number: usize, name: &str, manoeuvre:
     let ways = problem.targets.get(found).map_or(0, |target| target.manoeuvres.len());
     if manoeuvre >= ways {
         return Err(format!(
-            "visit {number}, of {name}, has manoeuvre {manoeuvre}, and its target has {ways}, from 0 on"
+            "visit {number}, of {name}, has manoeuvre {manoeuvre}, but its target has {ways}, numbered from 0"
         ));
     }
     Ok(found)

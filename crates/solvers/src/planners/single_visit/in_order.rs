@@ -36,7 +36,7 @@ pub fn in_order(
         let alone = troubles.alone(*target).filter(|_| !troubles.is_possible(*target));
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }
-    let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, targets, environment.budget);
+    let best = improved(&mut schedule, best.ok_or("no visits are given")?, targets, environment.budget);
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
 }
 

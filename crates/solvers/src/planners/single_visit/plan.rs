@@ -79,7 +79,7 @@ fn assembled(
         let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
         target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
     });
-    // An empty sum is minus nothing.
+    // Adding zero turns the -0.0 of an empty sum into 0.0.
     let bound = bound.sum::<f64>() + 0.0;
     let plan = SingleVisitPlan {
         solver: solver.to_string(),

@@ -296,8 +296,8 @@ fn the_checker_refuses_a_leg_that_is_too_quick_and_a_return_too_late() {
         apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)).join("; ")
     };
     assert!(told(&|plan| plan.visits[1].depart_s += 1.0).contains("s for the way to"));
-    assert!(told(&|plan| plan.visits[1].depart_s -= 1.0).contains("before the visit before has ended"));
-    assert!(told(&|plan| plan.end_s -= 1.0).contains("is back after"));
+    assert!(told(&|plan| plan.visits[1].depart_s -= 1.0).contains("before the previous visit has ended"));
+    assert!(told(&|plan| plan.end_s -= 1.0).contains("returns after"));
     assert!(told(&|plan| plan.visits[0].begin_s += 1e4).contains("outside its time windows"));
 }
 
