@@ -49,6 +49,7 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("way-to-landing", 4, 4, |_| Ok(Value::nil())),
     ("way-to-segment", 6, 6, |a| Ok(Value::list(a.iter().skip(3).take(2).cloned()))),
     ("landing-place-near", 2, 2, |_| Ok(Value::nil())),
+    ("landing-place-in-glide", 3, 3, |_| Ok(Value::nil())),
     ("forecast-error", 4, 4, |_| Ok(Value::nil())),
     ("manoeuvre-path", 5, 5, |_| Err("manoeuvres need a mission: its targets, vehicle and sensors".to_string())),
     ("flight-time-limit", 3, 5, flight_time_limit),

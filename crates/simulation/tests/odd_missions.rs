@@ -6,6 +6,8 @@
 
 #[path = "odd/closed_base.rs"]
 mod closed_base;
+#[path = "odd/engine_out.rs"]
+mod engine_out;
 #[path = "odd/harness.rs"]
 mod harness;
 #[path = "odd/images.rs"]

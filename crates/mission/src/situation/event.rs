@@ -1,5 +1,6 @@
 //! Messages that change the situation of a mission. Only this file knows their PDL forms.
 
+use super::contingency;
 use super::updates::MissionUpdate;
 use apex_model::value::Value;
 
@@ -70,6 +71,8 @@ pub enum MissionEvent {
         /// Reason.
         why: String,
     },
+    /// A message of library `contingencies`, as a line of the report.
+    Contingency(String),
     /// New data of the mission.
     Update(MissionUpdate),
 }
@@ -107,7 +110,10 @@ impl MissionEvent {
                     |value: &Value| if let Value::Text(text) = value { text.to_string() } else { value.to_string() };
                 MissionEvent::RequirementBroken { name: words(items.first()?), why: words(items.get(1)?) }
             }
-            head => MissionEvent::Update(MissionUpdate::read(head, items)?),
+            head => match contingency::line(head, items) {
+                Some(line) => MissionEvent::Contingency(line),
+                None => MissionEvent::Update(MissionUpdate::read(head, items)?),
+            },
         })
     }
 }

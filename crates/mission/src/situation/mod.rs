@@ -3,6 +3,7 @@
 
 #[cfg(test)]
 mod believed_tests;
+mod contingency;
 mod event;
 mod scan_line;
 mod updates;
@@ -265,6 +266,7 @@ impl Situation {
             MissionEvent::RequirementBroken { name, why } => {
                 self.note(at, format!("a requirement has to be broken: {name}, because {why}"));
             }
+            MissionEvent::Contingency(line) => self.note(at, line),
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
             MissionEvent::Update(update) => self.take_update(at, update),
         }

@@ -16,14 +16,15 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names with the least and greatest number of arguments; the last argument, which is optional, is `(weak-link-areas AIRCRAFT)`.
-const FUNCTIONS: [(&str, usize, usize, Body); 7] = [
+/// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
+const FUNCTIONS: [(&str, usize, usize, Body); 8] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
     ("way-to-landing", 4, 4, to_landing),
     ("way-to-segment", 6, 6, to_segment),
     ("landing-place-near", 2, 2, landing_place_near),
+    ("landing-place-in-glide", 3, 3, landing_place_in_glide),
     ("forecast-error", 4, 4, forecast_error),
 ];
 
@@ -63,8 +64,36 @@ fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, Str
     Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
-/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: the length of the vector difference between a measured wind and the
-/// forecast for its place and time (since the start of the mission); nil without a location.
+/// Evaluates `(landing-place-in-glide LOCATION RATIO MARGIN)`: the name of the landing place over which a glide arrives highest, if that is
+/// at least MARGIN above it; else nil.
+fn landing_place_in_glide(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let [location, ratio, margin] = arguments else {
+        return Err("a location, a ratio and a margin are missing".to_string());
+    };
+    if !location.is_true() {
+        return Ok(Value::nil());
+    }
+    let here = Location::of(location)?;
+    let ratio = match ratio.as_number() {
+        Some((ratio, Dimension::NONE)) if ratio > 0.0 => ratio,
+        // What does not glide reaches nothing.
+        Some((_, Dimension::NONE)) => return Ok(Value::nil()),
+        _ => return Err(format!("the glide ratio must be a number; got {ratio}")),
+    };
+    let Some((margin_m, Dimension::LENGTH | Dimension::NONE)) = margin.as_number() else {
+        return Err(format!("the margin must be a length; got {margin}"));
+    };
+    let altitude_m = here.altitude_m.unwrap_or(0.0);
+    let places = limits.landing_places.iter().map(|place| {
+        let elevation_m = limits.place(&place.name).map_or(0.0, |(_, elevation_m)| elevation_m);
+        (altitude_m - elevation_m - geodesy::distance_m(here.position, place.position) / ratio, &place.name)
+    });
+    let highest = places.filter(|(over_m, _)| *over_m >= margin_m).max_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(highest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
+}
+
+/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its
+/// place and time (since the start of the mission); nil without a location.
 fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, time, speed, direction] = arguments else { return Err("a measured wind is missing".to_string()) };
     if !location.is_true() {

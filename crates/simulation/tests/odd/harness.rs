@@ -87,7 +87,7 @@ impl Flown {
         self.events().into_iter().filter_map(number).collect()
     }
 
-    /// Returns the messages that begin with `head`, as text.
+    /// Returns the messages from outside the agent that begin with `head`, as text: what it says itself is in the report.
     pub(crate) fn said(&self, head: &str) -> Vec<(f64, String)> {
         let message = |(at_s, kind): (f64, EventKind)| match kind {
             EventKind::Occurrence(form) => {

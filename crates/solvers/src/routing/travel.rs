@@ -9,7 +9,7 @@ pub(crate) use super::places::PointKey;
 use super::places::{given_s, given_s_min, place, track_rad};
 use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
-use apex_geo::geodesy::Position;
+use apex_geo::geodesy::{self, Position};
 use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
 use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, ZoneKind};
 use std::collections::BTreeMap;
@@ -207,7 +207,12 @@ impl<'a> Travel<'a> {
     /// Returns the layer, the times and the trip; climbs and descents take their time. The altitude changes at the beginning of the way.
     /// Where zones leave no such way, it changes at the end, as below a zone that is flown under.
     fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
-        let is_flying = matches!(from, PointKey::Exit(..));
+        let is_at_base = |base| geodesy::distance_m(self.problem.start, base) <= 1.0;
+        let is_flying = match from {
+            PointKey::Exit(..) => true,
+            PointKey::Start => !self.problem.base.is_some_and(is_at_base),
+            PointKey::Base | PointKey::Entry(..) => false,
+        };
         let (from, to) = (self.number(from), self.number(to));
         let (Some(start), Some(end)) = (self.spots.get(from).copied(), self.spots.get(to).copied()) else {
             return Err("no way was found".to_string());

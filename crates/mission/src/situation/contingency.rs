@@ -1,0 +1,49 @@
+//! Messages of library `contingencies` as lines of the report: what failed, and what the aircraft does.
+
+use apex_model::value::Value;
+
+/// Returns the line for a message; `None` for another message.
+pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
+    let item = |index: usize| items.get(index).filter(|value| value.is_true()).map(Value::to_string);
+    let subject = item(0)?;
+    Some(match head {
+        "engine-out" => match item(1) {
+            Some(place) => format!("the engine has stopped: gliding to {place}"),
+            None => "the engine has stopped: no landing place is in reach, landing here".to_string(),
+        },
+        "leak-found" => "energy is lost that the engine does not take".to_string(),
+        "landing-because" => match item(1) {
+            Some(place) => format!("landing early at {place}: {subject}"),
+            None => format!("landing early: {subject}"),
+        },
+        "navigation-lost" => "navigation is lost".to_string(),
+        "navigation-regained" => "navigation is good again".to_string(),
+        "icing-met" => "ice forms: another altitude".to_string(),
+        "icing-left" => "out of the ice".to_string(),
+        "rough-air" => "rough air: slower".to_string(),
+        "smooth-air" => "the air is smooth again".to_string(),
+        "storm-ahead" => "a storm is ahead: around it".to_string(),
+        "storm-passed" => "the storm is passed".to_string(),
+        "camera-hot" => format!("{subject} gets hot: switched off"),
+        "camera-cool" => format!("{subject} is cool again"),
+        "sun-near" => format!("the sun is near the sight line of {subject}: it rests"),
+        "sun-clear" => format!("{subject} is clear of the sun"),
+        "lease-expired" => format!("the lease of {subject} has expired: waiting"),
+        "lease-regained" => format!("the lease of {subject} is renewed"),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_glide_names_its_place_or_that_there_is_none() {
+        let said = |items: &[Value]| line("engine-out", items).unwrap();
+        let vehicle = Value::symbol("uav-1");
+        assert_eq!(said(&[vehicle.clone(), Value::symbol("home")]), "the engine has stopped: gliding to home");
+        assert!(said(&[vehicle.clone(), Value::nil()]).contains("no landing place is in reach"));
+        assert_eq!(line("ready", &[vehicle]), None);
+    }
+}
