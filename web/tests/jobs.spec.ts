@@ -51,6 +51,8 @@ test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
   await expect(page.getByTestId('score')).toHaveCount(0);
   await expect(page.getByTestId('status')).toHaveText('recorded');
   await expect(page.getByTestId('progress')).toHaveText('0 of 22 targets observed');
+  // Length of the mission as planned, not of the flight that is still to come.
+  await expect(page.getByTestId('length')).toHaveText('of 24:00:00');
   await expect(page.getByTestId('legend-known')).toHaveText('22');
   await expect(page.getByTestId('troubles')).toHaveText('▲ 0'); // english: allow
   await expect(page.getByTestId('agenda')).not.toContainText('domke-lake');

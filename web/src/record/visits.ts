@@ -12,7 +12,10 @@ export interface Visit {
   state: string;
 }
 
-/** Times and results of observations; skipped targets are a mark. */
+/** The reason of a target that needs no observation any longer, as the record has it. */
+const TARGET_GONE = 'no longer a target';
+
+/** When targets were observed, and with what result; targets that were skipped are a mark. */
 export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
   const visits = targets.flatMap(target =>
     target.history.flatMap((change, index) => {
@@ -60,6 +63,8 @@ export interface TargetRow {
   visits: { fromNs: number; toNs: number; state: string }[];
   /** Times at which a task of its observation was interrupted, so that it is flown again. */
   reflies: number[];
+  /** Since when it needs no observation any longer; null while it does. */
+  goneNs: number | null;
   /** As flown; none before the report. */
   factors: { name: string; value: number; cause: string }[];
   /** The row as text. */
@@ -103,6 +108,7 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
             own.some(visit => trouble.t_ns >= visit.fromNs && trouble.t_ns <= visit.toNs),
         )
         .map(trouble => trouble.t_ns),
+      goneNs: target.detail === TARGET_GONE ? target.since_ns : null,
       factors: factorsOf(report, target.id),
     };
     return { ...row, words: wordsOf(row) };
@@ -137,7 +143,8 @@ function factorsOf(report: Report | null, target: string): TargetRow['factors'] 
 function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
   const thread = row.threads.at(-1);
-  if (thread?.beginNs != null) parts.push(`planned ${missionTime(thread.beginNs)}`);
+  if (row.goneNs !== null) parts.push(`${TARGET_GONE} since ${missionTime(row.goneNs)}`);
+  else if (thread?.beginNs != null) parts.push(`planned ${missionTime(thread.beginNs)}`);
   else if (thread) parts.push(`left out: ${thread.reason}`);
   const [first] = row.visits;
   if (first && first.toNs > first.fromNs)

@@ -1,7 +1,7 @@
 /** Texts about one task, the log and the report; pure. */
 
 import type { Blocked, EventRow, Moment, Report, Snippet, Task, TaskExplanation } from '../../record/types';
-import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
+import { civilTime, clock, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 export interface CauseView {
   id: number;
@@ -206,7 +206,7 @@ export function reportView(report: Report | null): SectionView[] {
       );
       const pairs = single.map(([name, value]) => ({
         name: words(name),
-        value: valueText(value),
+        value: cellText(name, value),
       }));
       return [{ title, kind: 'pairs', pairs }, ...tables];
     }
@@ -215,9 +215,20 @@ export function reportView(report: Report | null): SectionView[] {
   });
 }
 
+/** Columns that name what a row is about. */
+const SUBJECTS = ['target', 'name', 't', 'time'];
+
+/** A value of a report; times of the mission are times of day. */
+function cellText(name: string, value: unknown): string {
+  const isTime = typeof value === 'number' && (name === 't' || name === 'begin_s' || name === 'end_s');
+  return isTime ? clock(value) : valueText(value);
+}
+
 function tableOf(title: string, body: Record<string, unknown>[]): SectionView {
-  const columns = [...new Set(body.flatMap(row => Object.keys(row)))];
-  const rows = body.map(row => columns.map(column => valueText(row[column])));
+  // What a row is about comes first, whatever the order of the JSON is.
+  const rank = (column: string) => Number(!SUBJECTS.includes(column));
+  const columns = [...new Set(body.flatMap(row => Object.keys(row)))].sort((a, b) => rank(a) - rank(b));
+  const rows = body.map(row => columns.map(column => cellText(column, row[column])));
   return { title, kind: 'table', columns: columns.map(words), rows };
 }
 

@@ -63,6 +63,13 @@ describe('rows of targets', () => {
     expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
     expect(b?.words).toContain('left out: no time');
   });
+  it('say since when a target is none any longer, whatever plans said before', () => {
+    const gone = { ...target('b', [[30, 'skipped']]), detail: 'no longer a target', since_ns: 3600e9 };
+    const [row] = targetRows({ ...known, targets: [gone], atNs: 4000e9 });
+    expect(row?.goneNs).toBe(3600e9);
+    expect(row?.words).toContain('no longer a target since T+1:00:00');
+    expect(row?.words).not.toContain('left out');
+  });
   it('mark an observation without a visit at its instant', () => {
     const [row] = targetRows({
       ...known,
