@@ -1,6 +1,7 @@
 //! Conditions over logs, flight records and lines of measurements: what `apex monitor` and `apex export` read, and what
 //! `apex monitor` finds.
 
+mod absences;
 mod monitor;
 mod source;
 
