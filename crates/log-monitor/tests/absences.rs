@@ -10,6 +10,10 @@ use std::sync::Arc;
 
 /// Returns the intervals and evidence that are printed for `condition` over samples of `(v a)` at these seconds.
 fn printed(condition: &str, samples: &[(u32, u32)]) -> Vec<(f64, f64, String)> {
+    watched(condition, samples, &|_| {})
+}
+
+fn watched(condition: &str, samples: &[(u32, u32)], note: &dyn Fn(&str)) -> Vec<(f64, f64, String)> {
     let text = SourceText { name: "condition".to_string(), text: condition.to_string() };
     let mut resolve = |_| Err("nothing is required".to_string());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
@@ -32,7 +36,7 @@ fn printed(condition: &str, samples: &[(u32, u32)]) -> Vec<(f64, f64, String)> {
         is_drawn: false,
     };
     let mut out = Vec::new();
-    let to = Destinations { out: &mut out, name: None, table: None, note: &|_| {} };
+    let to = Destinations { out: &mut out, name: None, table: None, note };
     LogMonitor::new(terms, to).unwrap().run(Source::LinesFile(path)).unwrap();
     let results = String::from_utf8(out).unwrap();
     let results = results.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
@@ -55,6 +59,14 @@ fn an_absence_lasts_until_its_condition_comes_or_the_input_ends() {
         assert_eq!((*start, *end), (from, until));
         assert!(evidence.ends_with(&format!("up to {text}")), "{evidence}");
     }
+}
+
+#[test]
+fn a_variable_without_samples_is_noted_once() {
+    let notes = std::cell::RefCell::new(Vec::new());
+    watched("(:absent (w b > 5) :for 3s)", &[(0, 0), (10, 0)], &|note| notes.borrow_mut().push(note.to_string()));
+    let about = notes.borrow().iter().filter(|note| note.contains("no sample of (w b)")).count();
+    assert_eq!(about, 1, "{notes:?}");
 }
 
 #[test]

@@ -44,7 +44,8 @@ impl MonitorSession {
     }
 
     /// Returns the variables that the watched conditions read and that had no sample: state variables such as `(roll-angle aircraft-1)`,
-    /// and attributes such as `(roll-angle ..)` where the object is open. A condition about such a variable is mostly a misspelling.
+    /// and attributes such as `(roll-angle ..)` where the object is open, each once.
+    /// A condition about such a variable is mostly a misspelling.
     pub fn without_samples(&self) -> Vec<String> {
         let histories = self.histories();
         let measured: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();
@@ -54,7 +55,8 @@ impl MonitorSession {
             _ => None,
         };
         let watched = (0..self.next_watch).flat_map(|number| self.interests(MonitorId(number)));
-        watched.filter_map(missing).collect()
+        let mut named = BTreeSet::new();
+        watched.filter_map(missing).filter(|name| named.insert(name.clone())).collect()
     }
 
     /// Returns the status of a condition at the last instant that is over; `None` if it is not watched.
