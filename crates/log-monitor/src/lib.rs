@@ -1,6 +1,7 @@
 //! Conditions over logs, flight records and lines of measurements: the inputs of `apex monitor` and `apex export`, and the results of
 //! `apex monitor`.
 
+mod absences;
 mod monitor;
 mod source;
 

@@ -1,8 +1,9 @@
 //! Conditions watched over one input: their results as lines, rows of a table and a picture, and their verdicts.
 
+use crate::absences::{self, Absences};
 use crate::source::{Note, Source};
 use apex_executive::state::clause::MonitorId;
-use apex_executive::{MonitorSession, ResultEvent};
+use apex_executive::{MonitorResult, MonitorSession, ResultEvent};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_mission::program::host_functions;
@@ -57,6 +58,7 @@ pub struct LogMonitor<'a> {
     to: Destinations<'a>,
     /// The final intervals of all results, for a picture.
     intervals: Vec<(Time, Time)>,
+    absences: Absences,
     /// The state variables that the input is known to have.
     known: Vec<StateVariable>,
     heard: bool,
@@ -75,7 +77,16 @@ impl<'a> LogMonitor<'a> {
             .with_gaps();
         let session = if terms.style.live { session } else { session.over_a_log() };
         let session = if terms.is_drawn { session.keeping_samples() } else { session };
-        Ok(LogMonitor { session, terms, to, intervals: Vec::new(), known: Vec::new(), heard: false, over: false })
+        Ok(LogMonitor {
+            session,
+            terms,
+            to,
+            intervals: Vec::new(),
+            absences: Absences::default(),
+            known: Vec::new(),
+            heard: false,
+            over: false,
+        })
     }
 
     /// Watches `source` to its end and returns the verdicts, one word for each condition. If reading fails, results before the failure
@@ -124,13 +135,25 @@ impl<'a> LogMonitor<'a> {
 
     fn begin(&mut self, created_at: Time) -> MissionResult {
         self.heard = true;
-        for condition in self.terms.conditions.clone() {
-            self.session.watch(condition, created_at).map_err(|error| {
-                MissionError::data(placed(&error.message, error.place, self.session.library()))
-                    .because("it must be known when the condition begins to be watched")
-            })?;
+        let conditions = self.terms.conditions.clone();
+        let watched: Vec<MonitorId> =
+            conditions.iter().map(|condition| self.watch(condition, created_at)).collect::<MissionResult<_>>()?;
+        // A live reader wants each result at once.
+        let conditions = if self.terms.style.live { &[][..] } else { &conditions };
+        for (condition, id) in conditions.iter().zip(watched) {
+            if let Some(part) = absences::absent(condition) {
+                let part = self.watch(part, created_at)?;
+                self.absences.add(id, part);
+            }
         }
         Ok(())
+    }
+
+    fn watch(&mut self, condition: &Condition, created_at: Time) -> MissionResult<MonitorId> {
+        self.session.watch(condition.clone(), created_at).map_err(|error| {
+            MissionError::data(placed(&error.message, error.place, self.session.library()))
+                .because("it must be known when the condition begins to be watched")
+        })
     }
 
     fn tell(&mut self) -> MissionResult {
@@ -139,18 +162,25 @@ impl<'a> LogMonitor<'a> {
             (self.to.note)(&format!("warning: at {}: {message}", error.at));
         }
         for result in self.session.take_results() {
-            if let Some((table, path)) = &mut self.to.table {
-                table.write(self.to.name.as_deref(), &result).map_err(|error| unwritten_table(Some(path), &error))?;
-            }
-            if self.terms.is_drawn && result.telling != OPEN {
-                self.intervals.push(result.result.interval);
-            }
-            if let Some(text) = self.terms.style.result(&result) {
-                self.write(&text)?;
+            if let Some(result) = self.absences.pass(result) {
+                self.report(&result)?;
             }
         }
         if self.terms.style.live {
             self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn report(&mut self, result: &MonitorResult) -> MissionResult {
+        if let Some((table, path)) = &mut self.to.table {
+            table.write(self.to.name.as_deref(), result).map_err(|error| unwritten_table(Some(path), &error))?;
+        }
+        if self.terms.is_drawn && result.telling != OPEN {
+            self.intervals.push(result.result.interval);
+        }
+        if let Some(text) = self.terms.style.result(result) {
+            self.write(&text)?;
         }
         Ok(())
     }
@@ -167,6 +197,9 @@ impl<'a> LogMonitor<'a> {
         self.session.advance(now);
         self.session.finish();
         self.tell()?;
+        for result in self.absences.finish(now) {
+            self.report(&result)?;
+        }
         let missing = self.session.without_samples();
         let mut verdicts = Vec::new();
         for number in 0..self.terms.conditions.len() as u64 {

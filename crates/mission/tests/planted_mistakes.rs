@@ -89,6 +89,91 @@ const WESTERN_STATES: &[Slip] = &[
     ("(new-target ?what)", "(new-targets ?what)"),
 ];
 
+/// A mission of the tests that uses what the shipped ones do not: derived variables, resources with units, own commands and events,
+/// functions, urgency, questions, commands with time limits.
+const DIKE_SURVEY: &[Slip] = &[
+    (":end-margin 5min", ":end-margin 5m"),
+    (":zone-margin 25m", ":zone-margin -25m"),
+    (":horizontal 15m", ":horizontal 15s"),
+    (":clearance 32m", ":clearence 32m"),
+    (":full-level 30km", ":full-level 30"),
+    (":weak-for 15s", ":weak-for 15m"),
+    (":default resume", ":default resum"),
+    (":workload 5", ":workload 50"),
+    (":budget 2s", ":budget 0s"),
+    (":capacity 3", ":capacity 0"),
+    (":renewable 100", ":renewabel 100"),
+    (":unit m/s", ":unit m\\s"),
+    (":unit m)", ":unit mm/kg)"),
+    ("(rate-of (water-level ?gauge))", "(rate-of (water-lvl ?gauge))"),
+    (":from operator", ":from operater"),
+    ("(?level length)", "(?level lenght)"),
+    ("&key (:for duration)", "&key (:for druation)"),
+    ("alarm-level 4.5m", "alarm-level \"4.5m\""),
+    ("alarm-level 4.5m", "alarm-level 4.5s"),
+    ("patience 90s", "patience 90m"),
+    ("(/ x 2)", "(/ x 0)"),
+    ("(- alarm-level level)", "(- alarm-level levl)"),
+    ("(> +met+ 30min)", "(> +now+ 30min)"),
+    ("(> +met+ 30min)", "(> +met+ 30)"),
+    ("(profile storage)", "(profile (storage 4))"),
+    ("(profile storage)", "(profile storag)"),
+    ("(on-failure (inform (tour-impossible)))", "(on-failure (infrom (tour-impossible)))"),
+    ("(read the gauges every 2min)", "(read the gauges every 2m)"),
+    ("(read the gauges every 2min) (waitfor ?up)", "(read the gauges every 2min) (waitfor ?upp)"),
+    ("(waitfor (seepage ?where))", "(waitfor (sepage ?where))"),
+    ("(water-level gauge-1 > alarm-level)", "(water-level gauge-1 > alarm-levle)"),
+    ("(water-level gauge-1 > alarm-level)", "(water-level gauge-1 >alarm-level)"),
+    ("(water-level gauge-1 > alarm-level)", "(flow gauge-1 > alarm-level)"),
+    (":urgency 7 :importance 9", ":urgency 70 :importance 9"),
+    (":urgency 7 :importance 9", ":urgncy 7 :importance 9"),
+    ("(:max-gap 5s)", "(:max-gap 5m)"),
+    (":quality (:max-gap 5s)", ":quality (:max-gaps 5s)"),
+    (":timing (:duration (> 30s))", ":timing (:duration > 30s)"),
+    ("(keep in touch over control-link)", "(keep in touch over controllink)"),
+    ("(end ?clock) (end ?tour)", "(end ?clock) (end tour)"),
+    ("(priority 10)", "(priority 10s)"),
+    ("(step finish (terminate) (waitfor (end ?home)))", "(step finish (terminat) (waitfor (end ?home)))"),
+    ("(step finish (terminate) (waitfor (end ?home)))", "(step finish (terminate) (waitfor (end ?finish)))"),
+    ("(probe gauge-1 to 2m)", "(probe gauge-1 to 2s)"),
+    ("(probe gauge-1 to 2m)", "(probe gauge-1 too 2m)"),
+    ("(probe gauge-2 to 3m)", "(probe gauge-2)"),
+    (":with-min-interval ?interval)", ":with-min-intervall ?interval)"),
+    ("(waitfor (:and (end ?one) (end ?two)))", "(waitfor (and (end ?one) (end ?two)))"),
+    ("(waitfor (:delay 35min))", "(waitfor (:delay 35m))"),
+    ("(waitfor (:delay 35min))", "(waitfor (delay 35min))"),
+    ("(profile winch (storage 1))", "(profile winch (storage one))"),
+    ("(lower the probe to ?depth) => ?reading", "(lower the probe to ?depth) -> ?reading"),
+    ("(gauge-done ?gauge ?reading)", "(gauge-done ?gauge ?readng)"),
+    ("(half ?depth) 1m", "(half ?depth) 1s"),
+    ("(half ?depth) 1m", "(half ?depth ?gauge) 1m"),
+    ("(skip-when (:function", "(skip-if (:function"),
+    ("(precondition (water-level gauge-1 < 6m))", "(precondition (water-level gauge-1 < 6kg))"),
+    ("(precondition (water-level gauge-1 < 6m))", "(precondition (:delay 6s))"),
+    (":options (yes no)", ":options (yes noo)"),
+    (":by patience", ":by 5"),
+    (":default no) => ?answer", ":default maybe) => ?answer"),
+    ("(answer leak ?answer at ?where)", "(answer leak ?answer to ?where)"),
+    ("(waitfor (succeeded ?record))", "(waitfor (succeded ?record))"),
+    ("(waitfor (succeeded ?record))", "(waitfor (succeeded record))"),
+    ("(:in-order (end ?fly) (:delay 20s))", "(:in-order (end ?fly) (delay 20s))"),
+    ("(current-value water-level ?gauge)", "(current-value water-levl ?gauge)"),
+    ("(current-value water-level ?gauge) 0m", "(current-value water-level ?gauge) 0s"),
+    ("(margin-of (or", "(margin-off (or"),
+    ("(release-resource winch)", "(release-resource wench)"),
+    ("(hold-resource winch)", "(hold-resource storage 5)"),
+    ("(lower-probe ?depth :for 20s)", "(lower-probe ?depth :for 20m)"),
+    ("(lower-probe ?depth :for 20s)", "(lower-prob ?depth :for 20s)"),
+    (":timeout 1min", ":timeout 1m"),
+    ("(return +now+)", "(return +noww+)"),
+    ("(raise-probe) :timeout patience", "(raise-probe 5) :timeout patience"),
+    ("(index (raise the probe))", "(index (rise the probe))"),
+    ("(command (fly-to ?where))", "(command (fly-to 5m))"),
+    ("(profile flight-path)", "(profile flight-pth)"),
+    ("(primitive (index (dash to ?where))", "(primitve (index (dash to ?where))"),
+    ("(survey the dike in 40min)", "(survey the dike in 40)"),
+];
+
 fn mission_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name).join("mission.pdl")
 }
@@ -124,17 +209,17 @@ fn said_about(path: &Path, text: &str) -> (Vec<u32>, Vec<String>) {
     (lines, words)
 }
 
-/// Plants each slip; returns those without a message, and those reported at another line.
-fn planted(mission: &str, slips: &[Slip]) -> (Vec<String>, Vec<String>) {
-    let path = mission_path(mission);
-    let text = std::fs::read_to_string(&path).expect("the mission ships");
-    assert_eq!(said_about(&path, &text).1, Vec::<String>::new(), "{mission} has no mistake");
+/// Plants each slip; returns those that stay silent, and those named at another line.
+fn planted(path: &Path, slips: &[Slip]) -> (Vec<String>, Vec<String>) {
+    let text = std::fs::read_to_string(path).expect("the mission is there");
+    let mission = path.display();
+    assert_eq!(said_about(path, &text).1, Vec::<String>::new(), "{mission} has no mistake");
     let (mut silent, mut elsewhere) = (Vec::new(), Vec::new());
     for (before, after) in slips {
         let at = text.find(before).unwrap_or_else(|| panic!("{mission} has no `{before}`"));
         let same = before.bytes().zip(after.bytes()).take_while(|(one, other)| one == other).count();
         let line = u32::try_from(text[..at + same].matches('\n').count() + 1).expect("few lines");
-        let (lines, words) = said_about(&path, &text.replacen(before, after, 1));
+        let (lines, words) = said_about(path, &text.replacen(before, after, 1));
         if words.is_empty() {
             silent.push((*after).to_string());
         } else if !lines.contains(&line) {
@@ -146,8 +231,8 @@ fn planted(mission: &str, slips: &[Slip]) -> (Vec<String>, Vec<String>) {
 
 #[test]
 fn slips_in_missions_are_named_at_their_line() {
-    let (mut silent, mut elsewhere) = planted("structure-watch", STRUCTURE_WATCH);
-    let more = planted("western-states", WESTERN_STATES);
+    let (mut silent, mut elsewhere) = planted(&mission_path("structure-watch"), STRUCTURE_WATCH);
+    let more = planted(&mission_path("western-states"), WESTERN_STATES);
     silent.extend(more.0);
     elsewhere.extend(more.1);
     let count = STRUCTURE_WATCH.len() + WESTERN_STATES.len();
@@ -156,7 +241,18 @@ fn slips_in_missions_are_named_at_their_line() {
     assert!(elsewhere.len() * 20 <= count, "{} of {count} slips:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
 
-/// The declaration of a vehicle's own commands replaces that of the library.
+/// Three slips are not found: a bare number as a length in the data, and two sums whose terms are known at the caller only.
+#[test]
+fn slips_in_expressions_and_declarations_are_named_at_their_line() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/dike-survey/mission.pdl");
+    let (silent, elsewhere) = planted(&path, DIKE_SURVEY);
+    let known = [":full-level 30", "(half ?depth) 1s", "(current-value water-level ?gauge) 0s"];
+    assert!(DIKE_SURVEY.len() >= 75);
+    assert_eq!(silent, known, "of {} slips", DIKE_SURVEY.len());
+    assert!(elsewhere.len() * 20 <= DIKE_SURVEY.len(), "{}:\n{}", elsewhere.len(), elsewhere.join("\n"));
+}
+
+/// A vehicle with commands of other arguments declares them: its declaration counts, not that of the library.
 #[test]
 fn a_program_replaces_the_declaration_of_a_library() {
     let said = |declaration: &str| {

@@ -54,7 +54,8 @@ impl MonitorSession {
             _ => None,
         };
         let watched = (0..self.next_watch).flat_map(|number| self.interests(MonitorId(number)));
-        watched.filter_map(missing).collect()
+        let mut named = BTreeSet::new();
+        watched.filter_map(missing).filter(|name| named.insert(name.clone())).collect()
     }
 
     /// Returns the status of a condition at the last instant that is over; `None` if it is not watched.

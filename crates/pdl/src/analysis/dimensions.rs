@@ -6,7 +6,9 @@ use super::methods::Method;
 use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::fix::Fix;
 use crate::print::pattern_text;
+use crate::suggest::renames;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Quality, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::pattern::Pattern;
@@ -74,8 +76,21 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
     let declared = program.library.state_variables.get(attribute);
     let Some(declared) = declared.filter(|declared| declared.unit.is_some()) else { return };
     for right in lists.into_iter().flatten().flat_map(sides) {
-        let Kind::Number(found) = Kinds::of(program.library, right) else { continue };
-        // A bare number is in the variable's unit, whatever computed it.
+        let found = match Kinds::of(program.library, right) {
+            Kind::Number(found) => found,
+            Kind::Other(what) => {
+                let wanted = Kind::Number(declared.dimension).words();
+                let message = format!("`({attribute} ..)` is {wanted}, but this is {what}");
+                let diagnostic = Diagnostic::error(codes::VALUE_TYPE, report.locator.span(right.place), message)
+                    .label(report.locator.span(declared.place), format!("declared as {wanted} here"))
+                    .fixes(constants_near(program, right, report))
+                    .reason("its samples are numbers in its unit; others are refused");
+                report.add(diagnostic);
+                continue;
+            }
+            Kind::Unknown | Kind::Instant => continue,
+        };
+        // A bare number is in the variable's unit, however it is computed.
         if found != declared.dimension && found != Dimension::NONE {
             let wanted = Kind::Number(declared.dimension).words();
             let message = format!("`({attribute} ..)` is {wanted}, but this is {}", Kind::Number(found).words());
@@ -86,6 +101,12 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
             report.add(Diagnostic { reason: unit, ..diagnostic });
         }
     }
+}
+
+/// Returns the constants whose name is nearly this word.
+fn constants_near(program: &Program<'_>, word: &Expr, report: &mut FindingCollector<'_>) -> Vec<Fix> {
+    let ExprKind::Constant(Value::Symbol(name)) = &word.kind else { return Vec::new() };
+    renames(report.locator.span(word.place), name.printed(), program.library.constants.keys().map(Symbol::printed))
 }
 
 fn sides(constraint: &Constraint) -> Vec<&Expr> {

@@ -9,6 +9,7 @@ use crate::locate::Locator;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Timing};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
+use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Step};
 use apex_model::quantity::{Dimension, unit_named};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -46,9 +47,48 @@ pub(super) fn findings(library: &Library) -> Vec<OperandFinding> {
             if let Some((_, list)) = step.forall.as_deref() {
                 needs(library, list, Operand::List, "`forall`", &mut found);
             }
+            resource_names(library, step, &mut found);
+            urgencies(step, &mut found);
         }
     }
+    let profiles = library
+        .procedures
+        .iter()
+        .flat_map(|each| std::iter::once(&each.profile).chain(each.steps.iter().map(|step| &step.profile)));
+    let profiles = profiles.chain(library.primitives.iter().map(|each| &each.profile));
+    for amount in profiles.flatten().filter_map(|need| need.amount.as_ref()) {
+        needs(library, amount, Operand::Number, "a profile", &mut found);
+    }
     found
+}
+
+/// Names of resources are words: `(hold-resource storage 5)` does not hold five units.
+fn resource_names(library: &Library, step: &Step, found: &mut Vec<OperandFinding>) {
+    let Activity::BuiltIn(BuiltInActivity::HoldResource | BuiltInActivity::ReleaseResource, arguments) = &step.activity
+    else {
+        return;
+    };
+    for argument in arguments {
+        needs(library, argument, Operand::Text, "the list of resources", found);
+    }
+}
+
+/// Urgency and importance are numbers from 0 to 10.
+fn urgencies(step: &Step, found: &mut Vec<OperandFinding>) {
+    let pairs = step.priority.iter().filter_map(|clause| match clause {
+        PriorityClause::UrgencyImportance(urgency, importance) => Some([urgency, importance]),
+        PriorityClause::Number(_) => None,
+    });
+    for expr in pairs.flatten() {
+        if let ExprKind::Constant(value) = &expr.kind
+            && let Some((number, _)) = value.as_number()
+            && !(0.0..=10.0).contains(&number)
+        {
+            let message = format!("urgency and importance are numbers from 0 to 10, but this is {value}");
+            let (code, place) = (codes::OPERAND, expr.place);
+            found.push(OperandFinding { code, place, message, instant: None, help: None });
+        }
+    }
 }
 
 /// The kind of value that a function takes.

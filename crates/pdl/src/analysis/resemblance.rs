@@ -24,7 +24,40 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     messages(program, report);
     state_variables(program, report);
     resources(program, report);
+    commands(program, report);
     outcomes(program, report);
+}
+
+/// Commands that nothing declares and that resemble a declared one: the vehicle will not know them.
+fn commands(program: &Program<'_>, report: &mut FindingCollector<'_>) {
+    let declared = &program.library.commands;
+    if declared.is_empty() {
+        return;
+    }
+    let mut used: Uses<'_> = BTreeMap::new();
+    walk::library(program.library, &mut |expr| {
+        if let ExprKind::Call { function, arguments } = &expr.kind
+            && function.is("command")
+            && let Some(form) = arguments.first()
+        {
+            let head = match &form.kind {
+                ExprKind::Constant(Value::List(items)) => items.first().and_then(Value::as_symbol),
+                ExprKind::Template(template) => View::Template(template).head(),
+                _ => None,
+            };
+            used.extend(head.map(|head| (head, vec![expr.place])));
+        }
+    });
+    for (name, places) in used.iter().filter(|(name, _)| !declared.contains_key(**name)).take(SUSPECTS_MAX) {
+        let known = meant(name, declared.keys().map(Symbol::printed));
+        let (Some(known), Some(place)) = (known, places.first()) else { continue };
+        let span = report.locator.word(*place, name);
+        let message = format!("no command `{name}` is declared, but `{known}` is");
+        let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
+            .reason("a vehicle that does not know a command refuses it in flight")
+            .fixes(renames(span, name.printed(), [known]));
+        report.add(diagnostic);
+    }
 }
 
 /// Returns the known name that `name` is certainly meant to be.
@@ -142,6 +175,11 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
             used.entry(attribute).or_default().push(expr.place);
         }
     });
+    for derivation in program.library.derivations.values() {
+        for input in &derivation.inputs {
+            used.entry(&input.attribute).or_default().push(derivation.place);
+        }
+    }
     for (name, places) in used.iter().filter(|(name, _)| !declared.contains_key(**name)).take(SUSPECTS_MAX) {
         let known = meant(name, declared.keys().map(Symbol::printed));
         let (Some(known), Some(place)) = (known, places.first()) else { continue };
@@ -186,7 +224,18 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let procedures = library.procedures.iter().map(|each| &each.profile);
     let steps = library.procedures.iter().flat_map(|each| &each.steps).map(|each| &each.profile);
     let primitives = library.primitives.iter().map(|each| &each.profile);
-    let all: Vec<(Symbol, Place)> = procedures.chain(steps).chain(primitives).flat_map(|needs| note(needs)).collect();
+    let mut all: Vec<(Symbol, Place)> =
+        procedures.chain(steps).chain(primitives).flat_map(|needs| note(needs)).collect();
+    for step in library.procedures.iter().flat_map(|each| &each.steps) {
+        if let Activity::BuiltIn(BuiltInActivity::HoldResource | BuiltInActivity::ReleaseResource, names) =
+            &step.activity
+        {
+            all.extend(names.iter().filter_map(|name| match &name.kind {
+                ExprKind::Constant(Value::Symbol(word)) => Some((word.clone(), name.place)),
+                _ => None,
+            }));
+        }
+    }
     for (name, place) in &all {
         used.entry(name).or_default().push(*place);
     }

@@ -52,6 +52,7 @@ impl Lowering {
         if ONE_DIMENSION.contains(&canonical.folded()) {
             self.one_dimension(&canonical, arguments, &mut lowered)?;
         }
+        self.no_zero_divisor(&canonical, arguments)?;
         if canonical.is("command")
             && let Some(at) = arguments.iter().position(|argument| argument.is(":timeout"))
             && let (Some(limit), Some(datum)) = (lowered.get_mut(at + 1), arguments.get(at + 1))
@@ -61,6 +62,20 @@ impl Lowering {
         }
         let kind = ExprKind::Call { function: canonical, arguments: lowered };
         Some(Expr { kind, place: datum.span.place() })
+    }
+
+    /// Refuses a division by a zero that is written as such.
+    fn no_zero_divisor(&mut self, function: &Symbol, arguments: &[Datum]) -> Option<()> {
+        if !matches!(function.folded(), "/" | "mod" | "rem" | "floor" | "ceiling" | "round" | "truncate") {
+            return Some(());
+        }
+        let is_zero = |datum: &&Datum| match datum.kind {
+            DatumKind::Integer(number) => number == 0,
+            DatumKind::Real(number) => number == 0.0,
+            _ => false,
+        };
+        let Some(zero) = arguments.iter().skip(1).find(is_zero) else { return Some(()) };
+        self.refuse(Diagnostic::error(codes::OPERAND, zero.span, format!("`{function}` divides by zero")))
     }
 
     fn argument(&mut self, function: &Symbol, position: usize, all: &[Datum], datum: &Datum) -> Option<Expr> {

@@ -9,7 +9,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{renames, unit_renames};
-use apex_model::expression::Expr;
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::interface::NameKind;
 use apex_model::library::{
     Function, HostDeclaration, Library, ResourceDeclaration, ResourceKind, SolverDeclaration, StateVariableDeclaration,
@@ -365,6 +365,15 @@ impl Lowering {
             Some(datum) => Some(self.pure("a solver's budget", |lowering| lowering.duration(datum))?),
             None => None,
         };
+        if let Some(budget) = &budget
+            && let ExprKind::Constant(Value::Duration(span)) = &budget.kind
+            && span.0 <= 0
+        {
+            let place = values_of(&options, "budget").first().map_or(form.span, |datum| datum.span);
+            let diagnostic =
+                Diagnostic::error(codes::DURATION_EXPECTED, place, "a solver's budget is greater than zero");
+            return self.refuse(diagnostic.help("write how long it may take, for example `:budget 2s`"));
+        }
         let meanwhile = match meanwhile {
             Some(datum) => Some(self.goal(datum)?),
             None => None,

@@ -148,7 +148,7 @@ impl Lowering {
 
     /// `(roll uav ">" 15)`, `(roll uav :> 15)` and `(roll uav is > 15)`.
     fn report_marked_relation(&mut self, items: &[Datum]) -> bool {
-        for pair in items.get(1..).unwrap_or_default().windows(2) {
+        for pair in items.get(2..).unwrap_or_default().windows(2) {
             let [item, next] = pair else { continue };
             let written = match &item.kind {
                 DatumKind::Text(text) => Some(text.to_string()),

@@ -259,6 +259,10 @@ impl<'a, 'c> Front<'a, 'c> {
         let (mut latest, mut shortest) = (None, None);
         while let Some(resource) = open.pop().and_then(|id| Some((id, agent.resources.get(id)?))) {
             let (id, resource) = resource;
+            // An ancestor that holds the resource leaves it free for its descendants: its queue alone does not show a gap.
+            if usable(self.cycle, id).is_none() && resource.waiting.shortest(resource.total + TOLERANCE).is_some() {
+                return true;
+            }
             let mut used = 0.0;
             for each in self.field.users(id, resource) {
                 used += each.amount;

@@ -162,7 +162,11 @@ impl<'n> Annealing<'n> {
             for _ in 0..turns {
                 let accept = heat * libm::log(self.rng.unit().max(1e-12));
                 let price = self.thrift;
-                turn::try_one(self.network, &mut current, price, accept, &mut self.rng);
+                let timed = turn::try_one(self.network, &mut current, price, accept, &mut self.rng);
+                // With few targets a run is short, and the work of an iteration covers it.
+                if turns > TURNS {
+                    self.looked += timed;
+                }
                 now = self.energy(&current);
             }
             next.clone_from(&current);
