@@ -243,8 +243,7 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     let (ground_speed_mps, crab_deg) = triangle.map_or((airspeed_mps, 0.0), |triangle| {
         (triangle.ground_speed_mps, geodesy::wrap_180(triangle.heading_deg - track_deg))
     });
-    let pitch_deg = mission.model.cruise_pitch_rad(altitude_m).to_degrees();
-    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, pitch_deg, on_ground_s: None }
+    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
 }
 
 /// Returns the time for these lines with the turns between them.

@@ -41,8 +41,7 @@ fn an_image_that_is_read_after_the_landing_is_late_as_planned() {
     let flown = mapped("", &[]);
     let (as_flown, predicted, remarks) = timing(&flown);
     let landed_s = flown.said("landed")[0].0;
-    let visit = &flown.outcome.report.visits[0];
-    let seen_s = 0.5 * (visit.begin.seconds() + visit.end.unwrap().seconds());
+    let seen_s = flown.observed_s("ridge").unwrap();
     let expected = 1.0 - ((landed_s - seen_s) / 60.0 - 10.0).max(0.0) / 50.0;
     assert!((as_flown - expected.max(0.0)).abs() < 0.05, "{as_flown}, by hand {expected}:\n{}", flown.text());
     assert!((predicted - as_flown).abs() < 0.15, "{as_flown}, the plan reckons with the way home: {predicted}");
