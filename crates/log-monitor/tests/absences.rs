@@ -1,6 +1,6 @@
 //! Absences in a file have their final intervals: from the end of what was there to its next beginning, or to the end of the input.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 use apex_log_monitor::{Destinations, LogMonitor, LogMonitorTerms, Source};
 use apex_mission::monitor_report::Style;

@@ -11,6 +11,8 @@ const CONSTRUCTS: &[&str] = &[
     "(procedure :ranked",
     "(procedure :soft-seq",
     "(resource shared",
+    "(resource lanes",
+    "(lanes 2)",
     "(resource fuel",
     "(waitfor",
     "(end ?",

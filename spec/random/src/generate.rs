@@ -146,6 +146,12 @@ impl Maker<'_> {
             let amount = self.dice.between(2, 3) as f64;
             self.resources.push(Resource { name: "shared".into(), amount, depletable: false, part_of: None });
         }
+        // With a second one, tasks need amounts of two resources at once.
+        if self.dice.chance(self.taste.shared / 2) {
+            // A step and what serves it need four at most: fewer would be refused.
+            let amount = self.dice.between(4, 5) as f64;
+            self.resources.push(Resource { name: "lanes".into(), amount, depletable: false, part_of: None });
+        }
         if self.dice.chance(self.taste.shared / 2) {
             let amount = self.dice.between(3, 9) as f64;
             self.resources.push(Resource { name: "fuel".into(), amount, depletable: true, part_of: None });

@@ -7,9 +7,9 @@ use apex_reference::program::{Activity, Clauses, Condition, Hooks, Primitive, Pr
 /// Maximum number of attempts.
 const ATTEMPTS_MAX: usize = 3_000;
 
-/// Returns the smallest case found that still differs.
+/// Returns the smallest case found that still differs, or on which an assertion still fails.
 pub fn shrink(case: &Case) -> Case {
-    let fails = |case: &Case| matches!(judge(case), Verdict::Different(_));
+    let fails = |case: &Case| std::panic::catch_unwind(|| judge(case)).map_or(true, is_different);
     let mut smallest = case.clone();
     let mut attempts = 0;
     'again: loop {
@@ -25,6 +25,10 @@ pub fn shrink(case: &Case) -> Case {
         }
         return smallest;
     }
+}
+
+fn is_different(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Different(_))
 }
 
 /// Everything that is a little smaller, the most promising first.
