@@ -250,6 +250,32 @@ fn what_is_kept_and_larger_than_a_file_is_stored_in_several_segments() {
     assert!(files > 2, "{files} files");
 }
 
+/// Not a test: a reader of a record whose folder for temporary files takes nothing.
+#[test]
+#[ignore = "is run as a child by another test"]
+fn child_that_reads_segments() {
+    let Some(path) = std::env::var_os("APEX_TEST_RECORD").map(PathBuf::from) else { return };
+    let reader = RecordReader::open(&path).unwrap();
+    println!("steps={}.", reader.steps().unwrap().count());
+}
+
+#[test]
+fn segments_are_joined_next_to_the_last_one_where_temporary_files_have_no_place() {
+    let flown = fly_on_a_full_disk(None);
+    let read = Command::new(std::env::current_exe().unwrap())
+        .args(["segments::child_that_reads_segments", "--exact", "--ignored", "--nocapture"])
+        .env("APEX_TEST_RECORD", &flown.last)
+        .env("TMPDIR", flown.folder.path().join("nowhere"))
+        .output()
+        .unwrap();
+    let said = format!("{}{}", String::from_utf8_lossy(&read.stdout), String::from_utf8_lossy(&read.stderr));
+    assert!(said.contains(&format!("steps={}.", flown.end.steps)), "{said}");
+    // The copy is gone with its reader.
+    let left =
+        std::fs::read_dir(flown.spare.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>();
+    assert_eq!(left, ["flight-segment-2.apex"]);
+}
+
 #[test]
 fn a_reader_of_a_growing_segment_sees_its_new_groups() {
     let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
