@@ -139,15 +139,26 @@ proptest! {
             None => End::Circle(p(distance, 0.0)),
         };
         let worst_s = rounds.worst(p(0.0, 0.0), end, opposite).unwrap();
-        // Evaluated at the beginnings of flights, and just past them.
-        let mut tried_s = 0.0_f64;
+        // Evaluated at the beginnings of flights, and just past them; then more closely around the worst of these.
+        let (mut tried_s, mut worst_at) = (0.0_f64, (1.0, 0.0));
+        let mut attempt = |sense: f64, turned_rad: f64| {
+            let on = On { centre: p(0.0, 0.0), sense, track_rad: sense * turned_rad };
+            let time_s = rounds.passage(on, end, opposite).unwrap().time_s;
+            if time_s > tried_s {
+                (tried_s, worst_at) = (time_s, (sense, turned_rad));
+            }
+            worst_at
+        };
         for index in 0..32 {
             for sense in [1.0, -1.0] {
                 for past in [0.0, 1e-6, 0.011] {
-                    let on = On { centre: p(0.0, 0.0), sense, track_rad: sense * (TAU * f64::from(index) / 32.0 + past) };
-                    tried_s = tried_s.max(rounds.passage(on, end, opposite).unwrap().time_s);
+                    attempt(sense, TAU * f64::from(index) / 32.0 + past);
                 }
             }
+        }
+        let (sense, turned_rad) = attempt(1.0, 0.0);
+        for step in -12..=12 {
+            attempt(sense, turned_rad + TAU * f64::from(step) / (32.0 * 12.0));
         }
         prop_assert!(worst_s >= tried_s - 1e-9, "{worst_s} {tried_s}");
         // Near a pose it may be better to continue to a point that was not evaluated.

@@ -133,11 +133,7 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
 /// Returns a reason in which a target that speaks of itself does not name itself.
 fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
     let Some(target) = schedule.problem.targets.get(target) else { return trouble };
-    if trouble == closed_window(&target.name) {
-        Obstacle::Window.to_string()
-    } else {
-        trouble
-    }
+    if trouble == closed_window(&target.name) { Obstacle::Window.to_string() } else { trouble }
 }
 
 /// Checks that the one target can be flown to, observed, and flown home from, leaving at `start_s`. Names airspace before anything else.
