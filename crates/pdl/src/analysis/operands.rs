@@ -62,14 +62,14 @@ pub(super) fn findings(library: &Library) -> Vec<OperandFinding> {
     found
 }
 
-/// Names of resources are words: `(hold-resource storage 5)` does not hold five units.
+/// Names of resources are words or lists, `(downlink 1)`: `(hold-resource storage 5)` does not hold five units.
 fn resource_names(library: &Library, step: &Step, found: &mut Vec<OperandFinding>) {
     let Activity::BuiltIn(BuiltInActivity::HoldResource | BuiltInActivity::ReleaseResource, arguments) = &step.activity
     else {
         return;
     };
     for argument in arguments {
-        needs(library, argument, Operand::Text, "the list of resources", found);
+        needs(library, argument, Operand::ResourceName, "the list of resources", found);
     }
 }
 
@@ -103,6 +103,8 @@ enum Operand {
     ListOrText,
     /// A string or a symbol.
     Text,
+    /// A string, a symbol or a list.
+    ResourceName,
     /// A task, an interval, a result or an instant.
     Timed,
     Task,
@@ -117,6 +119,7 @@ impl Operand {
             Operand::List => "a list",
             Operand::ListOrText => "a list or a text",
             Operand::Text => "a text or a name",
+            Operand::ResourceName => "names",
             Operand::Timed => "a task, an interval or an instant",
             Operand::Task => "a task",
         }
@@ -132,6 +135,7 @@ impl Operand {
             | (Operand::List | Operand::ListOrText, Kind::Other("a list"))
             | (Operand::ListOrText, Kind::Other("a text"))
             | (Operand::Text, Kind::Other("a text" | "a name"))
+            | (Operand::ResourceName, Kind::Other("a text" | "a name" | "a list"))
             | (Operand::Timed, Kind::Instant) => true,
             (_, Kind::Number(_) | Kind::Instant | Kind::Other(_)) => false,
         }
@@ -249,9 +253,9 @@ fn instants(library: &Library, function: &Symbol, arguments: &[Expr], found: &mu
         return;
     }
     let kinds: Vec<Kind> = arguments.iter().map(|argument| Kinds::of(library, argument)).collect();
+    let is_other = |(kind, argument): &(Kind, &Expr)| matches!(kind, Kind::Other(_)) && !resembles_quantity(argument);
     if ORDERS.contains(&name)
-        && let Some((Kind::Other(what), argument)) =
-            kinds.iter().copied().zip(arguments).find(|(kind, _)| matches!(kind, Kind::Other(_)))
+        && let Some((Kind::Other(what), argument)) = kinds.iter().copied().zip(arguments).find(is_other)
     {
         let message = format!("`{function}` takes numbers or instants, but this is {what}");
         found.push(OperandFinding { code: codes::OPERAND, place: argument.place, message, instant: None, help: None });
@@ -291,6 +295,12 @@ fn instants_of<'c>(condition: &'c Condition, visit: &mut dyn FnMut(&'c Expr)) {
         ConditionKind::Event { timing: limits, .. } => timing(limits),
         _ => {}
     }
+}
+
+/// A name that begins like a number, `35knt`, has a warning of its own, which says what was meant.
+fn resembles_quantity(expr: &Expr) -> bool {
+    let ExprKind::Constant(value) = &expr.kind else { return false };
+    value.as_symbol().is_some_and(|name| name.printed().starts_with(|first: char| first.is_ascii_digit()))
 }
 
 fn sides(constraint: &Constraint) -> Vec<&Expr> {

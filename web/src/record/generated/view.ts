@@ -96,7 +96,7 @@ score: number | null,
  */
 score_kind: string | null, 
 /**
- * Mission time in nanoseconds of the last thing recorded.
+ * Mission time in nanoseconds of the last recorded step.
  */
 end_ns: number, 
 /**

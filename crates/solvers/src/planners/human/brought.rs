@@ -275,7 +275,7 @@ mod tests {
         }
         let strange = SurveillancePlan { visits: Vec::new(), cycle: vec!["atlantis".into()], ..plan };
         let refused = again(&problem, &Plan::Surveillance(strange)).unwrap_err();
-        assert!(refused.starts_with("visit 1 is of `atlantis`"), "{refused}");
+        assert!(refused.starts_with("visit 1 names `atlantis`, which is not a target"), "{refused}");
     }
 
     #[test]
@@ -308,7 +308,7 @@ mod tests {
         plan.cycle.clear();
         let once = Plan::Surveillance(plan);
         let refused = scored(&problem, &once).unwrap_err();
-        assert!(refused.starts_with("visit 2 is of `atlantis`, and there is no such target; there are "), "{refused}");
+        assert!(refused.starts_with("visit 2 names `atlantis`, which is not a target; the targets are "), "{refused}");
         assert_eq!(again(&problem, &once).unwrap_err(), refused);
         let other = Problem::SingleVisit(fires::western_states(40_000.0));
         let plan = planned(&TwoOpt, &problem);
