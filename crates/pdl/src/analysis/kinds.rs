@@ -1,7 +1,7 @@
 //! Kinds of values of expressions: a number of a dimension, an instant, or neither, as far as the program determines them.
 //! Follows `let`, functions, indexicals and queries of declared state variables.
 
-use super::walk::QUERIES;
+use super::walk::{self, QUERIES};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
@@ -74,8 +74,10 @@ impl<'l> Kinds<'l> {
             ExprKind::If(_, then, Some(otherwise)) => self.kind(then).join(self.kind(otherwise)),
             ExprKind::Let { sequential, bindings, body } => self.scoped(|kinds| {
                 let mut found = Vec::new();
+                let assigned = assigned(bindings, body);
                 for (name, value) in bindings {
-                    let kind = kinds.kind(value);
+                    // A variable that is set again may have another kind by then.
+                    let kind = if assigned.contains(&name) { Kind::Unknown } else { kinds.kind(value) };
                     if *sequential { kinds.locals.push((name, kind)) } else { found.push((name, kind)) }
                 }
                 kinds.locals.extend(found);
@@ -140,7 +142,8 @@ impl<'l> Kinds<'l> {
                 let first = self.kind(first);
                 rest.iter().fold(first, |kind, part| kind.join(self.kind(part)))
             }
-            ("abs" | "1+" | "1-", [one]) => self.kind(one),
+            // A text stays a text, and a list a list.
+            ("abs" | "1+" | "1-" | "reverse", [one]) => self.kind(one),
             ("*", all) => self.product(all, Dimension::times),
             ("/", [first, rest @ ..]) if !rest.is_empty() => {
                 match (self.kind(first), self.product(rest, Dimension::times)) {
@@ -163,7 +166,7 @@ impl<'l> Kinds<'l> {
                 }
                 _ => Kind::Unknown,
             },
-            ("list" | "cons" | "append" | "reverse" | "range" | "mapcar" | "sort", _) => Kind::Other("a list"),
+            ("list" | "cons" | "append" | "range" | "mapcar" | "sort", _) => Kind::Other("a list"),
             ("format" | "concatenate" | "string-upcase" | "string-downcase" | "symbol-name", _) => {
                 Kind::Other("a text")
             }
@@ -189,6 +192,17 @@ impl<'l> Kinds<'l> {
             _ => Kind::Unknown,
         }
     }
+}
+
+/// Returns the names of locals that a `let` sets again.
+fn assigned<'l>(bindings: &'l [(Symbol, Expr)], body: &'l [Expr]) -> Vec<&'l Symbol> {
+    let mut names = Vec::new();
+    walk::exprs(bindings.iter().map(|(_, value)| value).chain(body), &mut |expr| {
+        if let ExprKind::Assign { name, of_task: false, .. } = &expr.kind {
+            names.push(name);
+        }
+    });
+    names
 }
 
 fn of_value(value: &Value) -> Kind {

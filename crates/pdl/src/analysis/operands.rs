@@ -252,7 +252,9 @@ fn instants(library: &Library, function: &Symbol, arguments: &[Expr], found: &mu
     if !is_sum && !COMPARISONS.contains(&name) || arguments.len() < 2 {
         return;
     }
-    let kinds: Vec<Kind> = arguments.iter().map(|argument| Kinds::of(library, argument)).collect();
+    // Zero can be added to an instant: sums may begin with it.
+    let kind = |argument: &Expr| if is_zero(argument) { Kind::Unknown } else { Kinds::of(library, argument) };
+    let kinds: Vec<Kind> = arguments.iter().map(kind).collect();
     let is_other = |(kind, argument): &(Kind, &Expr)| matches!(kind, Kind::Other(_)) && !resembles_quantity(argument);
     if ORDERS.contains(&name)
         && let Some((Kind::Other(what), argument)) = kinds.iter().copied().zip(arguments).find(is_other)
@@ -295,6 +297,10 @@ fn instants_of<'c>(condition: &'c Condition, visit: &mut dyn FnMut(&'c Expr)) {
         ConditionKind::Event { timing: limits, .. } => timing(limits),
         _ => {}
     }
+}
+
+fn is_zero(expr: &Expr) -> bool {
+    matches!(&expr.kind, ExprKind::Constant(value) if value.as_number().is_some_and(|(number, _)| number == 0.0))
 }
 
 /// A name that begins like a number, `35knt`, has a warning of its own, which says what was meant.

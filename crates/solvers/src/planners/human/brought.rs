@@ -312,7 +312,7 @@ mod tests {
         assert_eq!(again(&problem, &once).unwrap_err(), refused);
         let other = Problem::SingleVisit(fires::western_states(40_000.0));
         let plan = planned(&TwoOpt, &problem);
-        assert!(scored(&other, &plan).unwrap_err().contains("visit targets once each"));
-        assert!(again(&other, &plan).unwrap_err().contains("visit targets once each"));
+        assert!(scored(&other, &plan).unwrap_err().contains("the problem is one of single visits"));
+        assert!(again(&other, &plan).unwrap_err().contains("the problem is one of single visits"));
     }
 }
