@@ -1,8 +1,8 @@
 //! Clouds and convective cells: the conditions at a place, and the visibility of the ground through the clouds.
 //!
-//! A field consists of cells, each with a number drawn by seed. A cell hides the ground from above if its number is below `1 - (1 - n)^(1
-//! + 0.5 tan o)`, for cover n and a line of sight at the angle o from the vertical (assumption, `docs/reference/world.md`). So two looks
-//! within a short time see the same clouds. Bound: O(fields).
+//! A field consists of cells, each with a number drawn by seed. A cell hides the ground from above if its number is below
+//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a line of sight at the angle o from the vertical (assumption, `docs/reference/world.md`).
+//! So two looks within a short time see the same clouds. Bound: O(fields).
 
 use super::{CloudField, StormCell};
 use crate::random::Random;

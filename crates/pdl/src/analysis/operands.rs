@@ -303,7 +303,7 @@ fn is_zero(expr: &Expr) -> bool {
     matches!(&expr.kind, ExprKind::Constant(value) if value.as_number().is_some_and(|(number, _)| number == 0.0))
 }
 
-/// A name that begins like a number, `35knt`, has a warning of its own, which says what was meant.
+/// A name that begins like a number, `35knt`, is reported by another warning, which says what was meant.
 fn resembles_quantity(expr: &Expr) -> bool {
     let ExprKind::Constant(value) = &expr.kind else { return false };
     value.as_symbol().is_some_and(|name| name.printed().starts_with(|first: char| first.is_ascii_digit()))
