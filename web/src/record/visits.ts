@@ -63,6 +63,8 @@ export interface TargetRow {
   visits: { fromNs: number; toNs: number; state: string }[];
   /** Times at which a task of its observation was interrupted, so that it is flown again. */
   reflies: number[];
+  /** The instant since which all plans leave it out, and the reason of the last of them; null if that plan visits it. */
+  left: { sinceNs: number; reason: string } | null;
   /** Since when it needs no observation any longer; null while it does. */
   goneNs: number | null;
   /** As flown; none before the report. */
@@ -99,6 +101,7 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
         .filter(window => window.target === target.id)
         .map(window => ({ fromNs: window.from_ns, toNs: window.to_ns })),
       threads,
+      left: leftOf(known, threads),
       visits: own.map(({ fromNs, toNs, state }) => ({ fromNs, toNs, state })),
       reflies: troubles
         .filter(
@@ -123,6 +126,13 @@ function threadOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
   if (visit) return [{ plan: plan.number, beginNs: visit.begin_ns, reason: '', last }];
   const left = plan.left_out.find(one => one.target === target);
   return left ? [{ plan: plan.number, beginNs: null, reason: left.reason, last }] : [];
+}
+
+function leftOf(plans: readonly PlanInForce[], threads: readonly Thread[]): TargetRow['left'] {
+  const run = threads.slice(threads.findLastIndex(thread => thread.beginNs !== null) + 1);
+  const first = plans.find(plan => plan.number === run[0]?.plan);
+  const last = run.at(-1);
+  return first && last ? { sinceNs: first.adopted_ns, reason: last.reason } : null;
 }
 
 function factorsOf(report: Report | null, target: string): TargetRow['factors'] {

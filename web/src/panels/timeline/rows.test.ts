@@ -63,6 +63,17 @@ describe('rows of targets', () => {
     expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
     expect(b?.words).toContain('left out: no time');
   });
+  it('say since which plan a target is left out, and why the last plan leaves it out', () => {
+    const plans = [1, 2, 3].map(number => {
+      const begins: Record<string, number> = number === 1 ? { b: 60 } : {};
+      const made = plan(number, 10 * number, begins, number === 1 ? [] : ['b']);
+      return { ...made, left_out: made.left_out.map(one => ({ ...one, reason: `reason ${number}` })) };
+    });
+    const row = (atNs: number) => targetRows({ ...known, plans, atNs }).find(one => one.id === 'b');
+    expect(row(15)?.left).toBeNull();
+    expect(row(25)?.left).toEqual({ sinceNs: 20, reason: 'reason 2' });
+    expect(row(35)?.left).toEqual({ sinceNs: 20, reason: 'reason 3' });
+  });
   it('say since when a target is none any longer, whatever plans said before', () => {
     const gone = { ...target('b', [[30, 'skipped']]), detail: 'no longer a target', since_ns: 3600e9 };
     const [row] = targetRows({ ...known, targets: [gone], atNs: 4000e9 });

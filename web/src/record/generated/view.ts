@@ -429,7 +429,7 @@ geometry: GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null,
  */
 state: string | null, 
 /**
- * Reason for its state: the reason of the change to it, and for `planned` that of the latest plan.
+ * Reason for its state: that of the latest plan, where several in a row keep the state.
  */
 detail: string | null, 
 /**

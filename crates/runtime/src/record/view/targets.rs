@@ -39,7 +39,7 @@ pub struct Target {
     pub geometry: Option<Value>,
     /// `planned`, `observing`, `observed` or `skipped` at the requested instant; `None` before the first state.
     pub state: Option<String>,
-    /// Reason for its state: the reason of the change to it, and for `planned` that of the latest plan.
+    /// Reason for its state: that of the latest plan, where several in a row keep the state.
     pub detail: Option<String>,
     /// Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
     pub since_ns: Option<i64>,
@@ -113,15 +113,14 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
     Ok(Targets { targets })
 }
 
-/// Returns the present state, its instant and its reason. Each plan has a new time for every target that it keeps, so the latest reason
-/// for `planned` counts.
+/// Returns the present state, the instant since which it lasts, and its latest reason: each plan has a new time for every target that it
+/// keeps, and a new reason for every target that it leaves out.
 fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
     let last = history.last()?;
     let is_gone = |change: &TargetChange| change.detail.as_deref() == Some(TARGET_GONE);
     let is_same = |change: &&TargetChange| change.state == last.state && is_gone(change) == is_gone(last);
     let first = history.iter().rev().take_while(is_same).last()?;
-    let detail = if last.state == "planned" { &last.detail } else { &first.detail };
-    Some(TargetChange { t_ns: first.t_ns, state: first.state.clone(), detail: detail.clone() })
+    Some(TargetChange { t_ns: first.t_ns, ..last.clone() })
 }
 
 /// Returns the recorded changes of each target up to `at_ns`.
@@ -150,9 +149,9 @@ mod tests {
     }
 
     #[test]
-    fn a_target_is_skipped_since_the_first_plan_of_a_run_and_planned_as_the_last_one_says() {
+    fn a_state_lasts_since_the_first_plan_of_a_run_for_the_reason_of_the_last_one() {
         let history = [change(1, "planned", "at 5"), change(2, "skipped", "too far"), change(3, "skipped", "too late")];
-        assert_eq!(state_of(&history), Some(change(2, "skipped", "too far")));
+        assert_eq!(state_of(&history), Some(change(2, "skipped", "too late")));
         let gone = [change(1, "skipped", "too far"), change(2, "skipped", TARGET_GONE)];
         assert_eq!(state_of(&gone), Some(change(2, "skipped", TARGET_GONE)));
         let history = [change(1, "planned", "at 5"), change(2, "planned", "at 6")];
