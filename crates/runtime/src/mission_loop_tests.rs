@@ -222,7 +222,9 @@ fn people_are_heard_while_a_paced_run_sleeps() {
     let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
     let (end, lines) = fly_balloon(3, options);
     speaker.join().unwrap();
-    assert!(lines[1].starts_with("0.0") && lines[1].ends_with("(hello)"), "{lines:?}");
+    // The next event of the flight is 10 s away. How soon the run wakes depends on the machine.
+    let heard_s: f64 = lines[1].split_once('s').unwrap().0.parse().unwrap();
+    assert!((0.03..10.0).contains(&heard_s) && lines[1].ends_with("(hello)"), "{lines:?}");
     assert_eq!(lines[2..], ["10s altitude 1", "20s altitude 2"]);
     assert_eq!(end.unwrap().reason, EndReason::Quiescent);
 }

@@ -242,7 +242,11 @@ impl RecordReader {
             ));
         }
         for gap in self.gaps()? {
-            warnings.push(format!("The flight record {name} has a gap, because its disk took no steps: {gap}."));
+            let reason = match &self.missing {
+                Some(_) if gap.first_batch == 1 => "the file that it continues is not there",
+                _ => "its disk took no steps",
+            };
+            warnings.push(format!("The flight record {name} has a gap, because {reason}: {gap}."));
         }
         let (version, ours) = (self.meta("apex_version")?.unwrap_or_default(), env!("CARGO_PKG_VERSION"));
         if version != ours {
