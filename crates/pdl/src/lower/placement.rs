@@ -47,15 +47,10 @@ impl Lowering {
         if at < 2 {
             return false;
         }
-        let diagnostic =
-            Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step is inside another one")
-                .label(step.head_span(), "the other step, which ends only after it")
-                .reason("the steps of a procedure are siblings")
-                .fix(
-                    Fix::safe("close the other step before it")
-                        .insert_after(before.span, ")")
-                        .replace(closer(step), ""),
-                );
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step is inside another one")
+            .label(step.head_span(), "the other step, which ends only after it")
+            .reason("the steps of a procedure are siblings")
+            .fix(Fix::safe("close the other step before it").insert_after(before.span, ")").replace(closer(step), ""));
         self.report(diagnostic);
         true
     }

@@ -96,8 +96,7 @@ impl Lowering {
         let refuse_if_busy = !options.is_empty();
         let entries: Vec<Datum> = entries.into_iter().cloned().collect();
         if let ([option, ..], []) = (options.as_slice(), entries.as_slice()) {
-            let diagnostic =
-                Diagnostic::error(codes::MALFORMED, option.span, "`:refuse-if-busy` has no resources");
+            let diagnostic = Diagnostic::error(codes::MALFORMED, option.span, "`:refuse-if-busy` has no resources");
             return self.refuse(diagnostic.help("name them before it: `(profile camera-1 :refuse-if-busy)`"));
         }
         self.all(&entries, |lowering, item| {
