@@ -19,7 +19,7 @@ use apex_model::event::{Batch, Event};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 
-/// Rounds until the next task is ended, once an instant has been found to be restless.
+/// Number of rounds after which the executive ends one more task, at an instant that has exceeded its limit of rounds.
 const LIVELOCK_ROUNDS_MAX: u64 = 100;
 /// Number of tasks that may be ended at one instant because they never come to rest, before the whole agent is ended.
 const LIVELOCK_TASKS_MAX: u32 = 100;

@@ -107,13 +107,13 @@ pub struct Mission {
     pub terrain: Option<Arc<Terrain>>,
     /// Highest ground of `terrain` between and around targets and airfields; negative infinity without terrain.
     pub highest_ground_m: f64,
-    /// Wind that the planner believes in.
+    /// Wind that the planner assumes.
     pub forecast: WindField,
     /// All forecasts by the names of their files: the first is assumed at the start, others when a message announces them.
     pub forecasts: Vec<(String, WindField)>,
-    /// Clouds that the planner believes in.
+    /// Clouds that the planner assumes.
     pub clouds: Vec<clouds::CloudDeck>,
-    /// Wind that blows.
+    /// Wind of the simulated world.
     pub weather: WindField,
     /// Working times of the crew.
     pub crew: Vec<CrewMember>,

@@ -129,7 +129,7 @@ type Folded = (Situation, Result<Option<FlownScore>, String>);
 /// steps alone.
 pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
     let mut situation = Situation::default();
-    // Its grids are cut on the other thread, too.
+    // Made at the first batch, so that the second thread divides the targets into grid cells.
     let mut flown: Option<Result<Option<FlownScore>, String>> = None;
     let see = |flown: &mut Option<_>, batch: &Batch| {
         if let Ok(Some(flown)) = flown.get_or_insert_with(|| FlownScore::new(mission)) {

@@ -44,7 +44,7 @@ pub struct Settings {
     pub forecasts: Vec<String>,
     /// Clouds that the planner assumes.
     pub cloud_forecast: Option<String>,
-    /// Wind that blows.
+    /// Wind of the simulated world.
     pub weather: Option<String>,
     /// Working times of the crew.
     pub people: Option<String>,

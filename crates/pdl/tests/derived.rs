@@ -29,7 +29,7 @@ fn what_cannot_be_computed_is_refused_with_its_reason() {
             "the limit of `:join` is P0S, expected a duration above zero",
         ),
         ("(state-variable (e ?a) :derived (x ?a) :join (:spline 1s))", "this is not a join"),
-        ("(state-variable (e ?a) :join :hold)", "`:join` stands without `:derived`"),
+        ("(state-variable (e ?a) :join :hold)", "`:join` is given without `:derived`"),
         ("(state-variable (e ?a) :derived (asb (x ?a)))", "`asb`"),
         ("(state-variable (e ?a) :derived (abs (x ?a) ?b))", "nothing binds `?b`"),
         ("(state-variable (e ?a) :derived (progn (print 1) (x ?a)))", "a derived state variable"),

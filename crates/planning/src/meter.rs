@@ -8,7 +8,7 @@ use crate::solver::{Budget, WORK_UNIT};
 /// A budget with its used part, and whether the proof was cut because of it.
 pub struct Meter<'a> {
     budget: &'a mut dyn Budget,
-    /// Spent and not yet a whole unit.
+    /// Nanoseconds of recorded work that do not make up a whole unit yet.
     spent_ns: u64,
     cut: bool,
 }

@@ -40,7 +40,7 @@ impl Registry {
         self.solvers.iter().find(|solver| solver.name() == name)
     }
 
-    /// All.
+    /// Returns all planners.
     pub fn iter(&self) -> impl Iterator<Item = &Arc<dyn Solver>> {
         self.solvers.iter()
     }

@@ -10,7 +10,7 @@ use apex_model::problem::{
 /// Targets of one problem: a hundred times the largest known mission.
 pub const TARGETS_MAX: usize = 5_000;
 
-/// Refuses surveillance problems without meaning.
+/// Rejects invalid surveillance problems.
 ///
 /// # Errors
 /// An error message that names the target and the field.
@@ -82,7 +82,7 @@ fn travel_times(problem: &SurveillanceProblem) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses single-visit problems without meaning.
+/// Rejects invalid single-visit problems.
 ///
 /// # Errors
 /// An error message that names the target and the field.

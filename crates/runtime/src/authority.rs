@@ -21,9 +21,9 @@ pub const SILENT_AFTER: Duration = Duration::from_secs(30);
 /// Rights of a session. A greater role has all rights of a smaller one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ActorRole {
-    /// Reads.
+    /// May only read.
     Observer,
-    /// Commands, with authority; starts flights.
+    /// May command a run while it holds authority, and may start flights.
     Operator,
     /// May take authority from any holder.
     PilotInCommand,
@@ -57,10 +57,10 @@ pub struct Actor {
     pub role: ActorRole,
 }
 
-/// A wish about authority.
+/// A request about authority.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AuthorityRequest {
-    /// To hold it.
+    /// Take authority.
     Take,
     /// Offer authority to the actor of this name, who accepts or rejects it.
     Offer(String),
@@ -278,7 +278,7 @@ impl AuthorityBoard {
 
     /// Returns the present authority, locked until the guard is dropped.
     pub fn authority(&self) -> MutexGuard<'_, Authority> {
-        // No change can stop half-way.
+        // Every change is complete when the lock is released, even by a panic, so a poisoned lock is usable.
         self.authority.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

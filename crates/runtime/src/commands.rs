@@ -27,7 +27,7 @@ pub enum Order {
     Stop,
     /// A remark of the operator: only the entry in the record.
     Note,
-    /// A wish about the authority over the run.
+    /// A request about the authority over the run.
     Authority(AuthorityRequest),
 }
 

@@ -12,7 +12,7 @@ pub enum RunError {
     Vehicle {
         /// Instant.
         at: Time,
-        /// The vehicle's sentence.
+        /// The vehicle's message.
         message: String,
     },
     /// An observer cannot continue, usually the recorder.
@@ -20,7 +20,7 @@ pub enum RunError {
     Observer {
         /// Instant.
         at: Time,
-        /// The observer's sentence.
+        /// The observer's message.
         message: String,
     },
     /// An input source produces inputs faster than the agents consume them.
@@ -74,7 +74,7 @@ pub enum RecordError {
         path: PathBuf,
         /// Its version.
         found: i64,
-        /// Ours.
+        /// The version that this Apex reads and writes.
         known: i64,
     },
     /// The file was written by an earlier Apex, in another layout.
@@ -84,7 +84,7 @@ pub enum RecordError {
         path: PathBuf,
         /// Its version.
         found: i64,
-        /// Ours.
+        /// The version that this Apex reads and writes.
         known: i64,
     },
     /// The file was written by an earlier Apex, in a layout that can be converted.
@@ -94,7 +94,7 @@ pub enum RecordError {
         path: PathBuf,
         /// Its version.
         found: i64,
-        /// Ours.
+        /// The version that this Apex reads and writes.
         known: i64,
     },
     /// Another program writes it now.
@@ -140,7 +140,7 @@ pub enum RecordError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Place and kind.
+        /// Place and kind of the damage.
         what: String,
     },
     /// The mission in the record cannot be loaded by this Apex.

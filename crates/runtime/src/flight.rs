@@ -127,7 +127,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         })
     }
 
-    /// Lives until it ends.
+    /// Runs the flight until it ends; returns the reason.
     pub(crate) fn run(&mut self) -> Result<EndReason, RunError> {
         if std::mem::take(&mut self.is_new)
             && let Some(reason) = self.live_instant(Time::ZERO, true)?

@@ -72,14 +72,14 @@ pub struct SimulatorLink<'a> {
     pub read_value: ReadValue<'a>,
     /// Messages of the application at certain moments.
     pub cues: Cues,
-    /// A `reset` is possible: nothing is lost by beginning again.
+    /// True if a `reset` is permitted: the run is not recorded, so a new beginning loses no data.
     pub may_reset: bool,
 }
 
 /// End of a run at an outside clock.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ForeignEnd {
-    /// As any run.
+    /// The end as of any run.
     pub end: RunEnd,
     /// True if the simulator requests a reset.
     pub reset: bool,

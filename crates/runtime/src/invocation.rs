@@ -80,7 +80,7 @@ struct State {
 struct SolverState {
     state: Mutex<State>,
     changed: Condvar,
-    /// Pause or stop: the solver must look.
+    /// True if a pause or a stop is requested: the solver's thread must then inspect `state`.
     attention: AtomicBool,
     stopped: AtomicBool,
     ended: AtomicBool,

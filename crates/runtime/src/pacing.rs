@@ -13,9 +13,9 @@ const SLEEP_MAX: Duration = Duration::from_secs(3600);
 
 /// A clock by which a pace is kept.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Returns the time since an instant of the clock's own.
+    /// Returns the time since a fixed instant that the clock has chosen.
     fn elapsed(&self) -> Duration;
-    /// Waits.
+    /// Blocks the thread for `span`.
     fn sleep(&self, span: Duration);
 }
 

@@ -50,13 +50,13 @@ pub fn run_all(
 /// Replaces a vehicle: does nothing, and acknowledges commands at once unless an input does.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
-    /// In order of time.
+    /// Acknowledgements of sent commands that are not reported yet, in order of time.
     acknowledgements: Vec<Input>,
     /// Commands that inputs acknowledge by number.
     numbered: BTreeSet<CommandId>,
     /// Acknowledgements of commands by form, in order of time.
     named: Vec<Input>,
-    /// Another source acknowledges.
+    /// True if commands are acknowledged by another source.
     silent: bool,
 }
 

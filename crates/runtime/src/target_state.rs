@@ -15,11 +15,11 @@ pub const TARGET_VALUE_MAX: f64 = 1e9;
 pub enum TargetState {
     /// The target is part of the plan.
     Planned,
-    /// The vehicle is at it.
+    /// The vehicle observes the target now.
     Observing,
-    /// Done.
+    /// The target was observed.
     Observed,
-    /// Left out.
+    /// The plan leaves the target out.
     Skipped,
 }
 

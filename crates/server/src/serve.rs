@@ -71,7 +71,7 @@ pub struct ServeOptions {
 /// Failure to serve.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The record cannot be opened or is none.
+    /// The file cannot be opened, or is not a flight record.
     #[error(transparent)]
     Record(#[from] RecordError),
     /// Another program has the port.
@@ -146,7 +146,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
         let stop = stop_asked()?;
         let stop = async move {
             stop.await;
-            // Flights end while connections do.
+            // Flights and connections are ended at the same time.
             if let Some(tower) = closing {
                 tower.close();
             }
@@ -176,7 +176,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     if let Some(forks) = forks {
         forks.close();
     }
-    // However serving ended: no flight is cut off.
+    // Every flight is ended cleanly, whatever ended the server.
     if let Some(tower) = flown {
         tower.close();
         tower.join();

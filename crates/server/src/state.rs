@@ -173,7 +173,7 @@ impl Views {
         Ok(false)
     }
 
-    /// Another connection, to the record's first agent.
+    /// Returns another connection, to the record's first agent.
     ///
     /// # Errors
     /// A record that has changed since it was checked.

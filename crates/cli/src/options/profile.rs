@@ -117,7 +117,7 @@ pub struct ProfileCompareOptions {
     pub profile: Option<PathBuf>,
     /// The profile to compare with; default is the paper's Figure 4.
     pub with: Option<PathBuf>,
-    /// Run selection on missions that no profile has seen, and tell what its choices cost more than the best planner's.
+    /// Run selection on missions that no profile has seen, and print by how much its choices cost more than the best planner's.
     #[arg(long, conflicts_with_all = ["profile", "with"])]
     pub regret: bool,
     /// Counts of targets on which regret is measured.

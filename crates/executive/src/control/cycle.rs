@@ -55,7 +55,7 @@ pub(crate) struct Cycle<'a> {
 /// lists.
 const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
 
-/// Tasks to be checked: mostly a few.
+/// A list of tasks to check; usually short.
 pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
 
 /// Pending work at this instant, by phase. Most instants affect few tasks, so the lists are short.
@@ -132,7 +132,7 @@ pub(crate) struct Firing {
     pub(crate) task: TaskId,
     /// Clause.
     pub(crate) clause: Clause,
-    /// Level of the clause.
+    /// Level of the clause: the task's step, or the procedure that the task executes.
     pub(crate) level: Level,
     /// The monitor.
     pub(crate) monitor: MonitorId,

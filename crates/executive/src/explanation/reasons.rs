@@ -34,7 +34,7 @@ pub enum ReasonKind {
     Result,
     /// A least interval or a duration is not over.
     Time,
-    /// A resource is in other hands.
+    /// Other tasks hold or claim a resource that it needs.
     Resource,
     /// The task or an ancestor is suspended, or the parent is not ongoing.
     Suspended,

@@ -54,11 +54,11 @@ pub(crate) trait EvalContext {
     fn limits(&self) -> &Limits;
 }
 
-/// EvalContext with further variables on top: pattern bindings, a task's own bindings.
+/// An evaluation context with additional variables, which hide those of equal name: bindings of a pattern, a task's own bindings.
 pub(crate) struct WithBindings<'a> {
-    /// Below.
+    /// The context that answers everything else.
     pub(crate) below: &'a dyn EvalContext,
-    /// On top.
+    /// The additional variables.
     pub(crate) bindings: &'a Bindings,
 }
 

@@ -98,7 +98,7 @@ pub(crate) fn display(value: &Value) -> String {
     text.0
 }
 
-/// Shared parts make a small value print without end: the writer stops the printing.
+/// A small value whose parts are shared can have a very long text, so the writer stops at the greatest length.
 struct BoundedText(String);
 
 impl Write for BoundedText {

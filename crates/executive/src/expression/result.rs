@@ -30,7 +30,7 @@ pub(crate) enum Action {
     Print(String),
     /// `(command FORM [:timeout D])`, or a call of a host function declared `:command t`.
     Command {
-        /// The ground form.
+        /// The form, with every variable replaced by its value.
         form: Value,
         /// Time limit for the answer; `None`: the default.
         timeout: Option<Duration>,

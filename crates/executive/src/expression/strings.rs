@@ -118,7 +118,7 @@ fn widths(parameters: &str) -> Result<(usize, Option<usize>), String> {
     let number = |text: &str| match text {
         "" => Ok(None),
         digits => match digits.parse() {
-            // Wider than a line of print serves no reader.
+            // A printed line is narrower than this limit.
             Ok(number) if number <= 200_usize => Ok(Some(number)),
             _ => Err(format!("~{parameters}: a width or number of decimals is at most 200")),
         },

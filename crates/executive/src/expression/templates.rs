@@ -10,7 +10,7 @@ use apex_model::source::Place;
 use apex_model::value::Value;
 use smallvec::SmallVec;
 
-/// Values on the way into a list: mostly a few.
+/// Values collected for one list; most lists are short.
 type Few = SmallVec<[Value; 8]>;
 
 /// Nesting of templates, which is bounded by the reader already.

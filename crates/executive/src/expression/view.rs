@@ -21,7 +21,8 @@ pub(crate) struct View<'a> {
     pub(crate) agent: &'a Agent,
     /// The task.
     pub(crate) task: TaskId,
-    /// At the step: the surrounding procedure's variables. At the procedure: the task's own controller's.
+    /// At the level of the step, expressions see the variables of the surrounding procedure; at the level of the procedure, those of the
+    /// task's own controller.
     pub(crate) level: Level,
     /// The instant of the evaluation: now, or a later one while a crossing of priorities is computed.
     pub(crate) now: Time,

@@ -90,7 +90,7 @@ pub(crate) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool 
     }
 }
 
-/// Does `value` satisfy all `tests`, prepared from `constraints`? Patterns may bind.
+/// Returns true if `value` satisfies all `tests`, which were prepared from `constraints`. Patterns may bind variables.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
@@ -224,7 +224,7 @@ fn satisfies(
     }
 }
 
-/// `right` in the sense of `reading`.
+/// Returns the right side `right` as `reading` interprets it.
 pub(crate) fn read(right: Value, reading: RightSide, place: Place) -> Result<Value, EvaluationError> {
     let error = |message| EvaluationError { message, place };
     match (reading, right.as_number()) {

@@ -129,7 +129,7 @@ impl Matcher<'_> {
         let mut choices: Vec<ChoicePoint<'p>> = Vec::new();
         loop {
             let Some(node) = goals else { return Ok(true) };
-            // Without a choice the way is straight, and as long as the pattern only.
+            // Without alternatives, the number of steps is bounded by the size of the pattern and is not counted.
             *self.steps += u64::from(!choices.is_empty());
             if *self.steps > MATCH_STEPS_MAX {
                 return Err(self.error(format!("the match takes more than MATCH_STEPS_MAX = {MATCH_STEPS_MAX} steps")));

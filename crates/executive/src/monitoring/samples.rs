@@ -65,11 +65,11 @@ pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variab
 /// Relation of a sample to the newest sample of its object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arrival {
-    /// Too early, too late, or answered before: nothing.
+    /// The sample is too early, too late or answered already, and changes nothing.
     Nothing,
-    /// Not the newest, but all since the window began is remembered: the part looks back again.
+    /// The sample is older than the newest one. All samples since the window began are kept, so the part looks back again.
     Late,
-    /// It continues with it.
+    /// The sample is the next one in order of time, and the part processes it.
     Next,
 }
 

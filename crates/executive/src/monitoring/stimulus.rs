@@ -26,7 +26,7 @@ pub(crate) enum Stimulus {
         at: Time,
         /// Arrival number.
         sequence: u64,
-        /// No sample of the variable is as new.
+        /// True if no other sample of the variable is as new.
         newest: bool,
     },
     /// A message.
@@ -53,13 +53,13 @@ pub(crate) enum Stimulus {
     TaskState {
         /// The task.
         task: TaskId,
-        /// Before.
+        /// State before the change.
         from: TaskState,
-        /// After.
+        /// State after the change.
         state: TaskState,
         /// Instant.
         at: Time,
-        /// As above.
+        /// The number of the first monitor that was made later, as for `TaskEnded`.
         before: MonitorId,
     },
 }

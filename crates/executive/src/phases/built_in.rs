@@ -24,7 +24,7 @@ fn evaluated(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Value, Becaus
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
 
-/// Returns the position of the last argument, which may name no task.
+/// Returns the position of the last argument, for errors about it; the default position without arguments.
 fn place(arguments: &[Expr]) -> Place {
     arguments.last().map(|argument| argument.place).unwrap_or_default()
 }

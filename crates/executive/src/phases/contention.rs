@@ -138,7 +138,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         }
     }
     for (id, resource, needed, left) in arbitration.impossible {
-        // Consumed amounts may be restored, and most tasks wait for that.
+        // A renewable resource may be replenished, and most tasks wait for that instead of failing.
         let full = cycle.agent.resources.get(resource).and_then(|resource| resource.renewable);
         if full.is_some_and(|full| needed <= full) && !refuses_to_wait(cycle, id) {
             continue;

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A task that the session was reported of.
+/// A task whose states were reported to the session.
 #[derive(Clone, Debug)]
 pub(super) struct KnownTask {
     pub(super) state: TaskState,

@@ -50,7 +50,7 @@ impl Children {
         self.place(child).is_ok_and(|index| self.places.get(index).is_some_and(|place| place & GONE == 0))
     }
 
-    /// Forgets all.
+    /// Removes all children.
     pub fn clear(&mut self) {
         *self = Children::default();
     }

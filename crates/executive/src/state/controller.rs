@@ -18,7 +18,7 @@ use smallvec::SmallVec;
 pub struct Selection {
     /// The goal with its variables filled in.
     pub goal: Value,
-    /// The way.
+    /// The method.
     pub way: MethodBinding,
     /// The needs of the profile, which are granted together or not at all.
     pub needs: Vec<Need>,
@@ -34,20 +34,20 @@ pub struct Selection {
     pub refuses: bool,
 }
 
-/// Ways of pursuing a goal.
+/// Methods for a goal, each with its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MethodBinding {
     /// A procedure, with the bindings of its index.
     Procedure(ProcedureRef, Bindings),
     /// A primitive (its index in the library), with the bindings of its index.
     Primitive(u32, Bindings),
-    /// By one child per item.
+    /// One child task per item.
     Items(Vec<Value>),
-    /// By a built-in activity, its arguments evaluated at the start.
+    /// A built-in activity, whose arguments are evaluated at the start.
     BuiltIn(BuiltInActivity),
-    /// By `(terminate ..)`.
+    /// The built-in activity `(terminate ..)`.
     Terminate,
-    /// By asking a solver (the index of its declaration) for a procedure first.
+    /// A procedure that a solver (the index of its declaration) must plan first.
     Solver(u32),
 }
 
@@ -213,6 +213,6 @@ pub struct OpenCommand {
     pub sent_at: Time,
     /// Time limit for the answer.
     pub patience: Duration,
-    /// The end of that.
+    /// The wake at that limit.
     pub timeout: WakeKey,
 }

@@ -55,7 +55,7 @@ impl Guards {
         self.tasks.contains_key(&task)
     }
 
-    /// Returns true if there is no such task.
+    /// Returns true if no task has an invariant.
     pub fn is_empty(&self) -> bool {
         self.tasks.is_empty()
     }

@@ -47,7 +47,7 @@ impl Orders {
         self.level.settle(now);
     }
 
-    /// The claimants, the first first.
+    /// Returns the claimants in the order of their turns.
     pub(super) fn in_turn<F: Fn(f64, Time) -> f64>(&self, order: TurnOrder, now: Time, risen_to: F) -> InTurn<'_, F> {
         match order {
             TurnOrder::Plain => self.plain.in_turn(now, risen_to),
@@ -77,7 +77,7 @@ impl Group {
         self.spans.keys().flatten().next().copied()
     }
 
-    /// Its claimants, the first first.
+    /// Returns its claimants in the order of their turns.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, order: TurnOrder, now: Time, risen_to: F) -> InTurn<'_, F> {
         self.orders.in_turn(order, now, risen_to)
     }

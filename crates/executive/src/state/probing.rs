@@ -29,11 +29,11 @@ pub struct Probing {
     pub place: Place,
     /// The goal to pursue.
     pub goal: Template,
-    /// From start to start, at least.
+    /// Minimum time from the start of one probe to the start of the next.
     pub interval: Duration,
-    /// Not longer than this after the first start.
+    /// Time after the start of the first probe in which probes may begin; `None`: unlimited.
     pub time_limit: Option<Duration>,
-    /// Not more probes than this.
+    /// Maximum number of probes; `None`: unlimited.
     pub count_limit: Option<u64>,
     /// Number of probes begun.
     pub begun: u64,
@@ -41,13 +41,13 @@ pub struct Probing {
     pub first_at: Option<Time>,
     /// Beginning of the last probe.
     pub last_at: Option<Time>,
-    /// The one that lives.
+    /// The probe that runs now.
     pub running: Option<TaskId>,
-    /// The next probe, or the end of the time limit.
+    /// The wake for the next probe or for the end of the time limit.
     pub wake: Option<WakeKey>,
     /// Reason for which no further probe will begin; `None` while one may begin.
     pub end: Option<ProbingEnd>,
-    /// The clause is watched no more: this is forgotten with its last probe.
+    /// True if the clause is no longer watched: this entry is removed when its last probe has ended.
     pub forgotten: bool,
 }
 

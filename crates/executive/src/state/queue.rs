@@ -87,7 +87,7 @@ impl Queue {
         self.steady.range(key..).next()
     }
 
-    /// The claimants, the first first; `risen_to` computes a priority from importance and due instant.
+    /// Returns the claimants in the order of their turns; `risen_to` computes a priority from importance and due instant.
     pub(super) fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         let mut lines = vec![Rest::steady(&self.steady)];
         for (importance, line) in &self.lines {

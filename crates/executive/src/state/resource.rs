@@ -18,7 +18,7 @@ pub struct Need {
     pub amount: f64,
 }
 
-/// A part of a resource in the hands of a task.
+/// A part of a resource that a task holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Holding {
     /// The holder.

@@ -97,13 +97,13 @@ pub struct Task {
 pub struct HeldBack {
     /// True if the preceding step of a sequence has not ended.
     pub by_predecessor: bool,
-    /// Its waitfor is not satisfied.
+    /// True if its waitfor is not satisfied.
     pub by_condition: bool,
-    /// `:with-min-interval` has not passed.
+    /// True if `:with-min-interval` has not passed.
     pub by_interval: bool,
     /// True if it uses the result of another step that does not exist yet.
     pub by_result: bool,
-    /// Its waitfor does: no monitor exists.
+    /// True if its waitfor uses a result that does not exist yet: the waitfor then has no monitor.
     pub by_unknown: bool,
 }
 

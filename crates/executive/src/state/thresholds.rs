@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 pub struct Threshold {
     /// The side of the bound on which a sample must be.
     pub side: Side,
-    /// The bound in SI; not a not-a-number.
+    /// The bound in SI; never NaN.
     pub bound: f64,
     /// Its dimension.
     pub dimension: Dimension,

@@ -38,7 +38,7 @@ pub(super) enum Rest<'a> {
 }
 
 impl<'a> Rest<'a> {
-    /// Places that stay.
+    /// Returns the claimants of a queue whose places do not change with time.
     pub(super) fn steady(all: &'a BTreeSet<QueueKey>) -> Rest<'a> {
         Rest::Steady { all, rest: all.range(..) }
     }

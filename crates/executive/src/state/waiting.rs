@@ -311,7 +311,7 @@ impl Waiting {
         }
     }
 
-    /// Returns the queued claimants, the first one first; `risen_to` computes a priority from importance and due instant.
+    /// Returns the queued claimants in the order of their turns; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         self.all.in_turn(self.order().unwrap_or(TurnOrder::Plain), now, risen_to)
     }

@@ -291,7 +291,7 @@ fn gain(
         first_valid_s: &first_valid_s,
         is_explained: false,
     };
-    // The image of the segment will be on its way as the others are: when is not known of either.
+    // The arrival of the segment's image on the ground is unknown, and so is that of the other images: latency does not count here.
     let looks = fire.wanted.looks.iter().map(|look| WantedLook { latency: None, ..look.clone() }).collect();
     let wanted = ObservedTarget { looks, ..fire.wanted.clone() };
     let altitude_m = lost.begin.altitude_m;

@@ -65,7 +65,7 @@ pub struct SolveOptions<'a> {
     pub solver: Option<&'a str>,
     /// Time limit.
     pub budget: Duration,
-    /// Seed of its chance.
+    /// Seed of its random numbers.
     pub seed: u64,
     /// The plan that is flown now.
     pub previous: Option<Plan>,

@@ -11,7 +11,7 @@ use apex_portfolio::formats;
 use apex_solvers::bounds::age_grid::cycles::WithoutEnd;
 use std::fmt::Write;
 
-/// Gap below which rounding is all that is left.
+/// A smaller gap consists of rounding errors alone.
 const OPTIMAL: f64 = 1e-6;
 const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Visits of a better cycle that are shown.

@@ -19,11 +19,11 @@ const CORRECTED_MIN: usize = 3;
 const FITTED_MIN: usize = 6;
 /// Greatest correction of stated levels by measured ones: a greater difference means another radio.
 const CORRECTION_MAX: f64 = 0.3;
-/// Distances of a fit must differ by this factor (decimal logarithm).
+/// Least decimal logarithm of the ratio between the greatest and the smallest distance of a fit.
 const SPREAD_MIN: f64 = 0.1;
 /// Number of cells by which a shadow is assumed to extend beyond its measurements, at most.
 const SHADOW_STEPS_MAX: i32 = 4;
-/// Near full level the law is not seen.
+/// Level above which a sample does not show how the level falls with distance, so the fit leaves it out.
 const SATURATED: f64 = 0.97;
 
 /// A level with its source.

@@ -33,7 +33,7 @@ pub struct PlanInput {
     pub budget: Duration,
     /// Greatest time of proofs of bounds.
     pub bound_budget: Duration,
-    /// Seed of solvers' chance.
+    /// Seed of the solvers' random numbers.
     pub seed: u64,
     /// The mission and its goal, if the problem belongs to a mission.
     pub mission: Option<(Mission, Value)>,
@@ -112,7 +112,7 @@ pub struct Benchmark {
     pub vehicles: Option<usize>,
 }
 
-/// Extensions of benchmark files; other files are looked into.
+/// Extensions of benchmark files; of other files the content decides.
 const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
 
 impl PlanInput {
@@ -128,7 +128,7 @@ impl PlanInput {
         } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
             of_file(path).map(Some)
         } else if path.is_file() {
-            // Of tables some are benchmarks, maps never are.
+            // A table may be a benchmark; a map never is.
             let found = if is_of(path, MAPS) { None } else { of_benchmark(path)? };
             match found.is_none() && (is_of(path, MAPS) || is_of(path, TABLES)) {
                 true => Err(places_alone(path)),

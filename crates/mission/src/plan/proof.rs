@@ -13,7 +13,7 @@ use apex_solvers::bounds::{self as bound, Contradiction};
 /// some methods are skipped.
 pub const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Gap below which rounding is all that is left.
+/// A smaller gap consists of rounding errors alone.
 const OPTIMAL: f64 = 1e-6;
 
 /// Value of a plan, and the proven bound.

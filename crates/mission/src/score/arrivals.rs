@@ -19,7 +19,7 @@ pub(super) struct Arrivals {
     /// Instant at which the scanner was switched on.
     line_begin_s: Option<f64>,
     is_airborne: bool,
-    /// Nothing is read from a wreck.
+    /// True after a crash: images on board are then lost.
     has_crashed: bool,
 }
 

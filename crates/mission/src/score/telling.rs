@@ -102,7 +102,7 @@ fn not_known(look: &LookResult) -> Vec<String> {
         Remark::AttitudeNotRecorded => Some("not known: attitude, which the record does not hold"),
         Remark::ArrivalNotKnown => Some("not known: when images were on the ground"),
         Remark::ScanRateNotKnown => Some("not known: the scan rate, so gaps between lines are not counted"),
-        // A record is not expected to hold these.
+        // Most records lack these, so their absence is not reported.
         Remark::CloudNotKnown | Remark::TerrainNotKnown => None,
     };
     look.remarks.iter().filter_map(words).map(str::to_string).collect()

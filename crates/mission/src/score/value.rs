@@ -33,7 +33,7 @@ pub struct Cost {
     pub name: String,
     /// Hours, a probability, or a number of occurrences.
     pub quantity: f64,
-    /// Points for one.
+    /// Points for one unit of the amount.
     pub price: f64,
 }
 

@@ -1,5 +1,5 @@
 //! Updates in flight: new data of targets and weather after the start, and the mission as it is assumed since
-//! (docs/reference/mission-data.md, "News in flight").
+//! (docs/reference/mission-data.md, "Changes in flight").
 
 use crate::{Fire, Mission, TargetKind};
 use apex_model::planned::Location;

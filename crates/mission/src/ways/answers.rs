@@ -76,7 +76,7 @@ fn landing_place_in_glide(limits: &Limits, arguments: &[Value]) -> Result<Value,
     let here = Location::of(location)?;
     let ratio = match ratio.as_number() {
         Some((ratio, Dimension::NONE)) if ratio > 0.0 => ratio,
-        // What does not glide reaches nothing.
+        // Without a glide ratio above zero, no place is in reach.
         Some((_, Dimension::NONE)) => return Ok(Value::nil()),
         _ => return Err(format!("the glide ratio must be a number; got {ratio}")),
     };
@@ -202,7 +202,7 @@ fn length(value: &Value) -> Result<Option<f64>, String> {
 fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, altitude] = arguments else { return Ok(Value::nil()) };
-    // A place that the vehicle refuses is its business to explain.
+    // No path for an invalid place: the vehicle refuses the command and states the reason.
     let Ok((to, stated_m)) = spot(limits, place) else { return Ok(Value::nil()) };
     let altitude_m = length(altitude)?.or(stated_m);
     // An aircraft that was low for its landing must climb before it continues.

@@ -34,9 +34,9 @@ pub(super) const MARGIN_SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
 const CHORD_DEG: f64 = 15.0;
 /// Room for a circle that begins in its middle, as a multiple of its radius.
 pub(super) const CIRCLE_ROOM: f64 = 2.2;
-/// Waits shorter than this do not pay for a circle.
+/// Duration in seconds below which a wait is ignored: a circle would take longer.
 const HOLD_S_MIN: f64 = 5.0;
-/// Zones count from this much before their active time until this much after it.
+/// Zones count from this many seconds before their active time until as many seconds after it.
 const EARLY_S: f64 = 120.0;
 
 impl Limits {

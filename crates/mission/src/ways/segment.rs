@@ -10,7 +10,7 @@ use apex_model::problem::Position;
 /// Seconds of straight flight before a segment that is flown again: bank and roll settle in 5 s (time constants of a second,
 /// roll rates of some degrees per second); the rest is for the end of the turn.
 const SEGMENT_LEAD_IN_S: f64 = 10.0;
-/// Less than this of a line is not worth coming back to.
+/// Length in metres below which the rest of a line after the segment is not flown.
 const REST_M_MIN: f64 = 500.0;
 
 /// A lost segment of a line, and the end of the line.

@@ -55,7 +55,7 @@ fn looking_back(condition: &Condition, report: &mut FindingCollector<'_>) {
     warn(
         report.locator.span(condition.place),
         "this condition looks back without end".to_string(),
-        format!("it says until when its evidence counts, but not from when: {}", kept(what)),
+        format!("it states the latest time of its evidence, but not the earliest: {}", kept(what)),
         "add an earliest time: `(> (- +now+ P10M))`, or `(:es T)` in `:timing`",
         report,
     );

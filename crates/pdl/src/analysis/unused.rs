@@ -64,7 +64,7 @@ fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
                     .help("remove the `=>`, or write `?` for a part that is not needed");
                 let diagnostic = match misspelt_use(procedure, name, report) {
                     Some((span, other)) => diagnostic
-                        .label(span, format!("`?{other}` stands only here"))
+                        .label(span, format!("`?{other}` occurs only here"))
                         .fix(Fix::look(format!("replace `?{other}` by `?{name}`")).replace(span, format!("?{name}"))),
                     None => diagnostic,
                 };
@@ -148,7 +148,7 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     if library.solvers.is_empty()
         && let Some(reached) = reached(program)
     {
-        let reason = "no goal that an agent may come to pursue is served by it";
+        let reason = "it serves no goal that an agent can pursue";
         for (number, each) in library.procedures.iter().enumerate() {
             if is_own(each.place) && !reached.contains(&Method::Procedure(number)) {
                 add(each.place, report, format!("`{}` is never pursued", pattern_text(&each.index)), reason);

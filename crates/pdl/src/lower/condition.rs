@@ -100,7 +100,7 @@ impl Lowering {
         {
             let diagnostic =
                 Diagnostic::error(codes::MALFORMED_CONDITION, quality.span, "`:quality` belongs to an episode")
-                    .label(datum.span, "this is none");
+                    .label(datum.span, "this condition is not an episode");
             return self.refuse(diagnostic);
         }
         let plain = |kind| Some(Condition { tag: None, kind, place: datum.span.place() });

@@ -152,7 +152,7 @@ impl Lowering {
         if let Some(join) = options.iter().find(|group| group.name == "join")
             && options.iter().all(|group| group.name != "derived")
         {
-            let diagnostic = Diagnostic::error(codes::DERIVATION, join.span, "`:join` stands without `:derived`");
+            let diagnostic = Diagnostic::error(codes::DERIVATION, join.span, "`:join` is given without `:derived`");
             return self.refuse(diagnostic.help("it says how the inputs of a derived state variable are joined"));
         }
         let unit = self.optional(&options, "unit", Lowering::unit)?.flatten();

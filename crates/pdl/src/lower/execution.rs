@@ -16,7 +16,7 @@ impl Lowering {
         let (name, items) = (clause.head_name(), clause.tail());
         if items.is_empty() {
             let shape = format!("({name} CONDITION..)");
-            return self.missing_part(clause.span, &format!("this `{name}` states nothing"), &shape);
+            return self.missing_part(clause.span, &format!("this `{name}` has no condition"), &shape);
         }
         let mut parts = Vec::new();
         for item in items {

@@ -40,7 +40,7 @@ impl Lowering {
                 return self.refuse(diagnostic);
             }
             DatumKind::Splice(_) => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, span, "`,@` stands outside of a list template")
+                let diagnostic = Diagnostic::error(codes::MALFORMED, span, "`,@` is used outside of a list template")
                     .help("use it inside of a backquoted list or an activity");
                 return self.refuse(diagnostic);
             }

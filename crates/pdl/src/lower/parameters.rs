@@ -117,7 +117,7 @@ impl Lowering {
             Some([name]) if part == ParameterKind::Optional => local_name(name).map(|name| (name, None)),
             _ => {
                 let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "a parameter is a name")
-                    .help("one that may be left out stands after `&optional`: `NAME` or `(NAME DEFAULT)`");
+                    .help("an optional parameter comes after `&optional`: `NAME` or `(NAME DEFAULT)`");
                 self.refuse(diagnostic)
             }
         }

@@ -25,7 +25,7 @@ impl Lowering {
             if let (Some(first), Some(last)) = (outside.first(), outside.last()) {
                 found = true;
                 items = after;
-                let message = format!("`{}` stands outside of its step", first.head_name());
+                let message = format!("`{}` is outside of its step", first.head_name());
                 let fix = Fix::safe("close the step after it").replace(closer(item), "").insert_after(last.span, ")");
                 let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, first.span, message)
                     .label(item.head_span(), "this step ends before it")
@@ -47,15 +47,10 @@ impl Lowering {
         if at < 2 {
             return false;
         }
-        let diagnostic =
-            Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step stands inside of another one")
-                .label(step.head_span(), "this one, which ends only after it")
-                .reason("the steps of a procedure are siblings")
-                .fix(
-                    Fix::safe("close the other step before it")
-                        .insert_after(before.span, ")")
-                        .replace(closer(step), ""),
-                );
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step is inside another one")
+            .label(step.head_span(), "the other step, which ends only after it")
+            .reason("the steps of a procedure are siblings")
+            .fix(Fix::safe("close the other step before it").insert_after(before.span, ")").replace(closer(step), ""));
         self.report(diagnostic);
         true
     }

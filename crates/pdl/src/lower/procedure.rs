@@ -76,7 +76,8 @@ impl Lowering {
             [kind] => kind.as_symbol().map(|name| name.folded().trim_start_matches(':').to_string()),
             _ => None,
         };
-        let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, "the kind of a procedure stands first");
+        let diagnostic =
+            Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, "the kind of a procedure must come first");
         let diagnostic = match kind.filter(|name| KINDS.contains(&&**name)) {
             Some(name) => {
                 let fix = Fix::safe(format!("write `(procedure :{name} ..)`")).replace(clause.span, "");

@@ -178,7 +178,7 @@ impl Lowering {
         for (name, (span, meant)) in &odd {
             reported.insert(name);
             reported.insert(meant);
-            let message = format!("`?{name}` stands only here, and looks like `?{meant}`");
+            let message = format!("`?{name}` occurs only here, and looks like `?{meant}`");
             let fix = Fix::safe(format!("replace `?{name}` by `?{meant}`")).replace(*span, format!("?{meant}"));
             let unbound = !scope.is_visible(meant, None)
                 && scope.uses.iter().any(|(used, step, _)| used == meant && !scope.is_visible(used, *step))

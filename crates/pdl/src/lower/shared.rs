@@ -47,7 +47,7 @@ impl Lowering {
             let diagnostic = Diagnostic::error(
                 codes::CLAUSE_TWICE,
                 clause.span,
-                format!("`{name}` says again when this task changes state"),
+                format!("`{name}` repeats a clause that changes the state of this task"),
             )
             .reason("the same clause is here already in another spelling")
             .help("keep one of them, or join the conditions with `(:or ..)`");
@@ -96,8 +96,7 @@ impl Lowering {
         let refuse_if_busy = !options.is_empty();
         let entries: Vec<Datum> = entries.into_iter().cloned().collect();
         if let ([option, ..], []) = (options.as_slice(), entries.as_slice()) {
-            let diagnostic =
-                Diagnostic::error(codes::MALFORMED, option.span, "`:refuse-if-busy` stands without resources");
+            let diagnostic = Diagnostic::error(codes::MALFORMED, option.span, "`:refuse-if-busy` has no resources");
             return self.refuse(diagnostic.help("name them before it: `(profile camera-1 :refuse-if-busy)`"));
         }
         self.all(&entries, |lowering, item| {

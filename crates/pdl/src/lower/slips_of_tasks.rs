@@ -164,7 +164,7 @@ impl Lowering {
             {
                 let filler = Span { end: next.span.start, ..item.span };
                 let fix = Fix::safe("remove the word before it").replace(filler, "");
-                return self.slip(item.span, format!("a word stands between the object and `{relation}`"), fix);
+                return self.slip(item.span, format!("a word is between the object and `{relation}`"), fix);
             }
         }
         false

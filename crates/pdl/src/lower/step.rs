@@ -162,7 +162,7 @@ impl Lowering {
         match clause.head_name() {
             "waitfor" => {
                 if items.is_empty() {
-                    return self.missing_part(clause.span, "this `waitfor` waits for nothing", "(waitfor CONDITION..)");
+                    return self.missing_part(clause.span, "this `waitfor` has no condition", "(waitfor CONDITION..)");
                 }
                 let conditions = self.conditions(items)?;
                 step.waitfor = self.clause_conditions(conditions, clause.span);

@@ -15,7 +15,8 @@ const STEPS_MAX: usize = 4_000;
 /// A leg may be faster than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
 const TIME_TOLERANCE: f64 = 0.02;
 const TIME_TOLERANCE_S: f64 = 30.0;
-/// The Earth is this far from being a sphere: nearer than the limit by more is surely near enough.
+/// Relative difference between distances on the sphere and on the ellipsoid: a place that is nearer than the limit by more than this is
+/// certainly near enough.
 const SPHERE_TOLERANCE: f64 = 0.01;
 const WORTH_TOLERANCE: f64 = 1e-6;
 
@@ -52,7 +53,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
-        // A vehicle that skips a place leaves it in the direction of its arrival.
+        // If the manoeuvre has no lines, the vehicle leaves the place in the direction of its arrival.
         let came = || turns::end_track_rad(turns::flown(problem, &visit.route, &visit.path));
         exit = turns::track_rad(manoeuvre.lines.last(), true).or_else(came);
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);

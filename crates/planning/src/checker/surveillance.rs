@@ -110,7 +110,7 @@ fn integral(
     quadrature::integrate(&mut density, from_s, until_s, &breaks, 0.1 * COST_TOLERANCE)
 }
 
-/// Checks that every target is either visited or left out with a reason, and that the cycle is the begin of the visits.
+/// Checks that every target is either visited or left out with a reason, and that the cycle is the beginning of the visits.
 fn bookkeeping(problem: &SurveillanceProblem, plan: &SurveillancePlan, seen: &[Vec<f64>]) -> Vec<String> {
     let mut found = Vec::new();
     for (target, ends) in problem.targets.iter().zip(seen) {

@@ -10,9 +10,10 @@ use std::f64::consts::{PI, TAU};
 const TURN_TOLERANCE: f64 = 0.25;
 /// Tolerance of a change of heading, for the spacing of the points and the wind between them.
 const HEADING_TOLERANCE_RAD: f64 = 0.06;
-/// Greatest corner between two pieces of any length: on a path whose points deviate by a thousandth of the radius it is 0.09.
+/// Greatest corner between two pieces of any length, in radians: on a path whose points deviate from the curve by a thousandth of its
+/// radius, corners are 0.09 rad.
 const CORNER_RAD_MAX: f64 = 0.12;
-/// Shorter pieces show no direction.
+/// Length in metres below which a piece is too short to show a direction.
 const SHORT_M: f64 = 0.5;
 
 /// Returns the flown positions: the path, or the route if turns are not limited.

@@ -202,7 +202,7 @@ impl<'a> Scenario<'a> {
     /// Returns the expected cost of `word`, and the work of computing it in nanoseconds.
     fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
         let targets = &self.problem.targets;
-        // A visit that has not ended has no number.
+        // NaN marks a target that was not visited yet.
         let mut last_s = vec![f64::NAN; targets.len()];
         let (mut total, mut visits, mut seen) = (self.idle.1, 0_u64, Vec::new());
         self.fly(word, |stop| {

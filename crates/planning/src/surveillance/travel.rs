@@ -49,7 +49,8 @@ struct Ends {
     targets: Vec<EndpointId>,
 }
 
-/// Times may be read off straight lines with an error of this share of the longest way, and of [`ERROR_S_MAX`].
+/// Permitted error of times that are interpolated between stored departures, as a share of the longest travel time; at least
+/// [`ERROR_S_MAX`] is permitted.
 const ERROR_SHARE: f64 = 0.005;
 const ERROR_S_MAX: f64 = 1.0;
 /// Greatest number of departures with stored times, and of numbers in all of them.
@@ -120,8 +121,8 @@ impl SurveillanceTravel {
         Ok(ways)
     }
 
-    /// Returns the times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
-    /// all others up to `last_departure_s`.
+    /// Returns the times for a departure at the beginning. If the wind changes, also those for later departures, as many as linear
+    /// interpolation needs up to `last_departure_s`.
     fn at_departures(&mut self, changes_s: &[f64], last_departure_s: f64) -> TravelTimes {
         let first = self.leaving_at(0.0);
         let mut known = vec![first];

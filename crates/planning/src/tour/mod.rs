@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn directed_lengths_count() {
-        // One direction is cheap, the other is expensive.
+        // The tour is short in one direction and long in the other.
         let distance = |from: usize, to: usize| if (from + 1) % 5 == to { 1.0 } else { 10.0 };
         let mut tour = vec![4, 3, 2, 1, 0];
         let problem = examples::random(5, 1);

@@ -73,7 +73,7 @@ pub(super) fn agent_meant(name: &str) -> Option<&str> {
     (is_word(first) && !rest.is_empty() && !rest.contains(['/', ':'])).then_some(first)
 }
 
-/// `T12`, `12`
+/// Returns true for a task number: `T12` or `12`.
 pub(super) fn is_number(name: &str) -> bool {
     name.trim_start_matches(['T', 't']).parse::<u64>().is_ok()
 }

@@ -63,7 +63,7 @@ impl Flight<'_, '_> {
         Ok(true)
     }
 
-    /// Takes the inputs of live sources that may be heard now.
+    /// Takes the inputs of live sources that the permitted rates admit now.
     fn take_live(&mut self, instant: Time) -> Result<Option<Waited>, RunError> {
         for input in self.live.as_ref().map(|live| live.0.take()).unwrap_or_default() {
             let control = match input {
@@ -89,7 +89,7 @@ impl Flight<'_, '_> {
                 self.expecting = false;
                 return Ok(Some(Waited::Changed));
             }
-            // The wait begins again, and looks.
+            // The wait begins again, and takes the inputs of live sources then.
             Control::Look => {}
             Control::Pace(pace) => {
                 let now = self.pacer.now(self.now, instant);
@@ -104,7 +104,7 @@ impl Flight<'_, '_> {
         Ok(None)
     }
 
-    /// Takes in an input that arrives before its instant: now.
+    /// Takes an input that arrives while the run waits: its instant is the present one.
     fn take_in(&mut self, mut input: Input) -> Result<(), RunError> {
         input.at = self.pacer.now(self.now, input.at);
         match self.group.check(&input) {

@@ -166,7 +166,7 @@ fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<O
         Control::Input(kind) => Some(LiveInput::Event(None, kind)),
         Control::InputFor(agent, kind) => Some(LiveInput::Event(Some(agent), kind)),
         Control::Stop => Some(LiveInput::Stop),
-        // No line has one of these kinds.
+        // Lines of sources never have these kinds.
         Control::Pace(_) | Control::Command(_) | Control::Look | Control::Quiet => None,
     })
 }

@@ -22,7 +22,7 @@ impl Introduction {
     /// # Errors
     /// The error in an introduction.
     pub fn read(line: &str) -> Option<Result<Introduction, String>> {
-        // Most lines are none: they are not parsed twice.
+        // Most lines are not introductions; this test avoids parsing them twice.
         if !line.contains("\"source\"") {
             return None;
         }

@@ -146,7 +146,7 @@ impl LiveSources {
     }
 
     fn state(&self) -> MutexGuard<'_, SourcesState> {
-        // No update of the state can stop half-way.
+        // Every update is complete when the lock is released, even by a panic, so a poisoned lock is usable.
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -62,7 +62,7 @@ pub(super) trait Visitor {
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()>;
 }
 
-/// A visitor that needs nothing.
+/// A visitor that ignores all rows and seals.
 pub(super) struct NoVisitor;
 
 impl Visitor for NoVisitor {

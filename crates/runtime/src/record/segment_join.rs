@@ -50,7 +50,7 @@ pub(super) struct Joined {
 /// The files before the segment at `path` are missing, or are not those that it continues.
 #[derive(Debug)]
 pub(super) enum ChainFault {
-    /// This file is nowhere.
+    /// The file was not found.
     Missing(PathBuf),
     /// Another fault of the record.
     Other(RecordError),

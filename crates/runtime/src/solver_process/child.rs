@@ -29,7 +29,7 @@ pub struct ProcessLimits {
     pub processor: Duration,
 }
 
-/// Heard from the program.
+/// Result of a read of the program's output.
 pub(super) enum Heard {
     /// A line, without its end.
     Line(Vec<u8>),

@@ -37,7 +37,7 @@ struct Session {
 }
 
 impl Sessions {
-    /// No sessions yet, of a server at `port`. Without tokens, and with `loopback`, callers need none.
+    /// Returns an empty set of sessions for a server at `port`. Without `tokens` on a `loopback` address, callers need no session.
     pub(crate) fn new(tokens: Vec<AccessToken>, loopback: bool, port: u16) -> Sessions {
         let required = !loopback || !tokens.is_empty();
         let cookie = format!("{COOKIE_NAME}-{port}");
@@ -158,7 +158,7 @@ impl Sessions {
     }
 
     fn open(&self) -> MutexGuard<'_, BTreeMap<[u8; 32], Session>> {
-        // No update of the sessions can stop half-way.
+        // Every update is complete when the lock is released, even by a panic, so a poisoned lock is usable.
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

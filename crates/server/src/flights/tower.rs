@@ -174,12 +174,12 @@ impl Tower {
     /// Waits until the flights have ended and their records are closed.
     pub(crate) fn join(&self) {
         let threads = std::mem::take(&mut self.known().threads);
-        // A flight keeps a panic to itself.
+        // A panic ends only the flight in which it occurs.
         threads.into_iter().for_each(|thread| thread.join().unwrap_or_default());
     }
 
     fn known(&self) -> MutexGuard<'_, KnownFlight> {
-        // No update of the lists can stop half-way.
+        // Every update is complete when the lock is released, even by a panic, so a poisoned lock is usable.
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

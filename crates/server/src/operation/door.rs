@@ -168,7 +168,7 @@ impl FlightDoor {
     }
 
     fn sent(&self) -> MutexGuard<'_, Sent> {
-        // No update of the list can stop half-way.
+        // Every update is complete when the lock is released, even by a panic, so a poisoned lock is usable.
         self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -195,7 +195,7 @@ fn answer_order(
     let open = open.ok_or_else(|| format!("question {question} of {agent} is not open"))?;
     let value = if open.choices.is_empty() {
         match read(answer) {
-            // Words are text; figures are figures.
+            // A number keeps its type; every other answer is text.
             Ok(value @ (Value::Integer(_) | Value::Real(_) | Value::Quantity(_) | Value::Duration(_))) => value,
             _ => Value::text(answer),
         }

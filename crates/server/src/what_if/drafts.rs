@@ -14,7 +14,7 @@ use axum::extract::rejection::JsonRejection;
 use serde::Serialize;
 use std::sync::PoisonError;
 
-/// A draft with the checker's word.
+/// A draft with the checker's verdict.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct DraftAnswer {

@@ -68,7 +68,7 @@ pub(crate) fn state_at_least(
     contradiction::check(problem, plan)
 }
 
-/// Returns the best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of plans that never wait. `problem` must be valid (`validate::surveillance`).
 pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
@@ -84,7 +84,7 @@ pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter
     }
 }
 
-/// Returns the best bound found of all plans. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of all plans. `problem` must be valid (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }

@@ -29,7 +29,7 @@ pub struct PriceBound {
     pub price_per_s: f64,
 }
 
-/// Returns the best bound found. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found. `problem` must be valid (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> PriceBound {
     let targets = prepared(problem);
     let value = |price: f64| PriceBound { expected_cost: of_targets(problem, &targets, price), price_per_s: price };

@@ -29,7 +29,7 @@ const SAME_TICKS: f64 = 1e-6;
 const FLOWN_NODES_MAX: usize = 400;
 /// Approximate work units of finding one path.
 const UNITS_PER_WAY: u64 = 10;
-/// Nodes that a node has for neighbours, each way.
+/// Number of neighbours of a node in each direction.
 const NEIGHBOURS: usize = 24;
 
 /// One way to visit one target: a manoeuvre in a window.

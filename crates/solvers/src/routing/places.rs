@@ -3,7 +3,7 @@
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_model::problem::{Manoeuvre, SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
-/// A place by name, for remembering.
+/// Identifies a place, as a key of stored paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum PointKey {
     /// The start.
@@ -27,7 +27,7 @@ pub(super) fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart
     (time_s < UNREACHABLE_S).then_some(time_s)
 }
 
-/// Returns the least of them over all departures; infinite where there is no way.
+/// Returns the least given travel time over all departures; infinite if no way exists.
 pub(super) fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
     let time_s = match (from, to) {
         (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_s_min(to),

@@ -25,13 +25,13 @@ pub(crate) struct Choice {
 /// Times of a visit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Timed {
-    /// Leaves the place before.
+    /// Departure from the preceding place.
     pub(crate) depart_s: f64,
-    /// Is at the entry.
+    /// Arrival at the entry of the manoeuvre.
     pub(crate) arrive_s: f64,
-    /// Begins.
+    /// Beginning of the observation.
     pub(crate) begin_s: f64,
-    /// Ends.
+    /// End of the observation.
     pub(crate) end_s: f64,
     /// Value times factors.
     pub(crate) worth: f64,

@@ -32,7 +32,7 @@ pub(crate) struct TimedPath {
     pub(crate) arrive_s: f64,
 }
 
-/// From when until when.
+/// Departure and arrival of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Times {
     /// Departure, after a hold if one is needed.

@@ -231,7 +231,7 @@ impl<'a, 'c> Front<'a, 'c> {
             let moves = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
             let rivals = || self.field.uses_of(*id).iter().filter(|each| each.task != *task);
             let any = resource.waiting.has_rising() || rivals().any(|each| moves(each.task));
-            // No priority counts between ranks.
+            // Priorities do not count between tasks that ranks order.
             let parent = resource.waiting.ordered_below();
             let by_rank = parent.is_some_and(|parent| !has_equal_ranks(agent, resource, parent));
             if !any || by_rank || result.granted.contains(task) {

@@ -65,7 +65,7 @@ fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<T
             }
         }
     }
-    // A task that begins to wait behind others that need the same is refused, too.
+    // A task that begins to wait behind others that need the same resources is refused, too.
     for key in untold {
         match lines.field.place(&as_claimant(cycle, key.task())) {
             Placement::Refused(refusal) => refused.push((key, refusal)),

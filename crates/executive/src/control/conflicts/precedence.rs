@@ -150,9 +150,9 @@ impl Competitor {
     }
 }
 
-/// Returns for each competitor true if it precedes equals because it has begun. Excluded is a competitor that a task precedes by rank
-/// which has not begun: that task would otherwise precede its own equals too, and a task that fills a gap would displace the one that had
-/// to leave the gap.
+/// Returns for each competitor true if it precedes equals because it has begun. False for a competitor that has begun if a task that has
+/// not begun precedes it by rank. That task would otherwise precede its own equals too, and a task that fills a gap would displace the one
+/// that had to leave the gap.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

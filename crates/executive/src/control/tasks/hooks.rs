@@ -29,7 +29,7 @@ pub(crate) struct HookRequests {
 
 /// A command that a form requests.
 pub(crate) struct CommandRequest {
-    /// The ground form.
+    /// The form, with every variable replaced by its value.
     pub(crate) form: Value,
     /// Time limit for the answer; `None`: the default.
     pub(crate) timeout: Option<Duration>,

@@ -199,7 +199,7 @@ fn check_router<'r>(
     Err(format!("no router is called {named}; there are {}", known.join(", ")))
 }
 
-/// Topics see no task: their variables are their own.
+/// A topic belongs to no task, so the variables of its pattern are local to it.
 fn passes(cycle: &Cycle<'_>, topics: &Topics, topic: &Value) -> Result<bool, EvaluationError> {
     let patterns = match topics {
         Topics::All => return Ok(true),

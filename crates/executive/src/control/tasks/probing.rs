@@ -29,7 +29,7 @@ use apex_model::value::Value;
 /// Returns the probings of the condition, in written order.
 ///
 /// # Errors
-/// When an interval or a limit cannot be evaluated, or is none.
+/// When an interval or a limit cannot be evaluated or is invalid.
 pub(crate) fn of_condition(
     condition: &Condition,
     view: &View<'_>,

@@ -52,7 +52,7 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Questi
     }
 }
 
-/// Puts the task's question under a new number.
+/// Asks the task's question under a new number.
 fn put(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, question) = (cycle.now, QuestionId(cycle.agent.next.question));
     let Some(state) = controller(cycle, id) else { return };

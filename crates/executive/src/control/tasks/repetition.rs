@@ -123,7 +123,7 @@ pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bo
 struct Again {
     /// True if the new instance does not wait for its conditions.
     skip: bool,
-    /// From start to start at least.
+    /// Minimum time from the start of one instance to the start of the next.
     interval: Option<Duration>,
 }
 

@@ -3,7 +3,7 @@
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
-//! Bound: O(new results) per look; while it is undecided, memory for results that a whole window lies between.
+//! Bound: O(new results) per evaluation; while the part is undecided, memory for its results that are at least one window apart.
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 

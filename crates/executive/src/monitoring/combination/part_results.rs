@@ -239,9 +239,9 @@ struct PartRun {
 /// The newest runs of all episodes within a composite that are results.
 #[derive(Default)]
 struct Runs {
-    /// They continue.
+    /// Runs that continue.
     open: Vec<PartRun>,
-    /// No sample has arrived for too long.
+    /// Runs whose last sample is older than the permitted gap.
     silent: Vec<PartRun>,
 }
 

@@ -70,9 +70,9 @@ struct OrderedPart<'a> {
     index: usize,
     /// Results that the part keeps, in the order in which they became final.
     kept: &'a [Satisfaction],
-    /// All results in order of time: these,
+    /// The earlier ones of all results in order of time.
     first: &'a [Satisfaction],
-    /// and then these.
+    /// The later ones, which follow `first`.
     rest: Vec<&'a Satisfaction>,
     gap: Gap,
 }

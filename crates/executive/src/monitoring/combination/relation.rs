@@ -13,7 +13,7 @@ use apex_model::time::{Duration, Time};
 /// An end point of an interval, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EndPoint {
-    /// It is this.
+    /// Known: this instant.
     Known(Time),
     /// The end of an open run: the first instant if no sample continues it, otherwise later than the second.
     Growing(Time, Time),
@@ -29,7 +29,7 @@ pub(crate) struct KnownInterval {
 }
 
 impl KnownInterval {
-    /// Returns a result.
+    /// Returns the interval of a result that cannot grow.
     pub(crate) fn of((start, end): (Time, Time)) -> KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Known(end) }
     }
@@ -39,7 +39,7 @@ impl KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Growing(end, after) }
     }
 
-    /// Returns any result that begins at `from` or later.
+    /// Returns the interval of any future result: it begins at `from` or later.
     pub(crate) fn coming(from: Time) -> KnownInterval {
         KnownInterval { start: EndPoint::Coming(from), end: EndPoint::Coming(from) }
     }

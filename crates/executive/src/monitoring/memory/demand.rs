@@ -33,9 +33,9 @@ pub enum Reach {
     Unbounded,
     /// Data that a log policy keeps while its procedure is at work.
     Log {
-        /// Not longer.
+        /// Maximum age of the data; `None`: unlimited.
         time: Option<Duration>,
-        /// Not more.
+        /// Maximum number of samples or messages; `None`: unlimited.
         count: Option<u64>,
     },
 }

@@ -130,11 +130,11 @@ pub(crate) struct RunStatistics {
     pub(crate) held: HeldMoments,
     /// The median, if a criterion needs it.
     pub(crate) median: Option<f64>,
-    /// There were more numbers than are kept in order.
+    /// True if there were more numbers than are kept in order; the median is then unknown.
     pub(crate) is_overfull: bool,
     /// The last two numbers, older first.
     pub(crate) last_two: Option<(f64, f64)>,
-    /// Some step does not satisfy the constraints on steps.
+    /// True if a step does not satisfy the constraints on steps.
     pub(crate) bad_step: bool,
     /// For a sliding window: whether its first value satisfies the constraint; `None` if the newest sample is the only one.
     pub(crate) first_holds: Option<bool>,
@@ -145,7 +145,7 @@ pub(crate) struct RunStatistics {
 /// Verdict of a criterion.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum CriterionResult {
-    /// It holds of this value.
+    /// The criterion is satisfied by this value.
     Holds(Value),
     /// The criterion is not satisfied by this value.
     Fails(Value),
@@ -298,7 +298,7 @@ fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static 
         }
         Measure::Rate => moments.slope_per_s().ok_or(one_instant),
         Measure::Frequency => moments.frequency_hz().ok_or(one_instant),
-        // Judged apart.
+        // These three are judged separately, because none of them is a single number.
         Measure::Step | Measure::Custom | Measure::Significance(_) => Err(none),
     }
 }

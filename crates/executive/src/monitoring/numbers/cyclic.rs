@@ -263,7 +263,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Takes a turning point in. The run, when this completes enough cycles for the first time.
+    /// Adds a turning point. Returns the run if the point completes the required number of cycles for the first time.
     fn cycle(&self, swing: &mut Swing, turn: Extreme) -> Result<Option<CycleRun>, EvaluationError> {
         let [before, middle] = swing.turns;
         swing.turns = [middle, Some(turn)];

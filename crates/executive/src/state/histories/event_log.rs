@@ -12,11 +12,11 @@ use std::collections::{BTreeMap, VecDeque};
 pub struct OpenEventLog {
     /// The first word of the messages.
     pub head: Symbol,
-    /// Not more often than this; zero keeps all.
+    /// Minimum time between kept messages; zero keeps all.
     pub spacing: Duration,
-    /// Not longer than this.
+    /// Maximum age of kept messages.
     pub time: Duration,
-    /// Not more messages than this.
+    /// Maximum number of kept messages.
     pub count: u64,
 }
 

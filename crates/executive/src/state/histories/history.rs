@@ -87,11 +87,11 @@ struct Retention {
 pub struct OpenLog {
     /// Variable whose samples are logged.
     pub variable: StateVariable,
-    /// Not more often than this; zero keeps all.
+    /// Minimum time between kept samples; zero keeps all.
     pub spacing: Duration,
-    /// Not longer than this.
+    /// Maximum age of kept samples.
     pub time: Duration,
-    /// Not more samples than this.
+    /// Maximum number of kept samples.
     pub count: u64,
 }
 
@@ -309,7 +309,7 @@ impl Histories {
         self.variables.get(variable)
     }
 
-    /// Returns the history of `variable`, to put many samples in.
+    /// Returns the history of `variable`, mutably, for callers that record many samples.
     pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
         self.variables.get_mut(variable)
     }

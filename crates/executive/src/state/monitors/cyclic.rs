@@ -82,7 +82,7 @@ pub struct Swing {
     pub dimension: Dimension,
     /// The run of cycles that the last turning point belongs to.
     pub run: Option<CycleRun>,
-    /// A cycle has contradicted the constraints.
+    /// True if a cycle has contradicted the constraints.
     pub contradicted: bool,
     /// Instants between the turning points of the last complete cycle, and its amplitude, SI.
     pub last: Option<(Time, Time, f64)>,
@@ -99,6 +99,6 @@ pub struct CycleRun {
     pub halves: u64,
     /// Sum of the amplitudes of all cycles that begin at one of its turning points, SI.
     pub amplitudes: f64,
-    /// It has been reported.
+    /// True if the run was reported.
     pub told: bool,
 }

@@ -266,7 +266,7 @@ pub enum Newest {
     None,
     /// The only object so far, with its newest sample.
     One(Value, NewestSample),
-    /// Of several.
+    /// The newest samples of several objects.
     Several(#[serde(with = "crate::state::pairs")] BTreeMap<Value, NewestSample>),
 }
 

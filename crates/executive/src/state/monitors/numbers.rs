@@ -174,7 +174,7 @@ pub struct Point {
     pub at: Time,
     /// Its value; `None` if it is not a finite number: the sample is then in the window but in no statistic.
     pub number: Option<f64>,
-    /// Until the next sample.
+    /// Time until the next sample.
     pub held: Duration,
     /// True if its value may be the first one (`:first-value`).
     #[serde(default)]

@@ -119,7 +119,7 @@ pub struct EventPart {
 pub struct TaskEndedPart {
     /// The step's tag.
     pub variable: Symbol,
-    /// An end from before counts too.
+    /// True if an end before the window counts too.
     pub standing: bool,
     /// The task, once it is known.
     pub task: Option<TaskId>,
@@ -134,7 +134,7 @@ pub struct TaskStatePart {
     pub expression: Expr,
     /// The state's name.
     pub state: Pattern,
-    /// The state at the beginning counts too.
+    /// True if the state at the beginning of the window counts too.
     pub standing: bool,
     /// The task, once it is known.
     pub task: Option<TaskId>,

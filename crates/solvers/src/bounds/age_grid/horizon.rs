@@ -34,7 +34,7 @@ pub struct GridResolution {
 }
 
 impl GridResolution {
-    /// As close as it pays.
+    /// The finest resolution: a finer one raises the bound by less than its work is worth.
     pub const CLOSEST: GridResolution = GridResolution { points: 9_000, steps: 4e8 };
 }
 
@@ -61,7 +61,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     Some((value(problem, &grid, &time)?, look))
 }
 
-/// Returns the bound with this look; `None` as [`expected_cost`].
+/// Returns the bound with this resolution; `None` as [`expected_cost`].
 pub fn expected_cost_at(problem: &SurveillanceProblem, look: GridResolution) -> Option<f64> {
     let (grid, time) = prepared(problem, look)?;
     value(problem, &grid, &time)
@@ -155,7 +155,7 @@ fn least_per_s(problem: &SurveillanceProblem, grid: &Grid, tick_s: f64) -> f64 {
     (all.iter().sum::<f64>() - greatest).max(0.0)
 }
 
-/// Values for the numbers of ticks that a visit may leave, around.
+/// Values by the number of remaining ticks, as a ring: only as many layers as the longest visit has ticks.
 struct Layers {
     kept: Vec<Vec<f64>>,
 }

@@ -77,7 +77,7 @@ pub fn pass(scenario: &Scenario<'_>, number: usize, budget: &mut dyn Budget) -> 
     build(scenario, *PASSES.get(number)?, false, budget)
 }
 
-/// Returns the best tour of all passes with its cost, which `report` hears too.
+/// Returns the best tour of all passes with its cost, which `report` receives too.
 fn best_of_passes(
     scenario: &Scenario<'_>,
     budget: &mut dyn Budget,

@@ -1,4 +1,4 @@
-//! A visit less.
+//! Move that removes a visit.
 
 use super::super::search::{Candidate, LocalSearch};
 

@@ -10,7 +10,7 @@ use apex_planning::solver::Budget;
 
 /// Examined positions per unit of work, which is about a microsecond.
 const LOOKS_PER_UNIT: u64 = 230;
-/// Fixed work of an iteration, in looks: random choices, and copies and timetables of this many stops.
+/// Fixed work of an iteration, in examined positions: random choices, and copies and timetables of this many stops.
 const LOOKS_PER_ITERATION: u64 = 60;
 const LOOKS_PER_STOP: u64 = 2;
 /// Weight of the total time, as a share of a mean visit, so that of equal routes the shorter one is kept.
@@ -32,7 +32,7 @@ pub(super) struct Annealing<'n> {
     network: &'n Network,
     rng: Generator,
     recreation: Recreation,
-    /// Looks that are not charged yet.
+    /// Examined positions that are not charged yet.
     looked: u64,
     gone: Vec<u32>,
     missing: Vec<u32>,

@@ -136,7 +136,7 @@ impl Route {
         Some(((arrive + next.rest).max(next.waits), legs + leg - (before.rest - next.rest)))
     }
 
-    /// Turns the stops `from..until` round.
+    /// Reverses the stops `from..until`.
     pub(super) fn turn(&mut self, network: &Network, from: usize, until: usize) {
         if let Some(part) = self.stops.get_mut(from..until) {
             part.reverse();
@@ -188,7 +188,7 @@ impl Route {
         self.backward(network, at);
     }
 
-    /// Takes the stops `from..until` out.
+    /// Removes the stops `from..until`.
     pub(super) fn remove(&mut self, network: &Network, from: usize, until: usize) {
         let (from, until) = (from.max(1), until.min(self.stops.len() - 1));
         if from >= until {

@@ -1,4 +1,4 @@
-//! One more visit.
+//! Move that inserts a visit.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

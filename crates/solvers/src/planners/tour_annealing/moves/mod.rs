@@ -22,7 +22,7 @@ pub(super) struct Draw<'a> {
     pub(super) usable: &'a [usize],
     /// By target: the targets nearest to it, itself left out.
     pub(super) near: &'a [Vec<usize>],
-    /// Chance.
+    /// Generator of random numbers.
     pub(super) random: &'a mut Generator,
 }
 
