@@ -1,6 +1,7 @@
 /** The now line: the agent's present task, its cause, and the next task; pure. */
 
 import type { Holdings, Mission, PlanInForce, Target, Task, TaskExplanation } from '../../record/types';
+import { begunVisits } from '../../record/visits';
 import { clock } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
 import { brief, type Names, phrase } from '../../words/phrase';
@@ -53,9 +54,11 @@ export function reasonWords(
   return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
 }
 
-/** The next visit of the plan in force: `East Zone Complex, planned 9:35`. */
+/** The visit of the plan in force after the last one begun, also if it is late: `East Zone Complex, planned 9:35`. */
 export function nextWords(plan: PlanInForce | null, targets: readonly Target[], atNs: number): string {
-  const visit = plan?.visits.find(one => one.begin_ns > atNs);
+  if (!plan) return '';
+  const begun = begunVisits(plan, targets, atNs);
+  const visit = plan.visits[begun.findLastIndex(one => one !== null) + 1];
   if (!visit) return '';
   const target = targets.find(one => one.id === visit.target || one.name === visit.target);
   return `${target?.name ?? visit.target}, planned ${clock(visit.begin_ns / 1e9).slice(0, -3)}`;
