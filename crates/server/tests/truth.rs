@@ -250,16 +250,19 @@ fn visits_of_repeated_observations_are_planned_in_mission_time() {
     let reader = RecordReader::open(&record).unwrap();
     let mission = mission_of(&reader).unwrap().unwrap();
     let mut view = RecordView::open(&record, 0).unwrap();
-    let numbers: BTreeSet<i64> = instants(&reader, 40).into_iter().filter_map(|at_ns| {
-        let shown = view.plan(Some(at_ns)).unwrap()?;
-        let known = situation_at(&reader, &mission, Time(at_ns)).unwrap().plan?;
-        let Plan::Surveillance(plan) = &known.plan else { panic!("the mission watches structures") };
-        let begins: Vec<i64> = shown.visits.iter().map(|visit| visit.begin_ns).collect();
-        let since = |visit: &SurveillanceVisit| Time::from_seconds(known.made.seconds() + visit.arrive_s).0;
-        assert_eq!(begins, plan.visits.iter().map(since).collect::<Vec<_>>(), "at {at_ns} ns");
-        assert!(begins.iter().all(|begin_ns| *begin_ns >= known.made.0), "at {at_ns} ns");
-        Some(shown.number)
-    }).collect();
+    let numbers: BTreeSet<i64> = instants(&reader, 40)
+        .into_iter()
+        .filter_map(|at_ns| {
+            let shown = view.plan(Some(at_ns)).unwrap()?;
+            let known = situation_at(&reader, &mission, Time(at_ns)).unwrap().plan?;
+            let Plan::Surveillance(plan) = &known.plan else { panic!("the mission watches structures") };
+            let begins: Vec<i64> = shown.visits.iter().map(|visit| visit.begin_ns).collect();
+            let since = |visit: &SurveillanceVisit| Time::from_seconds(known.made.seconds() + visit.arrive_s).0;
+            assert_eq!(begins, plan.visits.iter().map(since).collect::<Vec<_>>(), "at {at_ns} ns");
+            assert!(begins.iter().all(|begin_ns| *begin_ns >= known.made.0), "at {at_ns} ns");
+            Some(shown.number)
+        })
+        .collect();
     assert!(numbers.len() > 2, "several plans: {numbers:?}");
     // A target of the plan in force is planned, also if an earlier plan left it out.
     let plan = view.plan(None).unwrap().unwrap();

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce } from '../../record/types';
-import { causeWords, endWords, nextWords, reasonWords, taskAtWork } from './view';
+import { causeWords, endWords, nextWords, reasonWords, taskAtWork, tasksAbove, whatWords } from './view';
 
 const names = new Map([['zaca', 'Zaca']]);
 
@@ -54,6 +54,15 @@ describe('the now line', () => {
     const free: [string, string] = ['no-preconditions', 'there is nothing to wait for'];
     expect(because(free)).toBe('plan 2, adopted 5:59:45, has Zaca');
     expect(because(free, null)).toBe('it was granted flight-path');
+    // A task without a target serves a task above it that has one.
+    const hover = { ...answer(free), task: { goal: '(hover)' } };
+    const above = [{ goal: '(orient camera-1)' }, { goal: '(visit zaca with camera-1)' }];
+    expect(reasonWords(hover as never, plan, names, above)).toBe('plan 2, adopted 5:59:45, has Zaca');
+    expect(whatWords({ goal: '(hover)' }, names, above)).toBe('hover, to visit Zaca with camera 1');
+    expect(whatWords({ goal: '(scan zaca)' }, names, above)).toBe('scan Zaca');
+    expect(whatWords({ goal: '(hover)' }, names, above.slice(0, 1))).toBe('hover');
+    const tree = [3, 2, 1].map(id => ({ id, parent: id === 1 ? null : id - 1, goal: `(g${id})` })) as never;
+    expect(tasksAbove(tree, { parent: 2 }).map(task => task.goal)).toEqual(['(g2)', '(g1)']);
     const rolled: [string, string] = [
       'preconditions-satisfied',
       'its preconditions hold: roll above 3deg for P6S',
