@@ -27,6 +27,8 @@ const DARK = {
   /** The planned way. */
   track: '#a9b1b8',
   flown: '#e8eaec',
+  /** The flown way of the record in the comparison. */
+  other: '#8f979f',
   pending: '#989fa7',
   enabled: '#c4cacf',
   ongoing: '#a9b1b8',
@@ -44,7 +46,7 @@ const DARK = {
   /** Graphics only, never words. */
   ghost: '#7a828b',
   /** Hairlines without information. */
-  rule: '#46505a',
+  rule: '#484f56',
   /** Ground that was seen. */
   seen: '#343b42',
   /** Layers of the user. */
@@ -75,6 +77,7 @@ const LIGHT: Record<ColourName, string> = {
   graticule: '#dad6cc',
   track: '#4d5358',
   flown: '#1a1c1e',
+  other: '#6a7076',
   pending: '#5b6065',
   enabled: '#3a3f44',
   ongoing: '#4d5358',
@@ -89,7 +92,7 @@ const LIGHT: Record<ColourName, string> = {
   chosen: '#e3e0d8',
   strip: '#25292c',
   band: '#e3e0d8',
-  ghost: '#838689',
+  ghost: '#7b7e81',
   rule: '#b9b4a9',
   seen: '#d3cfc5',
   user: '#7a4f86',
