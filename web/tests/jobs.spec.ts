@@ -8,7 +8,7 @@ import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
-import type { Mission, ScoreSoFar, Targets, Timeline, Troubles } from '../src/record/types';
+import type { Mission, PlanInForce, ScoreSoFar, Targets, Timeline, Troubles } from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
 import { countColours } from './pixels';
@@ -39,7 +39,8 @@ async function ask<T>(what: string): Promise<T> {
 
 async function open(page: Page, address = ''): Promise<void> {
   await page.goto(`${server.url}/${address}`);
-  await expect(page.locator('[data-task]').first()).toBeVisible();
+  // Narrow screens show another part first.
+  await expect(page.locator('[data-task]').first()).toBeAttached();
 }
 
 const western = () => test.skip(mission.mission !== 'Western States Fire Mission', 'needs western-states');
@@ -193,6 +194,94 @@ test('a failed flight looks failed at its end, and not before', async ({ page })
   } finally {
     failed.stop();
   }
+});
+
+/** Serves another record of the flights, if it is there. */
+async function withFlight(name: string, use: (url: string) => Promise<void>): Promise<void> {
+  const record = join(dirname(process.env.APEX_RECORD ?? ''), `${name}.apex`);
+  test.skip(!existsSync(record), `needs ${record}: make flights`);
+  const other = await startServer(record);
+  try {
+    await use(other.url);
+  } finally {
+    other.stop();
+  }
+}
+
+test('P1: the axis has the planned length of the mission, not that of the flight', async ({ page }) => {
+  await withFlight('diagnosis', async url => {
+    const { end_ns } = (await (await fetch(`${url}/api/mission`)).json()) as Mission;
+    const { duration_ns } = (await (await fetch(`${url}/api/facts`)).json()) as { duration_ns: number };
+    expect(end_ns).toBeLessThan(duration_ns * 0.9);
+    await page.goto(`${url}/?t=${duration_ns / 4e9}`);
+    const axis = await page.getByTestId('timeline').boundingBox();
+    const cursor = await page.getByTestId('cursor').boundingBox();
+    if (!axis || !cursor) throw new Error('no timeline');
+    const share = (cursor.x - axis.x - 168) / (axis.width - 168);
+    expect(Math.abs(share - 0.25), `the cursor is at ${share}`).toBeLessThan(0.01);
+  });
+});
+
+test('visits of a mission that watches structures are planned in mission time', async ({ page }) => {
+  await withFlight('structure-watch', async url => {
+    const at = 1500;
+    const plan = (await (await fetch(`${url}/api/plan?at=${at}000000000`)).json()) as PlanInForce;
+    const adoptedMin = Math.floor(plan.adopted_ns / 60e9);
+    expect(adoptedMin).toBeGreaterThan(10);
+    await page.goto(`${url}/?t=${at}&rows=targets`);
+    await expect(page.locator('[data-target]').first()).toBeVisible();
+    const minutes = async () =>
+      (await page.locator('[data-target] svg text').allTextContents()).flatMap(text => {
+        const [, hours, rest] = /^(\d+):(\d\d)$/.exec(text.trim()) ?? [];
+        return rest ? [Number(hours) * 60 + Number(rest)] : [];
+      });
+    await expect.poll(async () => (await minutes()).length).toBeGreaterThan(3);
+    for (const minute of await minutes()) expect(minute).toBeGreaterThanOrEqual(adoptedMin);
+    // A target of the plan in force is not shown as left out, and the legend counts as many observed targets as the header.
+    const planned = new Set(plan.visits.map(visit => visit.target));
+    for (const target of planned)
+      await expect(page.locator(`[data-target="${target}"]`)).not.toContainText('left out');
+    const { observed } = (await (await fetch(`${url}/api/mission?at=${at}000000000`)).json()) as Mission;
+    await expect(page.getByTestId('progress')).toContainText(`${observed} of `);
+    await expect(page.getByTestId('legend-observed')).toHaveText(String(observed));
+  });
+});
+
+test('narrow screens show one part at a time', async ({ page }) => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await open(page, '?t=40000');
+  const parts = [
+    ['map', page.getByTestId('map')],
+    ['time', page.getByTestId('timeline')],
+    ['agenda', page.getByTestId('slot-left')],
+    ['why', page.getByTestId('slot-right')],
+  ] as const;
+  for (const [shown] of parts) {
+    await page.getByTestId(`part-${shown}`).click();
+    for (const [name, part] of parts) await expect(part).toBeVisible({ visible: name === shown });
+    await expectNoFaults(page, `the part ${shown}`);
+  }
+  // What a selected task explains is on the part "why".
+  await page.getByTestId('part-agenda').click();
+  await page.locator('[data-task]').nth(1).click();
+  await expect(page.getByTestId('why')).toBeVisible();
+  await page.setViewportSize({ width: 820, height: 1180 });
+  for (const [, part] of parts) await expect(part).toBeVisible();
+  await expect(page.getByTestId('part-map')).toBeHidden();
+});
+
+test('G3: all targets, three strips and nine lanes are visible at 1280x720', async ({ page }) => {
+  western();
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await open(page, '?t=33432');
+  const rows = page.getByTestId('target-rows');
+  await expect(rows.locator('[data-target]')).toHaveCount(24);
+  const room = await rows.evaluate(node => [node.scrollHeight, node.clientHeight]);
+  expect(room[0]).toBeLessThanOrEqual((room[1] ?? 0) + 1);
+  const box = await page.getByTestId('timeline').boundingBox();
+  const end = await rows.boundingBox();
+  if (!box || !end) throw new Error('no timeline');
+  expect(box.y + box.height - (end.y + end.height) - 3 * 27).toBeGreaterThanOrEqual(9 * 15);
 });
 
 for (const theme of ['dark', 'light']) {

@@ -70,8 +70,8 @@ test('a fork with other wind is flown from the page, and both futures stand side
   await expect
     .poll(() => page.getByTestId('compare-rows').locator('text.differs').count())
     .toBeGreaterThan(0);
-  const map = await countColours(page, page.getByTestId('map'), [COLOURS.dim]);
-  expect(map[COLOURS.dim] ?? 0, 'the other track on the map').toBeGreaterThan(20);
+  const map = await countColours(page, page.getByTestId('map'), [COLOURS.other]);
+  expect(map[COLOURS.other] ?? 0, 'the other track on the map').toBeGreaterThan(20);
   await expectNoFaults(page, 'two futures');
 });
 

@@ -9,7 +9,7 @@ use apex_executive::Agent;
 use apex_model::time::Time;
 use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::ports::{Deliberator, Observer, Vehicle};
-use apex_runtime::record::{Recorder, TargetRow};
+use apex_runtime::record::{Recorder, SITUATION_LAYOUT, TargetRow};
 use apex_runtime::{FlyOptions, RecordError, RunEnd, RunError};
 use std::sync::Arc;
 
@@ -100,6 +100,7 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
         recorder.source(name, "data", bytes)?;
     }
     facts(mission).into_iter().try_for_each(|(key, value)| recorder.meta(key, &value))?;
+    recorder.meta(SITUATION_LAYOUT, env!("APEX_SITUATION_LAYOUT"))?;
     target_rows(mission).iter().try_for_each(|target| recorder.target(target))
 }
 

@@ -14,7 +14,7 @@ use apex_model::event::Batch;
 use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::{RecordReader, RecordedStep, RestoredProgram, TargetRow, fold_both};
+use apex_runtime::record::{RecordReader, RecordedStep, RestoredProgram, SITUATION_LAYOUT, TargetRow, fold_both};
 use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
@@ -107,8 +107,8 @@ fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<
 /// # Errors
 /// A record that cannot be read.
 pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Situation> {
-    // A snapshot of another version may decode into something else; the steps are always valid.
-    let ours = reader.meta("apex_version").map_err(read)?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+    // A snapshot of another build may decode into something else; the steps are always valid.
+    let ours = reader.has_layout(SITUATION_LAYOUT, env!("APEX_SITUATION_LAYOUT")).map_err(read)?;
     let stored = if ours { reader.situation_before(at).map_err(read)? } else { None };
     let stored = stored.and_then(|row| Some((row.batch_number, postcard::from_bytes(&row.body).ok()?)));
     let (last, mut situation): (i64, Situation) = stored.unwrap_or_default();

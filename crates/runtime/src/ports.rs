@@ -94,6 +94,11 @@ pub trait Deliberator {
         None
     }
 
+    /// Returns the layout of the situation in snapshots, which changes with the types in it; `None` without a mission.
+    fn layout(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Returns all changes of targets' states so far, in order.
     fn target_changes(&self) -> &[TargetChange] {
         &[]

@@ -9,7 +9,8 @@ use crate::outbox;
 use crate::ports::{Deliberator, Input, Observer, SolverAnswer};
 use crate::program::NoDeliberator;
 use crate::record::{
-    Derivable, LoadProgram, ProblemRow, RecordGap, RecordReader, RecordedStep, Recorder, RowDifference, twin_recorder,
+    Derivable, LoadProgram, ProblemRow, RecordGap, RecordReader, RecordedStep, Recorder, RowDifference,
+    SITUATION_LAYOUT, twin_recorder,
 };
 use apex_executive::step;
 use apex_model::effect::{Effect, SolveRequestId};
@@ -140,8 +141,12 @@ fn replay_steps(
         agents.push((reader.fresh_agent_number(&program, agent)?, EffectDescriber::new(&program.0)));
     }
     let count = agents.len();
-    let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
-    let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), snapshots: ours })?;
+    let snapshots = reader.has_own_states()?;
+    let situations = match &witness {
+        Some(witness) => has_own_situations(reader, witness.deliberator)?,
+        None => false,
+    };
+    let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), situations, snapshots })?;
     let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None, gap: None };
     let gaps = reader.gaps()?;
     for (expected, recorded) in (1..).zip(reader.steps_of_all(Time::END)?) {
@@ -212,12 +217,17 @@ struct Witness<'a> {
     posed: u64,
 }
 
+/// Returns true if the situations in the record have the layout of this program.
+fn has_own_situations(reader: &RecordReader, deliberator: &dyn Deliberator) -> Result<bool, RecordError> {
+    let Some(layout) = deliberator.layout() else { return Ok(false) };
+    Ok(reader.has_own_states()? && reader.has_layout(SITUATION_LAYOUT, layout)?)
+}
+
 impl<'a> Witness<'a> {
     fn new(reader: &RecordReader, deliberator: &'a mut dyn Deliberator) -> Result<Witness<'a>, RecordError> {
         let problems = reader.problems()?.into_iter().map(|row| (row.request, row)).collect();
-        // Another version may encode the same situation in other bytes.
-        let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
-        let situations = if ours { reader.situations()? } else { Vec::new() };
+        // Another build may encode the same situation in other bytes.
+        let situations = if has_own_situations(reader, deliberator)? { reader.situations()? } else { Vec::new() };
         let situations = situations.into_iter().map(|row| (row.batch_number, row.body)).collect();
         Ok(Witness { deliberator, problems, situations, derived: Vec::new(), posed: 0 })
     }

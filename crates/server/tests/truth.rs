@@ -8,9 +8,10 @@ use apex_executive::state::histories::history::Sample;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
-use apex_mission::recorded::{load_program, mission_of, replay, report_until};
+use apex_mission::recorded::{load_program, mission_of, replay, report_until, situation_at};
 use apex_mission::report::MissionValue;
 use apex_mission::score::ScoreHistory;
+use apex_model::problem::{Plan, SurveillanceVisit};
 use apex_model::source::SourceFile;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
@@ -238,6 +239,40 @@ fn small_missions_show_what_was_known() {
             compare_with_agent(&record, agent, 200);
             compare_with_cut(&record, agent, 20);
         }
+    }
+}
+
+/// Compares the times of planned visits with the plan in the restored situation, and with the visits that were flown.
+#[test]
+fn visits_of_repeated_observations_are_planned_in_mission_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = flown(folder.path(), "structure-watch", 0.5);
+    let reader = RecordReader::open(&record).unwrap();
+    let mission = mission_of(&reader).unwrap().unwrap();
+    let mut view = RecordView::open(&record, 0).unwrap();
+    let numbers: BTreeSet<i64> = instants(&reader, 40)
+        .into_iter()
+        .filter_map(|at_ns| {
+            let shown = view.plan(Some(at_ns)).unwrap()?;
+            let known = situation_at(&reader, &mission, Time(at_ns)).unwrap().plan?;
+            let Plan::Surveillance(plan) = &known.plan else { panic!("the mission watches structures") };
+            let begins: Vec<i64> = shown.visits.iter().map(|visit| visit.begin_ns).collect();
+            let since = |visit: &SurveillanceVisit| Time::from_seconds(known.made.seconds() + visit.arrive_s).0;
+            assert_eq!(begins, plan.visits.iter().map(since).collect::<Vec<_>>(), "at {at_ns} ns");
+            assert!(begins.iter().all(|begin_ns| *begin_ns >= known.made.0), "at {at_ns} ns");
+            Some(shown.number)
+        })
+        .collect();
+    assert!(numbers.len() > 2, "several plans: {numbers:?}");
+    // A target of the plan in force is planned, also if an earlier plan left it out.
+    let plan = view.plan(None).unwrap().unwrap();
+    for target in view.targets(None).unwrap().targets {
+        let ahead = plan.visits.iter().any(|visit| visit.target == target.id);
+        let since_plan = target.history.iter().filter(|change| change.t_ns >= plan.adopted_ns).count();
+        if ahead && since_plan == 1 {
+            assert_eq!(target.state.as_deref(), Some("planned"), "{}", target.id);
+        }
+        assert!(!ahead || target.state.as_deref() != Some("skipped"), "{} is planned and left out", target.id);
     }
 }
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { advance, clamp, otherSpeed, shift, speedFor, stepNs, zoom } from './clock';
+import { advance, axisOf, clamp, otherSpeed, shift, speedFor, stepNs, zoom } from './clock';
 
 const S = 1e9;
 const hour = { fromNs: 0, toNs: 3600 * S };
@@ -42,5 +42,19 @@ describe('the visible range', () => {
     expect(stepNs(hour, false)).toBe(36 * S);
     expect(stepNs(hour, true)).toBe(360 * S);
     expect(clamp(-5, hour)).toBe(0);
+  });
+});
+
+describe('the time axis', () => {
+  const record = { fromNs: 0, toNs: 50 };
+
+  it('P1: is as long as the mission is planned, and longer only as far as the cursor', () => {
+    expect(axisOf(record, 30, 10)).toEqual({ fromNs: 0, toNs: 30 });
+    expect(axisOf(record, 30, 40)).toEqual({ fromNs: 0, toNs: 40 });
+    expect(axisOf(record, 90, 50)).toEqual({ fromNs: 0, toNs: 90 });
+  });
+
+  it('is the record where no mission plans a length', () => {
+    expect(axisOf(record, null, 10)).toEqual(record);
   });
 });

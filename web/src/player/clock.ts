@@ -13,6 +13,15 @@ export interface Range {
   toNs: number;
 }
 
+/**
+ * The span of the time axis at an instant: the mission as planned, and longer only as far as the cursor. How long the flight lasts is
+ * not known before its end. A record without a mission has no plan; its axis is the record.
+ */
+export function axisOf(record: Range, plannedNs: number | null, atNs: number): Range {
+  const { fromNs } = record;
+  return { fromNs, toNs: plannedNs === null ? record.toNs : Math.max(fromNs + 1, plannedNs, atNs) };
+}
+
 /** The slowest speed that plays the whole record in a minute. */
 export function speedFor(range: Range): number {
   const wanted = (range.toNs - range.fromNs) / NANOSECONDS_PER_SECOND / WATCH_S;

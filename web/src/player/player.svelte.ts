@@ -24,8 +24,7 @@ import type {
 import { signalWords, subjectWords } from '../words/subject';
 import type { Address, Rows, Selection } from './address';
 import { Alarms } from './alarms.svelte';
-import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
-
+import { advance, axisOf, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 import { Desk } from './desk.svelte';
 import type { Panel } from './layout';
 import { Other } from './other.svelte';
@@ -43,11 +42,14 @@ interface Moment {
   plan: PlanInForce | null;
   troubles: Trouble[];
   report: Report;
+  tail: Track;
 }
 
 export class Player {
   mission = $state.raw<Mission | null>(null);
   track = $state.raw<Track | null>(null);
+  /** The last samples before the cursor's instant; the track above has a part of the samples. */
+  tail = $state.raw<Track | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
   surroundings = $state.raw<Surroundings>({ zones: [], landing_places: [] });
@@ -155,6 +157,16 @@ export class Player {
     return { fromNs: this.mission?.from_ns ?? 0, toNs: this.mission?.end_ns ?? 0 };
   }
 
+  /** The span of the time axis. */
+  get axis(): Range {
+    return axisOf(this.range, this.scenery.facts?.duration_ns ?? null, this.atNs);
+  }
+
+  /** True if the window is the whole axis. */
+  private get showsAll(): boolean {
+    return this.visible.fromNs <= this.axis.fromNs && this.visible.toNs >= this.axis.toNs;
+  }
+
   /** The panel on top of the right slot. Without a choice it is the log, or the explanation once a task is selected. */
   get tab(): Panel | null {
     return this.desk.top.right;
@@ -187,7 +199,7 @@ export class Player {
       this.atNs = clamp(asked ?? (live ? end_ns : from_ns), { fromNs: from_ns, toNs: end_ns });
       this.following = live && asked === null;
       this.selection = address?.selection ?? null;
-      await this.read();
+      await Promise.all([this.read(), this.scenery.readFacts()]);
     } catch (error) {
       this.showError(error);
       setTimeout(() => void this.open(address), REREAD_MS);
@@ -196,7 +208,7 @@ export class Player {
     this.trouble = null;
     const mission = this.mission;
     if (!mission) return;
-    this.visible = this.range;
+    this.visible = this.axis;
     if (address) this.apply(address);
     this.speed = speedFor(this.range);
     this.ask();
@@ -223,12 +235,10 @@ export class Player {
 
   /** The state as an address, without values that are as at first. */
   get address(): Omit<Address, 'theme'> {
-    const { fromNs, toNs } = this.visible;
-    const whole = fromNs <= this.range.fromNs && toNs >= this.range.toNs;
     const first = this.atNs === this.range.fromNs && !this.live;
     return {
       atNs: this.following ? (this.live ? null : this.atNs) : first ? null : this.atNs,
-      window: whole ? null : this.visible,
+      window: this.showsAll ? null : this.visible,
       selection: this.selection,
       strips: this.strips,
       span: this.span,
@@ -244,7 +254,7 @@ export class Player {
   /** Takes over the state of an address. */
   apply(address: Address): void {
     const { window, selection, atNs } = address;
-    this.visible = window ? shift(window, this.range, 0) : this.range;
+    this.visible = window ? shift(window, this.axis, 0) : this.axis;
     if (JSON.stringify(selection) !== JSON.stringify(this.selection)) this.why = null;
     this.selection = selection;
     this.strips = address.strips;
@@ -268,9 +278,16 @@ export class Player {
 
   /** Moves the cursor. A move by hand ends the following of a growing record. */
   seek(atNs: number, following = false): void {
-    this.atNs = clamp(atNs, this.range);
+    this.moveTo(clamp(atNs, this.range));
     this.following = following && this.live;
     this.ask();
+  }
+
+  /** Moves the cursor; a window that is the whole axis remains so. */
+  private moveTo(atNs: number): void {
+    const showsAll = this.showsAll;
+    this.atNs = atNs;
+    if (showsAll && this.visible.toNs !== this.axis.toNs) this.visible = this.axis;
   }
 
   /** Moves the cursor by a step of the arrow keys. */
@@ -298,7 +315,7 @@ export class Player {
     const next = (now: number) => {
       const moved = advance(this.atNs, now - before, this.speed, this.range);
       before = now;
-      this.atNs = moved.atNs;
+      this.moveTo(moved.atNs);
       this.ask();
       if (moved.ended) {
         this.pause();
@@ -322,23 +339,23 @@ export class Player {
   }
 
   zoomAt(atNs: number, factor: number): void {
-    this.visible = zoom(this.visible, this.range, atNs, factor);
+    this.visible = zoom(this.visible, this.axis, atNs, factor);
     this.askLanes();
   }
 
   pan(byNs: number): void {
-    this.visible = shift(this.visible, this.range, byNs);
+    this.visible = shift(this.visible, this.axis, byNs);
     this.askLanes();
   }
 
   /** Shows a window of time. */
   showWindow(range: Range): void {
-    this.visible = shift(range, this.range, 0);
+    this.visible = shift(range, this.axis, 0);
     this.askLanes();
   }
 
   showAll(): void {
-    this.visible = this.range;
+    this.visible = this.axis;
     this.askLanes();
   }
 
@@ -494,7 +511,7 @@ export class Player {
   }
 
   private async reread(): Promise<void> {
-    const sawAll = this.visible.toNs >= this.range.toNs;
+    const sawAll = this.visible.toNs >= this.axis.toNs;
     try {
       await this.read();
     } catch (error) {
@@ -502,7 +519,7 @@ export class Player {
       return;
     }
     this.trouble = null;
-    if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.range.toNs };
+    if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.axis.toNs };
     if (!this.speedChosen && !this.playing) this.speed = speedFor(this.range);
     if (this.following) this.seek(this.range.toNs, true);
     else this.ask();
@@ -522,17 +539,19 @@ export class Player {
 
   private async momentAt(atNs: number): Promise<Moment> {
     const { source } = this;
-    const [mission, targets, plan, troubles, report] = await Promise.all([
+    const [mission, targets, plan, troubles, report, tail] = await Promise.all([
       source.mission(atNs),
       source.targets(atNs),
       source.plan(atNs),
       source.troubles(atNs),
       source.report(atNs),
+      source.tail(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, report };
+    return { mission, targets, plan, troubles: troubles.troubles, report, tail };
   }
 
-  private show({ mission, targets, plan, troubles, report }: Moment): void {
+  private show({ mission, targets, plan, troubles, report, tail }: Moment): void {
+    this.tail = tail;
     this.mission = mission;
     this.targets = targets;
     this.plan = plan;

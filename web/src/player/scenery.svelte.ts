@@ -27,7 +27,6 @@ export class Scenery {
   private readonly planQuestions: LatestOnly<number, Plans>;
   private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
   private readonly scoreQuestions: LatestOnly<number, ScoreSoFar | null>;
-  private asked = false;
 
   constructor(private readonly source: RecordSource) {
     const fail = (error: unknown) => {
@@ -83,11 +82,16 @@ export class Scenery {
     this.questions.put(atNs);
   }
 
-  private async read(atNs: number): Promise<void> {
-    if (!this.asked) {
+  /** Reads the facts of the mission, which never change. */
+  async readFacts(): Promise<void> {
+    try {
       this.facts = await this.source.facts();
-      this.asked = true;
+    } catch (error) {
+      this.trouble = String(error instanceof Error ? error.message : error);
     }
+  }
+
+  private async read(atNs: number): Promise<void> {
     const [footprints, { signals }] = await Promise.all([
       this.source.footprints(atNs),
       this.source.signals(atNs),

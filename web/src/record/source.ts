@@ -67,6 +67,8 @@ export interface EventsQuery {
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
   track(): Promise<Track>;
+  /** The last samples of the track before an instant, all of them. */
+  tail(atNs: number): Promise<Track>;
   tasks(query: { atNs: number; ended: boolean; find: string; with: number | null }): Promise<Tasks>;
   timeline(query: TimelineQuery): Promise<Timeline>;
   targets(atNs: number): Promise<Target[]>;
@@ -113,6 +115,8 @@ export class RecordError extends Error {
 }
 
 const RETRY_MS = 2000;
+/** Length of the tail of the track; a day of flight on 4,000 points has one in 22 s. */
+const [TAIL_NS, TAIL_POINTS] = [60e9, 1000];
 /** Maximum number of drawn lanes; the others are merged into one. */
 const LANES = 60;
 
@@ -132,6 +136,8 @@ export class ServedRecord implements RecordSource {
   mission = (atNs: number | null): Promise<Mission> =>
     this.get('mission', { at: atNs === null ? null : whole(atNs) });
   track = (): Promise<Track> => this.get('track', { points: 4000 });
+  tail = (atNs: number): Promise<Track> =>
+    this.get('track', { from: whole(atNs - TAIL_NS), to: whole(atNs), points: TAIL_POINTS });
   report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
   surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
   signals = (atNs: number): Promise<Signals> => this.get('signals', { at: whole(atNs) });

@@ -15,28 +15,51 @@ export interface Visit {
 /** The reason of a target that needs no observation any longer, as the record has it. */
 const TARGET_GONE = 'no longer a target';
 
+/**
+ * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
+ * that in words and marks. So the number of observed targets is the same everywhere.
+ */
+export function shownState(target: Pick<Target, 'state' | 'detail' | 'observed_ns'>): string {
+  if (target.detail === TARGET_GONE) return 'skipped';
+  if (target.observed_ns !== null && target.state !== 'observing') return 'observed';
+  return target.state ?? 'known';
+}
+
+/** When each visit of a plan was begun, in the order of the plan; null where it is not yet. The n-th visit to a target is its n-th
+ * observation since the plan. */
+export function begunVisits(plan: PlanInForce, targets: readonly Target[], atNs: number): (number | null)[] {
+  const begun = new Map<string, number[]>();
+  for (const target of targets) {
+    // A plan may continue the visit that is going on when it is adopted.
+    const own = visitsOf([target], Infinity).filter(
+      visit => visit.toNs > visit.fromNs && visit.toNs >= plan.adopted_ns && visit.fromNs <= atNs,
+    );
+    begun.set(
+      target.id,
+      own.map(visit => visit.fromNs),
+    );
+  }
+  return plan.visits.map(visit => begun.get(visit.target)?.shift() ?? null);
+}
+
 /** When targets were observed, and with what result; targets that were skipped are a mark. */
 export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
-  const visits = targets.flatMap(target =>
-    target.history.flatMap((change, index) => {
-      const next = target.history[index + 1];
-      const { id, name } = target;
-      if (change.state === 'observing') {
-        return {
-          id,
-          name,
-          fromNs: change.t_ns,
-          toNs: next?.t_ns ?? endNs,
-          state: next?.state ?? 'observing',
-        };
+  const visits = targets.flatMap(({ id, name, history }) => {
+    const own: Visit[] = [];
+    let open: Visit | undefined;
+    for (const { state, t_ns } of history) {
+      if (state === 'observing' && !open) {
+        open = { id, name, fromNs: t_ns, toNs: endNs, state };
+        own.push(open);
+      } else if (state === 'observed' || state === 'skipped') {
+        if (open) Object.assign(open, { toNs: t_ns, state });
+        else own.push({ id, name, fromNs: t_ns, toNs: t_ns, state });
+        open = undefined;
       }
-      const alone = target.history[index - 1]?.state !== 'observing';
-      if (alone && (change.state === 'observed' || change.state === 'skipped')) {
-        return { id, name, fromNs: change.t_ns, toNs: change.t_ns, state: change.state };
-      }
-      return [];
-    }),
-  );
+      // A plan made during the visit plans it again; the visit goes on.
+    }
+    return own;
+  });
   return visits.sort((a, b) => a.fromNs - b.fromNs);
 }
 
@@ -59,7 +82,10 @@ export interface TargetRow {
   state: string;
   value: number | null;
   windows: { fromNs: number; toNs: number }[];
+  /** The planned times: of each earlier plan the first, of the plan in force all. */
   threads: Thread[];
+  /** The planned begin of the next visit in the plan in force. */
+  nextNs: number | null;
   visits: { fromNs: number; toNs: number; state: string }[];
   /** Times at which a task of its observation was interrupted, so that it is flown again. */
   reflies: number[];
@@ -86,21 +112,24 @@ interface Known {
 export function targetRows({ targets, plans, troubles, facts, report, atNs }: Known): TargetRow[] {
   const visits = visitsOf(targets, atNs);
   const known = plans.filter(plan => plan.adopted_ns <= atNs);
-  const last = known.at(-1)?.number;
+  const last = known.at(-1);
+  const begun = last ? begunVisits(last, targets, atNs) : [];
   const rows = targets.map(target => {
     const own = visits.filter(
       visit => visit.id === target.id && (visit.toNs > visit.fromNs || visit.state === 'observed'),
     );
-    const threads = known.flatMap(plan => threadOf(plan, target.id, plan.number === last));
+    const threads = known.flatMap(plan => threadsOf(plan, target.id, plan === last));
+    const next = last?.visits.find((visit, index) => visit.target === target.id && begun[index] === null);
     const row = {
       id: target.id,
       name: target.name,
-      state: target.state ?? 'known',
+      state: shownState(target),
       value: target.value,
       windows: (facts?.windows ?? [])
         .filter(window => window.target === target.id)
         .map(window => ({ fromNs: window.from_ns, toNs: window.to_ns })),
       threads,
+      nextNs: next?.begin_ns ?? null,
       left: leftOf(known, threads),
       visits: own.map(({ fromNs, toNs, state }) => ({ fromNs, toNs, state })),
       reflies: troubles
@@ -117,13 +146,17 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
     return { ...row, words: wordsOf(row) };
   });
   const order = (row: TargetRow) =>
-    row.visits[0]?.fromNs ?? row.threads.findLast(thread => thread.beginNs !== null)?.beginNs ?? Infinity;
+    row.visits[0]?.fromNs ??
+    row.nextNs ??
+    row.threads.findLast(thread => thread.beginNs !== null)?.beginNs ??
+    Infinity;
   return rows.sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
 }
 
-function threadOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
-  const visit = plan.visits.find(one => one.target === target);
-  if (visit) return [{ plan: plan.number, beginNs: visit.begin_ns, reason: '', last }];
+function threadsOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
+  const visits = plan.visits.filter(one => one.target === target).slice(0, last ? undefined : 1);
+  if (visits.length > 0)
+    return visits.map(visit => ({ plan: plan.number, beginNs: visit.begin_ns, reason: '', last }));
   const left = plan.left_out.find(one => one.target === target);
   return left ? [{ plan: plan.number, beginNs: null, reason: left.reason, last }] : [];
 }
@@ -154,8 +187,8 @@ function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
   const thread = row.threads.at(-1);
   if (row.goneNs !== null) parts.push(`${TARGET_GONE} since ${missionTime(row.goneNs)}`);
-  else if (thread?.beginNs != null) parts.push(`planned ${missionTime(thread.beginNs)}`);
-  else if (thread) parts.push(`left out: ${thread.reason}`);
+  else if (row.nextNs !== null) parts.push(`planned ${missionTime(row.nextNs)}`);
+  else if (thread?.reason) parts.push(`left out: ${thread.reason}`);
   const [first] = row.visits;
   if (first && first.toNs > first.fromNs)
     parts.push(`visited ${missionTime(first.fromNs)} to ${missionTime(first.toNs)}`);

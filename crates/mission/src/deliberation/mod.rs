@@ -118,6 +118,10 @@ impl Deliberator for MissionDeliberator {
         postcard::to_stdvec(&self.situation).ok()
     }
 
+    fn layout(&self) -> Option<&'static str> {
+        Some(env!("APEX_SITUATION_LAYOUT"))
+    }
+
     fn target_changes(&self) -> &[TargetChange] {
         &self.situation.target_changes
     }

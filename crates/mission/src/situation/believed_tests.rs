@@ -1,12 +1,13 @@
 //! Assumptions of a mission after updates, in the numbers that planners receive.
 
-use super::{MissionUpdate, MissionUpdates, Situation};
+use super::{MissionEvent, MissionUpdate, MissionUpdates, Situation};
 use crate::problem::pose;
 use crate::{Fire, Mission, Site, TargetKind};
 use apex_metrics::eci::cost_at;
 use apex_model::problem::{CostFunction, EventRate, Problem, SurveillanceProblem, WindField};
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_runtime::target_state::TargetState;
 
 fn mission(name: &str) -> Mission {
     Mission::load(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name)).unwrap()
@@ -48,6 +49,24 @@ fn posed(mission: &Mission, updates: MissionUpdates) -> SurveillanceProblem {
         Problem::Surveillance(problem) => problem,
         Problem::SingleVisit(_) => panic!("of another kind"),
     }
+}
+
+#[test]
+fn a_visit_that_goes_on_after_a_plan_is_observed_again() {
+    let mission = mission("structure-watch");
+    let mut situation = Situation::default();
+    let observing = MissionEvent::Observing("barn".into());
+    let form = Value::list([Value::symbol("observing"), Value::symbol("barn")]);
+    assert_eq!(MissionEvent::read(&form), Some(observing));
+    let at = Time::from_seconds;
+    situation.take_message(&mission, at(10.0), &form);
+    situation.take_message(&mission, at(11.0), &form);
+    situation.change("barn".into(), at(20.0), TargetState::Planned, String::new());
+    situation.take_message(&mission, at(30.0), &form);
+    let states: Vec<_> = situation.target_changes.iter().map(|change| (change.at.seconds(), change.state)).collect();
+    let wanted = [(10.0, TargetState::Observing), (20.0, TargetState::Planned), (30.0, TargetState::Observing)];
+    assert_eq!(states, wanted);
+    assert_eq!(situation.visits.len(), 1, "it is one visit");
 }
 
 #[test]

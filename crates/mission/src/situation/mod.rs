@@ -31,7 +31,7 @@ use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use apex_runtime::target_state::{TARGET_GONE, TargetChange, TargetState};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of goals whose chosen procedure is remembered; more than any mission has.
 const CHOSEN_MAX: usize = 10_000;
@@ -206,12 +206,20 @@ impl Situation {
         self.target_changes.push(TargetChange { target, at, state, detail });
     }
 
+    fn state_of(&self, target: &str) -> Option<TargetState> {
+        self.target_changes.iter().rev().find(|change| change.target == target).map(|change| change.state)
+    }
+
     fn take_message(&mut self, mission: &Mission, at: Time, form: &Value) {
         let Some(event) = MissionEvent::read(form) else { return };
         match event {
             MissionEvent::Observing(target) => {
-                if self.open_visit().is_none_or(|visit| visit.target != target) {
+                let is_new = self.open_visit().is_none_or(|visit| visit.target != target);
+                // A plan made during the visit has planned it again.
+                if is_new || self.state_of(&target) != Some(TargetState::Observing) {
                     self.change(target.clone(), at, TargetState::Observing, String::new());
+                }
+                if is_new {
                     let lines = self.planned_lines.get(&target).cloned().unwrap_or_default();
                     let predicted = self.predicted(mission, &target);
                     self.visits.push(Visit::new(target, at, lines, predicted));
@@ -333,17 +341,23 @@ impl Situation {
         self.note(now, format!("new plan: {summary}"));
         self.adopted = self.adopted.saturating_add(1);
         let Some(made) = self.answers.remove(&request) else { return };
+        let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {
-                let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
                 plan.visits.iter().map(|visit| (visit.target.clone(), planned(visit.begin_s))).collect()
             }
+            // Times of these plans count from the instant at which the problem was posed.
             Plan::Surveillance(plan) => {
-                plan.cycle.iter().map(|target| (target.clone(), "in the cycle".to_string())).collect()
+                let begin = |arrive_s: f64| planned(made.made.seconds() + arrive_s);
+                plan.visits.iter().map(|visit| (visit.target.clone(), begin(visit.arrive_s))).collect()
             }
         };
+        let mut planned_targets = BTreeSet::new();
         for (target, detail) in visits {
-            self.change(target, now, TargetState::Planned, detail);
+            // Of several visits to a target, the first one counts.
+            if planned_targets.insert(target.clone()) {
+                self.change(target, now, TargetState::Planned, detail);
+            }
         }
         for left_out in made.plan.left_out() {
             self.change(left_out.target.clone(), now, TargetState::Skipped, left_out.reason.clone());

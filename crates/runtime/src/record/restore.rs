@@ -40,9 +40,8 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
     pub fn restore_with(&self, at: Time, program: &RestoredProgram) -> Result<Agent, RecordError> {
-        // A snapshot of another version may decode into nonsense. Ignoring it loses nothing: the inputs alone suffice.
-        let ours = self.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
-        let stored = if ours { self.snapshot_before(at)? } else { None };
+        // A snapshot of another build may decode into nonsense. Ignoring it loses nothing: the inputs alone suffice.
+        let stored = if self.has_own_states()? { self.snapshot_before(at)? } else { None };
         let snapshot =
             stored.and_then(|(batch, body)| postcard::from_bytes::<Agent>(&body).ok().map(|agent| (batch, agent)));
         let (first, mut agent) = match snapshot {

@@ -25,7 +25,9 @@ const SHOWN_MAX: usize = 300;
 pub(crate) struct Derivable {
     /// Situations, states of targets and planning problems: only with the record's mission.
     pub(crate) mission: bool,
-    /// True if snapshots are compared: only for the version of Apex that made them.
+    /// True if situations are compared: only for builds with their layout.
+    pub(crate) situations: bool,
+    /// True if snapshots of agents are compared: only for builds with their layout.
     pub(crate) snapshots: bool,
 }
 
@@ -36,7 +38,7 @@ impl Derivable {
             Table::Track | Table::Answer => true,
             Table::TargetState | Table::Problem => self.mission,
             Table::Snapshot => self.snapshots,
-            Table::Situation => self.mission && self.snapshots,
+            Table::Situation => self.mission && self.situations,
             Table::Meta | Table::Source | Table::Note | Table::Target | Table::Report => false,
         }
     }

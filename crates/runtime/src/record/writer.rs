@@ -5,6 +5,7 @@ use super::codec::{self, Variables};
 use super::difference::RowDifference;
 use super::disk_news::{DiskNews, Resumption};
 use super::effects::EffectEncoder;
+use super::layout::STATE_LAYOUT;
 use super::segments::{SEGMENT_SNAPSHOT, SPARE_FOLDER, SegmentPlaces};
 use super::signature::SigningKey;
 use super::store::{Durability, RowStore, SqlValue, Store, real, text};
@@ -107,6 +108,7 @@ impl Recorder {
         let store = Store::create(path, places, options.durability, kept_bytes_max)?;
         let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
+        recorder.meta(STATE_LAYOUT, env!("APEX_STATE_LAYOUT"))?;
         recorder.meta("complete", "0")?;
         if let Some(vehicle) = &options.vehicle {
             recorder.meta("vehicle", vehicle)?;

@@ -80,7 +80,7 @@ fn answer(at: Time, visits: &[String], planned: Planned) -> DraftAnswer {
                     Worth { what: "expected cost of ignorance", value: plan.expected_cost }
                 }
             };
-            let plan = Some(PlanInForce::of_plan(planned.plan, 0, at.0));
+            let plan = Some(PlanInForce::of_plan(planned.plan, at.0));
             DraftAnswer { at_ns: at.0, plan, worth: Some(worth), violation: None }
         }
         Err(reason) => {

@@ -49,7 +49,7 @@ describe('a row', () => {
     expect(stateLabel(task(1, null, 'terminated', 'success'))).toBe('done');
     expect(stateLabel(task(1, null, 'terminated', 'failure'))).toBe('failed');
     expect(stateLabel(task(1, null, 'terminated'))).toBe('ended');
-    expect(tone(task(1, null, 'terminated', 'failure'))).toBe('skipped');
+    expect(tone(task(1, null, 'terminated', 'failure'))).toBe('failed');
   });
 
   it('has a neighbour', () => {

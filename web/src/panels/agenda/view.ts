@@ -55,9 +55,12 @@ export function stateLabel(task: Task): string {
 
 /** The colour's name for a task: failures are emphasised among ended tasks. */
 export function tone(task: Task): string {
-  const word = stateLabel(task);
-  if (word === 'failed') return 'skipped';
-  return word === 'done' ? 'observed' : task.state;
+  return stateLabel(task) === 'failed' ? 'failed' : task.state;
+}
+
+/** The tasks with an interrupted child. */
+export function holdingInterrupted(tasks: readonly Task[]): Set<number | null> {
+  return new Set(tasks.filter(task => task.state === 'interrupted').map(task => task.parent));
 }
 
 /** `12 ongoing`, for the states that some task is in. */

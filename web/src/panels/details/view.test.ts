@@ -167,7 +167,7 @@ it('the log names ends by their outcome, and errors by their colour', () => {
   const lines = logLines([event(1, {}), event(2, { outcome: 'failure', to_state: 'terminated' })]);
   expect(lines.map(line => line.what)).toEqual(['failure', 'ongoing']);
   expect(lines[1]?.text).toBe('(take-off) — it needs no resources');
-  expect(lines[0]?.tone).toBe('skipped');
+  expect(lines[0]?.tone).toBe('failed');
   expect(toneOf('refused', null, null)).toBe('interrupted');
 });
 

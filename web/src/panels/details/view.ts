@@ -95,10 +95,9 @@ function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['fact
 
 /** The colour's name for a decision. */
 export function toneOf(kind: string, to: string | null, outcome: string | null): string {
-  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'skipped'; // english: allow
-  if (outcome?.startsWith('success')) return 'observed';
+  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'failed'; // english: allow
   if (kind === 'transition') return to ?? 'pending';
-  return kind === 'refused' ? 'interrupted' : 'planned';
+  return kind === 'refused' ? 'interrupted' : 'pending';
 }
 
 /** The kinds of events that the log can be narrowed to. */

@@ -1,7 +1,7 @@
 /** Wind, link and the seen ground as shown on the map; pure. */
 
 import type { Footprints, SignalWindow } from '../../record/types';
-import { aircraftAt, type Path, type Position } from './view';
+import { type Path, type Position, placeAt } from './view';
 
 /** A measured wind at a place of the flown track. */
 export interface WindArrow {
@@ -12,7 +12,7 @@ export interface WindArrow {
 }
 
 /** The measured winds along the track, one for each entry of the windows, oldest first. */
-export function windArrows(windows: readonly SignalWindow[], path: Path): WindArrow[] {
+export function windArrows(windows: readonly SignalWindow[], flown: Path): WindArrow[] {
   const of = (attribute: string) => windows.find(window => window.attribute === attribute);
   const [speed, direction] = [of('wind-speed'), of('wind-direction')];
   if (!speed || !direction) return [];
@@ -20,9 +20,9 @@ export function windArrows(windows: readonly SignalWindow[], path: Path): WindAr
     // For a direction the last sample up to that time applies, because the mean of 359° and 1° would be 180°.
     const at = direction.t_ns.findLastIndex(time => time <= atNs);
     const [fromDeg, speedMps] = [direction.low[at], speed.mean[index]];
-    const aircraft = aircraftAt(path, atNs);
-    if (fromDeg === undefined || speedMps === undefined || !aircraft) return [];
-    return [{ position: aircraft.position, fromDeg, speedMps, atNs }];
+    const position = placeAt(flown, atNs);
+    if (fromDeg === undefined || speedMps === undefined || !position) return [];
+    return [{ position, fromDeg, speedMps, atNs }];
   });
 }
 

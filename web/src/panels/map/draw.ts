@@ -7,7 +7,6 @@ import { drawAbove, drawBelow, drawDraft, type Layers } from './layers';
 import {
   type Aircraft,
   type Box,
-  countUntil,
   degreesText,
   graticuleStep,
   type Path,
@@ -21,8 +20,8 @@ import {
 export type Project = (position: Position) => { x: number; y: number };
 
 export interface Scene {
-  path: Path;
-  atNs: number;
+  /** The flown way until the instant. */
+  flown: Path;
   aircraft: Aircraft | null;
   targets: TargetView[];
   outlines: Map<string, Position[][]>;
@@ -163,7 +162,7 @@ function drawOutlines(context: Pen, scene: Scene, project: Project): void {
 }
 
 function drawTrack(context: Pen, scene: Scene, project: Project): void {
-  const { positions, times } = scene.path;
+  const { positions } = scene.flown;
   context.lineJoin = 'round';
   context.lineCap = 'round';
   context.strokeStyle = COLOURS.track;
@@ -172,15 +171,10 @@ function drawTrack(context: Pen, scene: Scene, project: Project): void {
   polyline(context, scene.ahead, scene.ahead.length, project);
   context.stroke();
   context.setLineDash([]);
-  const flown = countUntil(times, scene.atNs);
-  if (flown === 0) return;
+  if (positions.length === 0) return;
   context.strokeStyle = COLOURS.flown;
   context.lineWidth = 2.4;
-  polyline(context, positions, flown, project);
-  if (scene.aircraft) {
-    const { x, y } = project(scene.aircraft.position);
-    context.lineTo(x, y);
-  }
+  polyline(context, positions, positions.length, project);
   context.stroke();
 }
 
@@ -239,25 +233,37 @@ function drawTargets(context: Pen, scene: Scene, frame: Frame, project: Project)
 
 function drawSymbol(context: Pen, target: TargetView, x: number, y: number, selected: boolean): void {
   const colour = stateColour(target.state);
-  context.fillStyle =
-    target.state === 'planned' || target.state === 'known' || target.state === 'skipped'
-      ? COLOURS.sea
-      : colour;
-  context.strokeStyle = target.state === 'observed' || target.state === 'observing' ? COLOURS.sea : colour;
-  context.lineWidth = 1.8;
-  circle(context, x, y, 5);
-  context.fill();
-  context.stroke();
   if (target.state === 'skipped') {
-    context.beginPath();
-    context.moveTo(x - 2.2, y - 2.2);
-    context.lineTo(x + 2.2, y + 2.2);
-    context.moveTo(x + 2.2, y - 2.2);
-    context.lineTo(x - 2.2, y + 2.2);
+    // A cross with a halo, so that it stands out from outlines.
+    for (const [style, width] of [
+      [COLOURS.halo, 5],
+      [colour, 2],
+    ] as const) {
+      context.strokeStyle = style;
+      context.lineWidth = width;
+      context.beginPath();
+      context.moveTo(x - 4, y - 4);
+      context.lineTo(x + 4, y + 4);
+      context.moveTo(x + 4, y - 4);
+      context.lineTo(x - 4, y + 4);
+      context.stroke();
+    }
+  } else {
+    context.fillStyle = target.state === 'observed' ? colour : COLOURS.sea;
+    context.strokeStyle = colour;
+    context.lineWidth = 1.8;
+    circle(context, x, y, 4.5);
+    context.fill();
     context.stroke();
   }
-  if (target.state === 'observing' || selected) {
-    context.strokeStyle = selected ? COLOURS.text : colour;
+  if (target.state === 'observing') {
+    context.fillStyle = colour;
+    context.beginPath();
+    context.arc(x, y, 4.5, -Math.PI / 2, Math.PI / 2);
+    context.fill();
+  }
+  if (selected) {
+    context.strokeStyle = COLOURS.text;
     context.lineWidth = 1.5;
     circle(context, x, y, 9);
     context.stroke();

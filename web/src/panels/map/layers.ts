@@ -73,7 +73,7 @@ export function drawDraft(context: Pen, layers: Layers, project: Project): void 
 
 /** The track of the other record: thin, below the track of the shown one. */
 function drawOther(context: Pen, way: readonly Position[], project: Project): void {
-  context.strokeStyle = COLOURS.dim;
+  context.strokeStyle = COLOURS.other;
   context.lineWidth = 1.4;
   context.beginPath();
   trace(context, way, project);

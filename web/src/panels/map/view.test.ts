@@ -5,6 +5,7 @@ import {
   bounds,
   countUntil,
   degreesText,
+  flownUntil,
   graticuleStep,
   legend,
   outlines,
@@ -29,20 +30,36 @@ const track = {
 describe('the aircraft', () => {
   const path = pathOf(track);
 
-  it('is between samples, and turns the short way', () => {
+  const none = pathOf(null);
+  const at = (atNs: number, tail = none) => aircraftAt(flownUntil(path, tail, atNs));
+
+  it('P1: is at its last sample, whatever comes after', () => {
     expect(path.times).toEqual([0, 10, 30]);
-    expect(aircraftAt(path, 5)).toEqual({ position: [-117.5, 34.5], headingDeg: 0 });
+    expect(at(9.9)).toEqual({ position: [-118, 34], headingDeg: 350 });
+    expect(at(10)).toEqual({ position: [-117, 35], headingDeg: 10 });
+    expect(at(99)?.position).toEqual([-117, 36]);
+    expect(at(-5)).toBeNull();
+    expect(aircraftAt(none)).toBeNull();
   });
 
-  it('is at the ends of the track', () => {
-    expect(aircraftAt(path, -5)?.position).toEqual([-118, 34]);
-    expect(aircraftAt(path, 99)?.position).toEqual([-117, 36]);
-    expect(aircraftAt(pathOf(null), 0)).toBeNull();
+  it('takes the newest samples from the tail, each once, and none after the instant', () => {
+    const tail = pathOf({
+      ...track,
+      t_ns: [8, 10, 12, 14],
+      latitude_deg: [34.8, 35, 35.1, 35.2],
+      longitude_deg: [-118, -117, -117, -117],
+      heading_deg: [5, 10, 12, 14],
+    });
+    expect(flownUntil(path, tail, 13).times).toEqual([0, 8, 10, 12]);
+    expect(at(13, tail)).toEqual({ position: [-117, 35.1], headingDeg: 12 });
+    // The cursor has moved on, and the tail of the new instant is still to come.
+    expect(flownUntil(path, tail, 31).times).toEqual([0, 8, 10, 12, 14, 30]);
+    expect(flownUntil(path, tail, 3).times).toEqual([0]);
   });
 
   it('takes its heading from the track where none was recorded', () => {
     const bare = { ...path, headings: [null, null, null] };
-    expect(aircraftAt(bare, 15)?.headingDeg).toBeCloseTo(0, 6);
+    expect(aircraftAt(flownUntil(bare, none, 30))?.headingDeg).toBeCloseTo(0, 6);
   });
 });
 

@@ -1,6 +1,7 @@
 /** Contents of the map at an instant; pure. */
 
 import type { PlanInForce, Surroundings, Target, Track } from '../../record/types';
+import { shownState } from '../../record/visits';
 import { NANOSECONDS_PER_SECOND } from '../../time/format';
 
 export type Position = [longitudeDeg: number, latitudeDeg: number];
@@ -56,37 +57,59 @@ export function countUntil(times: readonly number[], at: number): number {
   return low;
 }
 
-/** The aircraft's place, interpolated on a straight line between samples; before the first sample, the place of that sample. */
-export function aircraftAt(path: Path, atNs: number): Aircraft | null {
-  const count = countUntil(path.times, atNs);
-  const index = Math.max(count - 1, 0);
-  const from = path.positions[index];
-  if (!from) return null;
-  const to = path.positions[index + 1];
-  const heading = path.headings[index] ?? (to ? bearing(from, to) : 0);
-  const start = path.times[index] as number;
-  const end = path.times[index + 1];
-  if (!to || end === undefined || atNs <= start) return { position: from, headingDeg: heading };
-  const share = (atNs - start) / (end - start);
-  const next = path.headings[index + 1] ?? heading;
-  const turn = ((next - heading + 540) % 360) - 180;
+/**
+ * The flown way until an instant: the samples of the path, and those of `tail`, which has all samples of the last time. Samples after the
+ * instant are not used.
+ */
+export function flownUntil(path: Path, tail: Path, atNs: number): Path {
+  const from = tail.times[0] ?? Infinity;
+  const [before, after] = [countUntil(path.times, Math.min(from - 1, atNs)), countUntil(tail.times, atNs)];
+  // A tail of an earlier instant is followed by what the path has since.
+  const last = tail.times[after - 1] ?? Number.NEGATIVE_INFINITY;
+  const [again, end] = [Math.max(countUntil(path.times, last), before), countUntil(path.times, atNs)];
+  const join = <T>(one: readonly T[], two: readonly T[]) => [
+    ...one.slice(0, before),
+    ...two.slice(0, after),
+    ...one.slice(again, end),
+  ];
   return {
-    position: [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share],
-    headingDeg: (heading + turn * share + 360) % 360,
+    times: join(path.times, tail.times),
+    positions: join(path.positions, tail.positions),
+    headings: join(path.headings, tail.headings),
   };
+}
+
+/** The place at an instant between two flown samples, on a straight line; at the ends, the place of that sample. */
+export function placeAt(flown: Path, atNs: number): Position | null {
+  const index = Math.max(countUntil(flown.times, atNs) - 1, 0);
+  const [from, to] = [flown.positions[index], flown.positions[index + 1]];
+  const [start, end] = [flown.times[index] ?? 0, flown.times[index + 1] ?? 0];
+  if (!from || !to || atNs <= start) return from ?? null;
+  const share = (atNs - start) / (end - start);
+  return [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share];
+}
+
+/** The aircraft at its last sample; null before the first. Where it is after that sample is not known yet. */
+export function aircraftAt(flown: Path): Aircraft | null {
+  const position = flown.positions.at(-1);
+  if (!position) return null;
+  const before = flown.positions.at(-2);
+  return { position, headingDeg: flown.headings.at(-1) ?? (before ? bearing(before, position) : 0) };
 }
 
 /** The known targets that have a place, in their states. */
 export function placedTargets(targets: readonly Target[]): TargetView[] {
   return targets.flatMap(target => {
     if (target.longitude_deg === null || target.latitude_deg === null) return [];
+    const state = shownState(target);
     return {
       id: target.id,
       name: target.name,
       position: [target.longitude_deg, target.latitude_deg] satisfies Position,
-      state: target.state ?? 'known',
-      sinceNs: target.since_ns,
-      detail: target.detail,
+      state,
+      sinceNs: state === 'observed' ? target.observed_ns : target.since_ns,
+      detail:
+        state === 'observed' && target.state === 'skipped' ? `left out: ${target.detail}` : target.detail,
       value: target.value,
     };
   });

@@ -1,8 +1,10 @@
 /** A procedure, or a plan, as a network of activities (PERT): layers, edges, times, the longest path; pure. */
 
 import type { PlanInForce, ProcedureRow, Target, Task } from '../../record/types';
+import { begunVisits } from '../../record/visits';
 import { clock } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
+import { stateSign } from '../../words/state';
 
 export interface Activity {
   id: string;
@@ -37,20 +39,6 @@ export interface Network {
 
 export const NODE = { width: 148, height: 40, gapX: 34, gapY: 18 };
 
-const STATE_GLYPHS: Record<Task['state'], string> = {
-  pending: '○',
-  enabled: '◇',
-  ongoing: '●',
-  interrupted: '▨',
-  terminated: '✓',
-};
-
-function glyphOf(task: Task | undefined): string {
-  if (!task) return '·';
-  if (task.state !== 'terminated') return STATE_GLYPHS[task.state];
-  return task.outcome === 'failure' ? '▲' : task.outcome === 'cut' ? '–' : '✓';
-}
-
 /** The steps of a procedure as activities, with the tasks that execute them for `parent`. */
 export function procedureActivities(
   row: ProcedureRow,
@@ -74,7 +62,7 @@ export function procedureActivities(
     return {
       id: step.tag,
       words: phrase(task?.goal ?? step.activity, names),
-      glyph: glyphOf(task),
+      glyph: stateSign(task),
       note: [times || waits, step.repeats ? 'repeats' : '', step.ends ? 'ends it' : '']
         .filter(Boolean)
         .join(' · '),
@@ -88,21 +76,25 @@ export function procedureActivities(
   });
 }
 
+/** States of a target that end a visit. */
+const ENDS = new Set(['observed', 'skipped']);
+
 /** The visits of a plan as activities in their order, planned next to flown. */
 export function planActivities(plan: PlanInForce, targets: readonly Target[], atNs: number): Activity[] {
+  const begun = begunVisits(plan, targets, atNs);
   return plan.visits.map((visit, index) => {
     const target = targets.find(one => one.id === visit.target || one.name === visit.target);
-    const done = target?.history.find(
-      change => change.state === 'observing' && change.t_ns >= plan.adopted_ns && change.t_ns <= atNs,
+    const done = begun[index] ?? null;
+    const end = target?.history.find(
+      change => done !== null && change.t_ns > done && change.t_ns <= atNs && ENDS.has(change.state),
     );
-    const state = target?.state;
-    const glyph = done ? (state === 'observing' ? '●' : state === 'observed' ? '✓' : '–') : '○';
+    const glyph = done === null ? '○' : !end ? '●' : end.state === 'observed' ? '✓' : '–';
     const planned = `planned ${clock(visit.begin_ns / 1e9)}`;
     return {
       id: `${index} ${visit.target}`,
       words: target?.name ?? visit.target,
       glyph,
-      note: done ? `${planned}, flown ${clock(done.t_ns / 1e9)}` : planned,
+      note: done !== null ? `${planned}, flown ${clock(done / 1e9)}` : planned,
       title: `${visit.target}\n${planned} to ${clock(visit.end_ns / 1e9)}`,
       task: null,
       target: target?.id ?? null,

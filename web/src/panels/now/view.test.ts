@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce } from '../../record/types';
-import { causeWords, endWords, nextWords, reasonWords, taskAtWork } from './view';
+import { causeWords, endWords, nextWords, reasonWords, taskAtWork, tasksAbove, whatWords } from './view';
 
 const names = new Map([['zaca', 'Zaca']]);
 
@@ -54,6 +54,15 @@ describe('the now line', () => {
     const free: [string, string] = ['no-preconditions', 'there is nothing to wait for'];
     expect(because(free)).toBe('plan 2, adopted 5:59:45, has Zaca');
     expect(because(free, null)).toBe('it was granted flight-path');
+    // A task without a target serves a task above it that has one.
+    const hover = { ...answer(free), task: { goal: '(hover)' } };
+    const above = [{ goal: '(orient camera-1)' }, { goal: '(visit zaca with camera-1)' }];
+    expect(reasonWords(hover as never, plan, names, above)).toBe('plan 2, adopted 5:59:45, has Zaca');
+    expect(whatWords({ goal: '(hover)' }, names, above)).toBe('hover, to visit Zaca with camera 1');
+    expect(whatWords({ goal: '(scan zaca)' }, names, above)).toBe('scan Zaca');
+    expect(whatWords({ goal: '(hover)' }, names, above.slice(0, 1))).toBe('hover');
+    const tree = [3, 2, 1].map(id => ({ id, parent: id === 1 ? null : id - 1, goal: `(g${id})` })) as never;
+    expect(tasksAbove(tree, { parent: 2 }).map(task => task.goal)).toEqual(['(g2)', '(g1)']);
     const rolled: [string, string] = [
       'preconditions-satisfied',
       'its preconditions hold: roll above 3deg for P6S',
@@ -61,15 +70,30 @@ describe('the now line', () => {
     expect(because(rolled)).toBe('roll above 3deg for 6 s');
   });
 
-  it('names the next visit after the instant', () => {
+  it('names the visit after the last one begun, also if it is late or planned again', () => {
+    const visit = (target: string, begin_s: number) => ({ target, begin_ns: begin_s * 1e9, end_ns: 0 });
     const plan = {
-      visits: [
-        { target: 'a', begin_ns: 1, end_ns: 2 },
-        { target: 'zaca', begin_ns: 34_500e9, end_ns: 3 },
-      ],
+      adopted_ns: 100e9,
+      visits: [visit('zaca', 110), visit('lick', 34_500), visit('zaca', 36_000)],
+    } as unknown as PlanInForce;
+    const change = (state: string, t_s: number) => ({ state, t_ns: t_s * 1e9, detail: null });
+    const next = (atS: number, zaca: unknown[], lick: unknown[] = []) => {
+      const targets = [
+        { id: 'zaca', name: 'Zaca', history: zaca },
+        { id: 'lick', name: 'Lick', history: lick },
+      ];
+      return nextWords(plan, targets as never, atS * 1e9);
     };
-    const target = { id: 'zaca', name: 'Zaca' } as never;
-    expect(nextWords(plan as unknown as PlanInForce, [target], 5)).toBe('Zaca, planned 9:35');
+    expect(next(101, [])).toBe('Zaca, planned 0:01');
+    // Nothing has begun, though the planned time of the first visit is over.
+    expect(next(35_000, [change('observed', 50)])).toBe('Zaca, planned 0:01');
+    const observed = [change('observing', 120), change('observed', 130)];
+    expect(next(125, observed)).toBe('Lick, planned 9:35');
+    expect(next(200, observed, [change('observing', 190)])).toBe('Zaca, planned 10:00');
+    // The visit that goes on when the plan is adopted is its first one, and is not counted twice.
+    const going = [change('observing', 90), change('planned', 100), change('observing', 105)];
+    expect(next(106, going)).toBe('Lick, planned 9:35');
+    expect(next(200, [...going, change('observed', 140), change('observing', 190)])).toBe('');
     expect(nextWords(null, [], 0)).toBe('');
   });
 

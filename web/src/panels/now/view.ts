@@ -1,6 +1,7 @@
 /** The now line: the agent's present task, its cause, and the next task; pure. */
 
 import type { Holdings, Mission, PlanInForce, Target, Task, TaskExplanation } from '../../record/types';
+import { begunVisits } from '../../record/visits';
 import { clock } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
 import { brief, type Names, phrase } from '../../words/phrase';
@@ -31,14 +32,31 @@ export function causeWords(sentence: string, names: Names): string {
   return words.length > CAUSE_MAX ? `${words.slice(0, CAUSE_MAX - 1)}…` : words;
 }
 
+/** The tasks above a task, the nearest first. */
+export function tasksAbove(tasks: readonly Task[], task: Pick<Task, 'parent'>): Task[] {
+  const above: Task[] = [];
+  for (let id = task.parent; id !== null; ) {
+    const parent = tasks.find(one => one.id === id);
+    if (!parent) break;
+    above.push(parent);
+    id = parent.parent;
+  }
+  return above;
+}
+
+function wordsOf(goal: string): Set<string> {
+  return new Set(goal.split(/[\s()]+/));
+}
+
 /**
  * Why the task is at work: where it only was granted what it needs, the condition that enabled it, else the plan in force that has its
- * target.
+ * target, or that of a task above it.
  */
 export function reasonWords(
   answer: Pick<TaskExplanation, 'now' | 'task' | 'explanation'>,
   plan: PlanInForce | null,
   names: Names,
+  above: readonly Pick<Task, 'goal'>[] = [],
 ): string {
   const history = answer.explanation?.history ?? [];
   const began = history.findLast(moment => moment.to === 'ongoing');
@@ -46,16 +64,19 @@ export function reasonWords(
   const enabled = history.findLast(moment => moment.to === 'enabled' && moment.id < began.id);
   if (enabled?.cause?.kind === 'preconditions-satisfied')
     return causeWords(` because ${enabled.because.replace(/^its preconditions hold: /, '')}`, names);
-  const words = new Set(answer.task.goal.split(/[\s()]+/));
-  const visit = plan?.visits.find(one => words.has(one.target));
+  const visit = [answer.task, ...above]
+    .map(task => wordsOf(task.goal))
+    .flatMap(words => plan?.visits.find(one => words.has(one.target)) ?? [])[0];
   if (!plan || !visit) return causeWords(answer.now, names);
   const adopted = clock(plan.adopted_ns / 1e9);
   return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
 }
 
-/** The next visit of the plan in force: `East Zone Complex, planned 9:35`. */
+/** The visit of the plan in force after the last one begun, also if it is late: `East Zone Complex, planned 9:35`. */
 export function nextWords(plan: PlanInForce | null, targets: readonly Target[], atNs: number): string {
-  const visit = plan?.visits.find(one => one.begin_ns > atNs);
+  if (!plan) return '';
+  const begun = begunVisits(plan, targets, atNs);
+  const visit = plan.visits[begun.findLastIndex(one => one !== null) + 1];
   if (!visit) return '';
   const target = targets.find(one => one.id === visit.target || one.name === visit.target);
   return `${target?.name ?? visit.target}, planned ${clock(visit.begin_ns / 1e9).slice(0, -3)}`;
@@ -69,6 +90,14 @@ export function endWords(mission: Mission | null): { words: string; failed: bool
     : null;
 }
 
-export function whatWords(task: Task, names: Names): string {
-  return phrase(task.goal, names);
+/** What the task does; where its goal names no target, also the task above that does: `hover, to visit School`. */
+export function whatWords(
+  task: Pick<Task, 'goal'>,
+  names: Names,
+  above: readonly Pick<Task, 'goal'>[] = [],
+): string {
+  const hasTarget = ({ goal }: Pick<Task, 'goal'>) => [...wordsOf(goal)].some(word => names.has(word));
+  const own = phrase(task.goal, names);
+  const purpose = hasTarget(task) ? undefined : above.find(hasTarget);
+  return purpose ? `${own}, to ${phrase(purpose.goal, names)}` : own;
 }

@@ -7,6 +7,7 @@ import { ticks } from '../../time/format';
 import type { Names } from '../../words/phrase';
 import {
   AXIS_PX,
+  type Block,
   bandsApart,
   blocksOf,
   densityOf,
@@ -43,6 +44,8 @@ export interface Picture {
   selected: number | null;
 }
 
+/** Narrowest block that shows the shape of its state, and the distance between lines of a hatch. */
+const [SHAPE_PX, HATCH_PX] = [3, 4];
 const FONT = `11px ${SANS}`;
 const BOLD = `600 11px ${SANS}`;
 const NUMBERS = `11px ${MONO}`;
@@ -208,17 +211,44 @@ function drawLane(context: Pen, picture: Picture, lane: LaneRow): void {
   lane.rows.forEach((row, index) => {
     const y = lane.y + index * ROW_PX + 2;
     for (const block of blocksOf(row, picture.visible, picture.atNs, picture.scale)) {
-      const waiting = block.state === 'pending';
-      context.fillStyle = stateColour(block.state);
-      context.globalAlpha = waiting ? 0.3 : 1;
-      context.fillRect(block.x, waiting ? y + 4 : y, block.width, waiting ? 3 : ROW_PX - 4);
-      context.globalAlpha = 1;
+      drawBar(context, block, y, ROW_PX - 4);
       if (block.task !== picture.selected) continue;
       context.strokeStyle = COLOURS.text;
       context.lineWidth = 1.2;
       context.strokeRect(block.x + 0.5, y - 0.5, Math.max(block.width - 1, 1), ROW_PX - 3);
     }
   });
+}
+
+/** The shape of a state: pending a line, ready a frame, ongoing a bar, interrupted hatched. */
+function drawBar(context: Pen, { x, width, state }: Block, y: number, height: number): void {
+  const colour = stateColour(state);
+  context.fillStyle = context.strokeStyle = colour;
+  if (state === 'pending') {
+    context.fillRect(x, y + height / 2 - 0.7, width, 1.4);
+    return;
+  }
+  // Frames and lines need space; a narrow block is filled.
+  if (width < SHAPE_PX || state === 'ongoing') {
+    context.fillRect(x, y, width, height);
+    return;
+  }
+  context.lineWidth = 1;
+  if (state === 'interrupted') {
+    context.save();
+    context.beginPath();
+    context.rect(x, y, width, height);
+    context.clip();
+    context.beginPath();
+    // A bar as wide as the screen has some 300 lines.
+    for (let left = x - height; left < x + width; left += HATCH_PX) {
+      context.moveTo(left, y + height);
+      context.lineTo(left + height, y);
+    }
+    context.stroke();
+    context.restore();
+  }
+  context.strokeRect(x + 0.5, y + 0.5, Math.max(width - 1, 1), height - 1);
 }
 
 /** Dense stretches: a block for each pixel, as high as the share of time with work, and the number of intervals. */

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce, Target } from '../../record/types';
-import { targetRows } from '../../record/visits';
+import { shownState, targetRows, visitsOf } from '../../record/visits';
 import { resourceRows } from './rows';
 import { NAMES_PX, scaleOf } from './view';
 
@@ -10,6 +10,8 @@ function target(id: string, history: [number, string][]): Target {
     name: id.toUpperCase(),
     value: 10,
     state: history.at(-1)?.[1] ?? null,
+    detail: null,
+    observed_ns: history.findLast(([, state]) => state === 'observed')?.[0] ?? null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   } as unknown as Target;
 }
@@ -62,6 +64,46 @@ describe('rows of targets', () => {
     expect(a?.windows).toEqual([{ fromNs: 5, toNs: 80 }]);
     expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
     expect(b?.words).toContain('left out: no time');
+  });
+  it('show all visits of the plan in force, and the time of the next one', () => {
+    const visits = [60, 100, 140].map(begin_ns => ({ target: 'a', begin_ns, end_ns: begin_ns + 1 }));
+    const plans = [plan(1, 0, { a: 40 }, []), { ...plan(2, 30, {}, []), visits }];
+    const rowAt = (atNs: number) => {
+      const history: [number, string][] = [
+        [30, 'planned'],
+        [62, 'observing'],
+        [70, 'observed'],
+      ];
+      const targets = [
+        target(
+          'a',
+          history.filter(([since]) => since <= atNs),
+        ),
+      ];
+      return targetRows({ ...known, targets, plans, atNs })[0];
+    };
+    expect(rowAt(50)?.threads.map(thread => thread.beginNs)).toEqual([40, 60, 100, 140]);
+    expect([50, 61, 65, 80].map(atNs => rowAt(atNs)?.nextNs)).toEqual([60, 60, 100, 100]);
+    expect(rowAt(80)?.words).toContain('planned T+0:00:00');
+  });
+  it('keep a target observed when later plans visit it again or leave it out', () => {
+    const shown = (...last: [number, string][]) =>
+      shownState(target('a', [[1, 'observing'], [2, 'observed'], ...last]));
+    expect([shown(), shown([3, 'skipped']), shown([3, 'planned'])]).toEqual(Array(3).fill('observed'));
+    expect(shown([3, 'planned'], [4, 'observing'])).toBe('observing');
+    expect(shownState({ ...target('a', [[2, 'observed']]), detail: 'no longer a target' })).toBe('skipped');
+    expect(shownState(target('a', []))).toBe('known');
+  });
+  it('have one visit where a plan was made during it', () => {
+    const during = target('a', [
+      [10, 'observing'],
+      [20, 'planned'],
+      [22, 'observing'],
+      [30, 'observed'],
+    ]);
+    expect(visitsOf([during], 99).map(visit => [visit.fromNs, visit.toNs, visit.state])).toEqual([
+      [10, 30, 'observed'],
+    ]);
   });
   it('say since which plan a target is left out, and why the last plan leaves it out', () => {
     const plans = [1, 2, 3].map(number => {

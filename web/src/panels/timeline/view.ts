@@ -21,7 +21,7 @@ export const VISITS_PX = 18;
 /** Height of a strip chart. */
 export const STRIP_PX = 27;
 /** Height of a row of a target. */
-export const TARGET_PX = 14;
+export const TARGET_PX = 12;
 /** Greatest share of the timeline's height for rows of targets, while other rows are shown, too. */
 const TARGETS_SHARE = 0.52;
 

@@ -12,6 +12,7 @@ use apex_model::task::TaskId;
 use apex_planning::solver::{Environment, Solver};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::{CancelToken, Deliberator};
+use apex_runtime::target_state::TargetState;
 use std::sync::{Arc, Mutex};
 
 fn mission(name: &str) -> Arc<Mission> {
@@ -73,15 +74,27 @@ fn planners_begin_from_the_adopted_plan_only() {
     let because = Because::new(Cause::PlanArrived { request: SolveRequestId(1), solver: Symbol::new("spy") }, None);
     let adopted = Effect::Decided(Decision { task: None, kind, because });
     step(&mut deliberator, 70.0, vec![answer], &[adopted]);
-    let changes = deliberator.target_changes();
+    let changes = deliberator.target_changes().to_vec();
     assert!(!changes.is_empty() && changes.iter().all(|change| change.at == Time::from_seconds(70.0)), "{changes:?}");
     ask(&mut deliberator, 2, 320.0);
     ask(&mut deliberator, 3, 900.0);
     let seen = seen.lock().unwrap();
     let begun: Vec<bool> = seen.iter().map(|(previous, _)| previous.is_some()).collect();
     assert_eq!(begun, [false, false, true, true], "planners begin from adopted plans only");
-    // The remainder of the plan of 60 s, at 320 s and at 900 s.
     let whole = watch(&seen[1].1);
+    // Each target is planned once, for the mission time of its first visit: times of the plan count from 60 s.
+    let planned = changes.iter().filter(|change| change.state == TargetState::Planned);
+    let planned: Vec<(&str, &str)> = planned.map(|change| (&*change.target, &*change.detail)).collect();
+    let mut first: Vec<(&str, String)> = Vec::new();
+    for visit in &whole.visits {
+        if first.iter().all(|(target, _)| *target != visit.target) {
+            let begin = Time::from_seconds((60.0 + visit.arrive_s).round());
+            first.push((&visit.target, format!("planned for {begin}")));
+        }
+    }
+    assert!(first.len() < whole.visits.len(), "some target is visited twice");
+    assert_eq!(planned, first.iter().map(|(target, detail)| (*target, &**detail)).collect::<Vec<_>>());
+    // The remainder of the plan of 60 s, at 320 s and at 900 s.
     for (ask, elapsed_s) in [(2, 260.0), (3, 840.0)] {
         let left = watch(seen[ask].0.as_ref().unwrap());
         let behind = whole.visits.iter().filter(|visit| visit.end_s <= elapsed_s).count();

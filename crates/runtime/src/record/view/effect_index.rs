@@ -97,13 +97,18 @@ impl EffectIndex {
         self.blocks.get_mut(place)
     }
 
-    /// Returns the blocks that may contain a match, as ranges of effects, the newest first.
-    pub(super) fn blocks<'a>(&'a self, wanted: &'a EffectSearch<'a>) -> impl Iterator<Item = (i64, i64)> + 'a {
+    /// Returns the blocks below effect `below` that may contain a match, as ranges of effects, the newest first.
+    pub(super) fn blocks<'a>(
+        &'a self,
+        wanted: &'a EffectSearch<'a>,
+        below: i64,
+    ) -> impl Iterator<Item = (i64, i64)> + 'a {
         let kinds = wanted.kinds.iter().filter_map(|kind| self.kinds.get(kind)).fold(0, |bits, bit| bits | 1 << bit);
         let any_kind = wanted.kinds.is_empty();
         let grams: Vec<usize> = wanted.find.map(search_bits).unwrap_or_default();
         let first = self.blocks.partition_point(|block| block.last_ns < wanted.from_ns);
-        let end = self.blocks.partition_point(|block| block.first_ns <= wanted.to_ns).max(first);
+        let below = usize::try_from((below - 1).max(0) / BLOCK_EFFECTS).unwrap_or(usize::MAX);
+        let end = self.blocks.partition_point(|block| block.first_ns <= wanted.to_ns).min(below).max(first);
         (first..end).rev().filter_map(move |place| {
             let block = self.blocks.get(place)?;
             let fits = (any_kind || block.kinds & kinds != 0) && grams.iter().all(|bit| block.has(*bit));
@@ -165,13 +170,13 @@ mod tests {
         let index = indexed((1..).zip(&effects).filter(|(id, _)| !(25_000..=35_000).contains(id)));
         let blocks = |find: &str, kinds: &[String]| {
             let wanted = EffectSearch { from_ns: i64::MIN, to_ns: i64::MAX, kinds, find: Some(find) };
-            index.blocks(&wanted).collect::<Vec<_>>()
+            index.blocks(&wanted, i64::MAX).collect::<Vec<_>>()
         };
         assert_eq!(blocks("chimney", &[]), [(20_001, 20_032)]);
         assert!(blocks("smoke", &[]).is_empty() && blocks("chimney", &["command".into()]).is_empty());
         assert!(blocks("flight path", &["transition".into()]).len() > 200);
         let wanted = EffectSearch { from_ns: 5_000, to_ns: 5_010, kinds: &[], find: None };
-        let range: Vec<(i64, i64)> = index.blocks(&wanted).collect();
+        let range: Vec<(i64, i64)> = index.blocks(&wanted, i64::MAX).collect();
         assert!(range.len() <= 2 && range.iter().any(|(first, last)| (first..=last).contains(&&15_010)), "{range:?}");
     }
 
@@ -193,7 +198,7 @@ mod tests {
             let wanted_kinds: Vec<String> = kinds.get(kind).map(|kind| (*kind).to_owned()).into_iter().collect();
             let find = WORDS[find].to_ascii_lowercase();
             let wanted = EffectSearch { from_ns: from, to_ns: to, kinds: &wanted_kinds, find: Some(&find) };
-            let blocks: Vec<(i64, i64)> = index.blocks(&wanted).collect();
+            let blocks: Vec<(i64, i64)> = index.blocks(&wanted, i64::MAX).collect();
             prop_assert!(blocks.windows(2).all(|pair| pair[0].0 > pair[1].1));
             for (id, (t_ns, kind, text)) in (1..).zip(&effects) {
                 let is_wanted = (from..=to).contains(t_ns)

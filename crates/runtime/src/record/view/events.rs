@@ -14,6 +14,9 @@ const LIMIT_DEFAULT: usize = 200;
 /// Maximum number of rows of any answer.
 const LIMIT_MAX: usize = 5_000;
 
+/// Blocks that a query takes from the index at once.
+const BLOCKS_TURN: usize = 32;
+
 /// Time that a query spends on an index that is behind.
 const EVENTS_BUDGET: Duration = Duration::from_millis(30);
 
@@ -152,14 +155,22 @@ impl RecordView {
             kinds: &query.kinds,
             find: query.find.as_deref().filter(|find| !find.is_empty()),
         };
-        let (seen, ranges) = {
-            let index = for_reading(&self.indexes.effects);
-            (index.seen(), index.blocks(&wanted).collect::<Vec<_>>())
-        };
+        let seen = for_reading(&self.indexes.effects).seen();
         let effects = self.reader.effects()?;
         let place = |id: i64| effects.table.place_after(id);
         let newest = (place(seen)..effects.table.place_later(Time(wanted.to_ns))).rev();
-        let blocks = ranges.into_iter().flat_map(|(first, last)| (place(first - 1)..place(last)).rev());
+        // An answer mostly ends after a few blocks: the index is read in turns, so that its other blocks are not looked at.
+        let mut below = i64::MAX;
+        let mut ended = false;
+        let turns = std::iter::from_fn(|| {
+            let index = for_reading(&self.indexes.effects);
+            let ranges: Vec<(i64, i64)> =
+                if ended { Vec::new() } else { index.blocks(&wanted, below).take(BLOCKS_TURN).collect() };
+            below = ranges.last().map_or(below, |(first, _)| *first);
+            ended = ranges.len() < BLOCKS_TURN;
+            (!ranges.is_empty()).then_some(ranges)
+        });
+        let blocks = turns.flatten().flat_map(|(first, last)| (place(first - 1)..place(last)).rev());
         self.selected(query, &effects, newest.chain(blocks), count)
     }
 

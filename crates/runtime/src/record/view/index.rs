@@ -23,10 +23,26 @@ pub(super) struct IndexedTask {
     pub(super) changes: Vec<Change>,
     /// Nanoseconds for which it was active before each change: enabled, ongoing or interrupted.
     active_before_ns: Vec<i64>,
+    /// Sums over the intervals that end by each change.
+    sums: Vec<IntervalSums>,
+    /// The longest interval to draw that begins in each block of [`BLOCK_CHANGES`] changes, nanoseconds; without the last, open one.
+    longest_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
     /// The method of each selection; none from a new start of the step until it is selected again.
     methods: Vec<(i64, Option<Arc<str>>)>,
+}
+
+/// Changes of a task in one block of [`IndexedTask::longest_ns`].
+pub(super) const BLOCK_CHANGES: usize = 16;
+
+/// Sums over a task's intervals up to a change.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct IntervalSums {
+    /// Nanoseconds for which the task was ongoing.
+    pub(super) ongoing_ns: i64,
+    /// Number of intervals to draw.
+    pub(super) drawn: u32,
 }
 
 /// From `at_ns` on the task is in `state`.
@@ -163,7 +179,39 @@ impl IndexedTask {
         let last = self.changes.len().saturating_sub(1);
         let before = self.active_since(last, change.at_ns);
         self.active_before_ns.push(before);
+        let sums = self.sums_until(change.at_ns);
+        self.sums.push(sums);
+        if self.changes.len().is_multiple_of(BLOCK_CHANGES) {
+            self.longest_ns.push(0);
+        }
         self.changes.push(change);
+    }
+
+    /// Returns the sums up to the next change, at `at_ns`, and takes the length of the interval that it ends.
+    fn sums_until(&mut self, at_ns: i64) -> IntervalSums {
+        let (Some(change), Some(sums)) = (self.changes.last(), self.sums.last()) else {
+            return IntervalSums::default();
+        };
+        let last = Interval { state: change.state, from_ns: change.at_ns, to_ns: at_ns };
+        if !change.state.is_alive() || !last.is_drawn() {
+            return *sums;
+        }
+        let block = (self.changes.len() - 1) / BLOCK_CHANGES;
+        if let Some(longest_ns) = self.longest_ns.get_mut(block) {
+            *longest_ns = last.length_ns().max(*longest_ns);
+        }
+        let ongoing_ns = if change.state.0 == TaskState::Ongoing { last.length_ns() } else { 0 };
+        IntervalSums { ongoing_ns: sums.ongoing_ns + ongoing_ns, drawn: sums.drawn.saturating_add(1) }
+    }
+
+    /// Returns the sums over the intervals that begin before the change at place `end`; the change must not be later than the last one.
+    pub(super) fn sums_before(&self, end: usize) -> IntervalSums {
+        self.sums.get(end).copied().unwrap_or_default()
+    }
+
+    /// Returns the longest interval to draw that begins in the block of a change, nanoseconds; the open one does not count.
+    pub(super) fn longest_ns(&self, place: usize) -> i64 {
+        self.longest_ns.get(place / BLOCK_CHANGES).copied().unwrap_or(i64::MAX)
     }
 
     /// Returns the nanoseconds for which it was active up to `at_ns`.
@@ -213,14 +261,34 @@ impl IndexedTask {
         })
     }
 
+    /// Returns the begin of the first interval to draw and the end of the last one; `None` without any.
+    pub(super) fn drawn_span(&self, from_ns: i64, to_ns: i64) -> Option<(i64, i64)> {
+        let first = self.drawn(from_ns, to_ns).next()?;
+        let mut until = self.changes.partition_point(|change| change.at_ns <= to_ns);
+        let mut end_ns = self.changes.get(until).map_or(to_ns, |next| next.at_ns.min(to_ns));
+        // Backwards to the last interval that is drawn.
+        while let Some(change) = until.checked_sub(1).and_then(|last| self.changes.get(last)) {
+            let last = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end_ns };
+            if change.state.is_alive() && last.is_drawn() {
+                break;
+            }
+            (until, end_ns) = (until - 1, change.at_ns);
+        }
+        Some((first.from_ns, end_ns))
+    }
+
     /// Returns the intervals to draw: waiting of zero length is left out, work of zero length is drawn.
     pub(super) fn drawn(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
-        let is_drawn = |interval: &Interval| interval.length_ns() > 0 || interval.state.0 == TaskState::Ongoing;
-        self.intervals(from_ns, to_ns).filter(is_drawn)
+        self.intervals(from_ns, to_ns).filter(Interval::is_drawn)
     }
 }
 
 impl Interval {
+    /// Returns true if it is drawn.
+    pub(super) fn is_drawn(&self) -> bool {
+        self.length_ns() > 0 || self.state.0 == TaskState::Ongoing
+    }
+
     /// Returns its length in nanoseconds.
     pub(super) fn length_ns(self) -> i64 {
         self.to_ns.saturating_sub(self.from_ns)

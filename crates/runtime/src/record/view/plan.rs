@@ -4,7 +4,7 @@ use super::RecordView;
 use crate::error::RecordError;
 use crate::record::Effects;
 use apex_model::effect::{Decision, DecisionKind, Effect};
-use apex_model::problem::{LeftOut, Plan, Position};
+use apex_model::problem::{LeftOut, Plan, Position, SurveillanceVisit};
 use apex_model::time::Time;
 use apex_planning::obstacle::{Obstacle, TimeLimit};
 use rusqlite::OptionalExtension;
@@ -156,32 +156,44 @@ impl RecordView {
             }
             _ => return Err(self.reader.garbled("the adoption of a plan is missing".into())),
         };
-        let plan = self.query("the plans", |connection| {
-            connection
-                .prepare_cached("SELECT plan FROM answer WHERE request = ?1 ORDER BY position DESC LIMIT 1")?
-                .query_row([request], |row| row.get::<_, Option<String>>(0))
-                .optional()
+        let found = self.query("the plans", |connection| {
+            let posed = "(SELECT t_ns FROM problem WHERE request = ?1 ORDER BY position DESC LIMIT 1)";
+            let sql = format!("SELECT plan, {posed} FROM answer WHERE request = ?1 ORDER BY position DESC LIMIT 1");
+            let row = |row: &rusqlite::Row<'_>| Ok((row.get::<_, Option<String>>(0)?, row.get::<_, Option<i64>>(1)?));
+            connection.prepare_cached(&sql)?.query_row([request], row).optional()
         })?;
-        Ok((number, effects.at(place).0, summary, plan.flatten()))
+        let adopted_ns = effects.at(place).0;
+        let (text, posed_ns) = found.unwrap_or_default();
+        Ok(Adopted { number, adopted_ns, posed_ns: posed_ns.unwrap_or(adopted_ns), summary, text })
     }
 }
 
 impl PlanInForce {
-    /// Returns a plan in the form of the page.
-    pub fn of_plan(plan: Plan, number: i64, adopted_ns: i64) -> PlanInForce {
+    /// Returns a plan in the form of the page; its problem was posed at `posed_ns`, and no executive has adopted it.
+    pub fn of_plan(plan: Plan, posed_ns: i64) -> PlanInForce {
         let summary = plan.summary().to_owned();
-        let (visits, route, left_out) = shown(plan);
-        PlanInForce { number, adopted_ns, summary, visits, route, left_out }
+        let (visits, route, left_out) = shown(plan, posed_ns);
+        PlanInForce { number: 0, adopted_ns: posed_ns, summary, visits, route, left_out }
     }
 }
 
-fn in_force((number, adopted_ns, summary, text): Adopted) -> PlanInForce {
+fn in_force(adopted: Adopted) -> PlanInForce {
+    let Adopted { number, adopted_ns, posed_ns, summary, text } = adopted;
     let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).ok());
-    let (visits, route, left_out) = plan.map(shown).unwrap_or_default();
+    let (visits, route, left_out) = plan.map(|plan| shown(plan, posed_ns)).unwrap_or_default();
     PlanInForce { number, adopted_ns, summary, visits, route, left_out }
 }
 
-type Adopted = (i64, i64, String, Option<String>);
+/// A plan that the executive adopted, as stored.
+struct Adopted {
+    number: i64,
+    adopted_ns: i64,
+    /// Instant at which its problem was posed.
+    posed_ns: i64,
+    summary: String,
+    /// The plan as JSON.
+    text: Option<String>,
+}
 
 /// Returns the adoptions of plans up to `at_ns`, as places among the effects.
 fn added(effects: &Effects<'_>, at_ns: i64) -> Vec<usize> {
@@ -191,7 +203,9 @@ fn added(effects: &Effects<'_>, at_ns: i64) -> Vec<usize> {
 
 type Shown = (Vec<PlannedVisit>, Vec<[f64; 2]>, Vec<LeftOutTarget>);
 
-fn shown(plan: Plan) -> Shown {
+/// Returns the parts of a plan whose problem was posed at `posed_ns`: times of surveillance plans count from then, those of single visits
+/// are mission times.
+fn shown(plan: Plan, posed_ns: i64) -> Shown {
     let visit = |target: String, begin_s: f64, end_s: f64| PlannedVisit {
         target,
         begin_ns: Time::from_seconds(begin_s).0,
@@ -205,8 +219,9 @@ fn shown(plan: Plan) -> Shown {
     };
     match plan {
         Plan::Surveillance(plan) => {
-            let visits = plan.visits.into_iter().map(|one| visit(one.target, one.arrive_s, one.end_s)).collect();
-            (visits, Vec::new(), left_out(plan.left_out).collect())
+            let posed_s = Time(posed_ns).seconds();
+            let later = |one: SurveillanceVisit| visit(one.target, posed_s + one.arrive_s, posed_s + one.end_s);
+            (plan.visits.into_iter().map(later).collect(), Vec::new(), left_out(plan.left_out).collect())
         }
         Plan::SingleVisit(plan) => {
             let flown = |path: &[Position], route: &[Position]| -> Vec<[f64; 2]> {

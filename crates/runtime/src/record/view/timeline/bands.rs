@@ -1,6 +1,7 @@
 //! Density bands: many intervals as a count and a share of ongoing time for each pixel.
 
 use super::super::index::Interval;
+use super::pieces::{Pieces, PixelSum};
 use super::shapes::Band;
 use super::window::Window;
 use apex_model::task::TaskState;
@@ -48,6 +49,23 @@ impl Bands {
                 pixel.ongoing_ns = pixel.ongoing_ns.saturating_add(inside_ns.max(0));
             }
         }
+    }
+
+    /// Adds short intervals by their sums.
+    pub(super) fn add_sum(&mut self, sum: PixelSum) {
+        if self.pixels.len() <= sum.pixel {
+            self.pixels.resize(sum.pixel + 1, None);
+        }
+        let Some(pixel) = self.pixels.get_mut(sum.pixel) else { return };
+        let pixel = pixel.get_or_insert_default();
+        pixel.count += sum.count;
+        pixel.ongoing_ns = pixel.ongoing_ns.saturating_add(sum.ongoing_ns);
+    }
+
+    /// Adds all intervals of a task.
+    pub(super) fn add_all(&mut self, pieces: Pieces) {
+        pieces.single.into_iter().for_each(|interval| self.add(interval));
+        pieces.sums.into_iter().for_each(|sum| self.add_sum(sum));
     }
 
     /// Returns the bands in order of time; neighbouring pixels that only continue earlier intervals form one band.

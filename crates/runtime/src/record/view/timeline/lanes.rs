@@ -2,6 +2,7 @@
 
 use super::super::index::{Interval, TaskIndex};
 use super::bands::Bands;
+use super::pieces::Pieces;
 use super::shapes::{Bar, Lane};
 use super::window::Window;
 use std::collections::{BTreeMap, BTreeSet};
@@ -78,29 +79,27 @@ pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize>
 /// Returns one lane: intervals of at least a pixel, and shorter ones that are not dense, are bars; the others form bands.
 pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
-    let drawn: Vec<(u64, Vec<Interval>)> = group
-        .tasks
-        .iter()
-        .filter_map(|&id| Some((id, index.get(id)?.drawn(window.from_ns, window.known_ns()).collect())))
-        .collect();
+    let mut drawn: Vec<(u64, Pieces)> =
+        group.tasks.iter().filter_map(|&id| Some((id, Pieces::of(index.get(id)?, window)))).collect();
     let dense = dense_pixels(&drawn, window);
+    let is_dense = |pixel: usize| dense.get(pixel) == Some(&true);
     let mut rows: Vec<(i64, Vec<Bar>)> = Vec::new();
     let mut bands = Bands::new(window);
-    for (id, drawn) in drawn {
-        let (Some(start), Some(end)) = (drawn.first().map(|first| first.from_ns), drawn.last().map(|last| last.to_ns))
-        else {
-            continue;
-        };
-        let is_band = |interval: &Interval| {
-            is_small(*interval, window) && dense.get(window.pixel(interval.from_ns)) == Some(&true)
-        };
-        if drawn.iter().all(is_band) {
-            drawn.into_iter().for_each(|interval| bands.add(interval));
+    for (id, pieces) in &mut drawn {
+        // Short intervals where there are few are bars.
+        if pieces.sums.iter().any(|sum| sum.count > 0 && !is_dense(sum.pixel)) {
+            *pieces = Pieces::expanded(index.get(*id)?, window);
+        }
+        let is_band = |interval: &Interval| is_small(*interval, window) && is_dense(window.pixel(interval.from_ns));
+        let pieces = std::mem::take(pieces);
+        let Some((start, end)) = index.get(*id)?.drawn_span(window.from_ns, window.known_ns()) else { continue };
+        if pieces.single.iter().all(is_band) {
+            bands.add_all(pieces);
             continue;
         }
         let free = rows.iter().position(|(busy_until, _)| *busy_until <= start);
         if free.is_none() && rows.len() == ROWS_MAX {
-            drawn.into_iter().for_each(|interval| bands.add(interval));
+            bands.add_all(pieces);
             continue;
         }
         let at = free.unwrap_or_else(|| {
@@ -109,12 +108,13 @@ pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Opti
         });
         let Some((busy_until, row)) = rows.get_mut(at) else { continue };
         *busy_until = end;
-        for interval in drawn {
+        pieces.sums.into_iter().for_each(|sum| bands.add_sum(sum));
+        for interval in pieces.single {
             if is_band(&interval) {
                 bands.add(interval);
             } else {
                 let Interval { state, from_ns, to_ns } = interval;
-                row.push(Bar { task: id, state, from_ns, to_ns });
+                row.push(Bar { task: *id, state, from_ns, to_ns });
             }
         }
     }
@@ -134,12 +134,14 @@ fn is_small(interval: Interval, window: Window) -> bool {
 }
 
 /// The pixels with too many small intervals for bars.
-fn dense_pixels(drawn: &[(u64, Vec<Interval>)], window: Window) -> Vec<bool> {
+fn dense_pixels(drawn: &[(u64, Pieces)], window: Window) -> Vec<bool> {
     let mut counts = vec![0; window.pixels];
-    for (_, intervals) in drawn {
-        for interval in intervals.iter().filter(|interval| is_small(**interval, window)) {
-            if let Some(count) = counts.get_mut(window.pixel(interval.from_ns)) {
-                *count += 1;
+    for (_, pieces) in drawn {
+        let small = pieces.single.iter().filter(|interval| is_small(**interval, window));
+        let single = small.map(|interval| (window.pixel(interval.from_ns), 1));
+        for (pixel, count) in single.chain(pieces.sums.iter().map(|sum| (sum.pixel, sum.count))) {
+            if let Some(sum) = counts.get_mut(pixel) {
+                *sum += count;
             }
         }
     }

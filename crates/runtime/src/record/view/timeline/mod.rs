@@ -6,6 +6,7 @@
 
 mod bands;
 mod lanes;
+mod pieces;
 mod shapes;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ use super::index::TaskIndex;
 use crate::error::RecordError;
 use bands::Bands;
 use lanes::{LaneTasks, gather, in_tree_order, lane};
+use pieces::Pieces;
 use serde::Serialize;
 pub use shapes::{Band, Bar, Lane};
 use window::Window;
@@ -125,7 +127,7 @@ fn merge<'a>(index: &TaskIndex, groups: impl Iterator<Item = &'a LaneTasks>, win
         more.lanes += 1;
         more.tasks += group.tasks.len();
         for task in group.tasks.iter().filter_map(|&id| index.get(id)) {
-            task.drawn(window.from_ns, window.known_ns()).for_each(|interval| bands.add(interval));
+            bands.add_all(Pieces::of(task, window));
         }
     }
     more.bands = bands.finish();

@@ -2,7 +2,9 @@
 
 use super::super::index::{Interval, TaskIndex};
 use super::super::state::StateWord;
+use super::bands::Bands;
 use super::lanes::ROWS_MAX;
+use super::pieces::Pieces;
 use super::window::Window;
 use super::{Timeline, draw};
 use apex_model::task::TaskState;
@@ -167,4 +169,48 @@ fn the_lane_of_a_chosen_task_and_those_above_it_have_a_place() {
     assert_eq!(tags(None), ["root", "s19"]);
     assert_eq!(tags(Some(3)), ["root", "s3"]);
     assert_eq!(draw(&index, window, 2, None).more.lanes, 18);
+}
+
+/// Returns a task that changes its state often, with some long stretches.
+fn busy(dice: &mut Dice) -> TaskIndex {
+    let mut index = TaskIndex::default();
+    let mut at_ns = i64::try_from(dice.below(50)).unwrap();
+    let mut changes = vec![(at_ns, TaskState::Pending)];
+    let long = 1 + dice.below(200);
+    for _ in 0..dice.below(700) {
+        let step = if dice.below(long) == 0 { 900 } else { 5 };
+        at_ns += i64::try_from(dice.below(step)).unwrap();
+        let states = [TaskState::Pending, TaskState::Ongoing, TaskState::Terminated, TaskState::Interrupted];
+        changes.push((at_ns, states[usize::try_from(dice.below(4)).unwrap()]));
+    }
+    index.insert(1, None, "busy", &changes);
+    index
+}
+
+#[test]
+fn sums_of_short_intervals_are_those_of_the_intervals_one_by_one() {
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(13));
+    let mut summed = 0;
+    for round in 0..2_000 {
+        let index = busy(&mut dice);
+        let task = index.get(1).unwrap();
+        let mut number = |limit: u64| i64::try_from(dice.below(limit)).unwrap();
+        let from_ns = number(2_500);
+        let window = Window::new((from_ns, from_ns + number(4_000)), number(6_000), 1 + number(300) as usize);
+        let pieces = Pieces::of(task, window);
+        summed += pieces.sums.len();
+        let every = Pieces::expanded(task, window);
+        let count = pieces.single.len() + pieces.sums.iter().map(|sum| sum.count).sum::<usize>();
+        assert_eq!(count, every.single.len(), "round {round}: {window:?}");
+        assert!(pieces.single.iter().all(|one| every.single.contains(one)), "round {round}: {window:?}");
+        let span = every.single.first().zip(every.single.last()).map(|(first, last)| (first.from_ns, last.to_ns));
+        assert_eq!(task.drawn_span(window.from_ns, window.known_ns()), span, "round {round}: {window:?}");
+        let drawn = |pieces: Pieces| {
+            let mut bands = Bands::new(window);
+            bands.add_all(pieces);
+            bands.finish()
+        };
+        assert_eq!(drawn(pieces), drawn(every), "round {round}: {window:?}");
+    }
+    assert!(summed > 10_000, "{summed}");
 }

@@ -31,6 +31,11 @@ impl Window {
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
     }
 
+    /// Returns the end of a pixel, which the next one begins with; the last pixel has no end.
+    pub(super) fn end_ns(self, pixel: usize) -> i64 {
+        if pixel + 1 >= self.pixels { i64::MAX } else { self.start_ns(pixel + 1) }
+    }
+
     /// Returns the start of a pixel, in nanoseconds of mission time.
     pub(super) fn start_ns(self, pixel: usize) -> i64 {
         let pixel = i64::try_from(pixel).unwrap_or(i64::MAX);

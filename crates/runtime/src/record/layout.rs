@@ -1,0 +1,31 @@
+//! The layout of snapshots. Their bytes do not describe themselves, so only builds with the same types may read them; the steps of a record
+//! suffice for all others.
+
+use super::reader::RecordReader;
+use crate::error::RecordError;
+
+/// The fact that names the sources of the types of snapshots.
+pub(super) const STATE_LAYOUT: &str = "state_layout";
+/// The fact that names the sources of the types of situations.
+pub const SITUATION_LAYOUT: &str = "situation_layout";
+/// Layout of a build whose sources could not be read.
+const UNKNOWN: &str = "unknown";
+
+impl RecordReader {
+    /// Returns true if the snapshots of agents have the layout of this program.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn has_own_states(&self) -> Result<bool, RecordError> {
+        let version = self.meta("apex_version")?.is_some_and(|version| version == env!("CARGO_PKG_VERSION"));
+        Ok(version && self.has_layout(STATE_LAYOUT, env!("APEX_STATE_LAYOUT"))?)
+    }
+
+    /// Returns true if the record states this layout under the key `fact`.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn has_layout(&self, fact: &str, layout: &str) -> Result<bool, RecordError> {
+        Ok(layout != UNKNOWN && self.meta(fact)?.is_some_and(|stated| stated == layout))
+    }
+}

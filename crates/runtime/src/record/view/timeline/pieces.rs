@@ -1,0 +1,99 @@
+//! The intervals of a task in a window: one by one where they may be bars, as sums for each pixel where all are shorter than a pixel.
+//!
+//! Bound: O(log n) for each pixel that has an interval; one step for each interval near one that is as long as a pixel.
+
+use super::super::index::{BLOCK_CHANGES, IndexedTask, Interval};
+use super::window::Window;
+use apex_model::task::TaskState;
+
+/// The intervals of a task in a window.
+#[derive(Default)]
+pub(super) struct Pieces {
+    /// Intervals one by one, in the order of time.
+    pub(super) single: Vec<Interval>,
+    /// Sums over the other intervals, all of which are shorter than a pixel, in the order of time.
+    pub(super) sums: Vec<PixelSum>,
+}
+
+/// Short intervals that begin in a pixel, and the end of one that began in the pixel before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PixelSum {
+    pub(super) pixel: usize,
+    /// Number of intervals that begin in the pixel.
+    pub(super) count: usize,
+    /// Nanoseconds of ongoing work within the pixel.
+    pub(super) ongoing_ns: i64,
+}
+
+impl Pieces {
+    /// Returns every interval of the task one by one.
+    pub(super) fn expanded(task: &IndexedTask, window: Window) -> Pieces {
+        Pieces { single: task.drawn(window.from_ns, window.known_ns()).collect(), sums: Vec::new() }
+    }
+
+    /// Returns the intervals of a task.
+    pub(super) fn of(task: &IndexedTask, window: Window) -> Pieces {
+        let changes = &task.changes;
+        let known_ns = window.known_ns();
+        // Intervals that begin in the window and end in it: the others are cut.
+        let begin = changes.partition_point(|change| change.at_ns < window.from_ns);
+        let inside = changes.partition_point(|change| change.at_ns <= known_ns).saturating_sub(1);
+        if inside < begin + 2 * BLOCK_CHANGES {
+            return Pieces::expanded(task, window);
+        }
+        let mut pieces = Pieces::default();
+        let single = |place: usize| {
+            let (change, next) = (changes.get(place)?, changes.get(place + 1));
+            let end_ns = next.map_or(i64::MAX, |next| next.at_ns).min(known_ns);
+            let interval = Interval { state: change.state, from_ns: change.at_ns.max(window.from_ns), to_ns: end_ns };
+            let is_inside = change.state.is_alive() && interval.from_ns <= interval.to_ns;
+            (is_inside && interval.is_drawn()).then_some(interval)
+        };
+        pieces.single.extend(begin.checked_sub(1).and_then(single));
+        let mut place = begin;
+        while place < inside {
+            let block_end = (place - place % BLOCK_CHANGES + BLOCK_CHANGES).min(inside);
+            if task.longest_ns(place) < window.pixel_ns {
+                pieces.add_short(task, (place, block_end), window);
+            } else {
+                pieces.single.extend((place..block_end).filter_map(single));
+            }
+            place = block_end;
+        }
+        pieces.single.extend(single(inside));
+        pieces
+    }
+
+    /// Adds the intervals that begin with the changes in `begin..end`; all end within the window.
+    fn add_short(&mut self, task: &IndexedTask, (begin, end): (usize, usize), window: Window) {
+        let at_ns = |place: usize| task.changes.get(place).map_or(i64::MAX, |change| change.at_ns);
+        let mut place = begin;
+        while place < end {
+            let pixel = window.pixel(at_ns(place));
+            let edge_ns = window.end_ns(pixel);
+            let here = task.changes.get(place..end).unwrap_or_default();
+            let next = place + here.partition_point(|change| change.at_ns < edge_ns).max(1);
+            let (before, after) = (task.sums_before(place), task.sums_before(next));
+            let (count, ongoing_ns) = (after.drawn - before.drawn, after.ongoing_ns - before.ongoing_ns);
+            // The last of them may end in the next pixel.
+            let beyond_ns = at_ns(next).saturating_sub(edge_ns).max(0);
+            let last = task.changes.get(next - 1).filter(|last| beyond_ns > 0 && last.state.is_alive());
+            let carried_ns = last.map_or(0, |last| if last.state.0 == TaskState::Ongoing { beyond_ns } else { 0 });
+            self.add_sum(PixelSum { pixel, count: count as usize, ongoing_ns: ongoing_ns - carried_ns });
+            if last.is_some() {
+                self.add_sum(PixelSum { pixel: pixel + 1, count: 0, ongoing_ns: carried_ns });
+            }
+            place = next;
+        }
+    }
+
+    fn add_sum(&mut self, sum: PixelSum) {
+        match self.sums.last_mut().filter(|last| last.pixel == sum.pixel) {
+            Some(last) => {
+                last.count += sum.count;
+                last.ongoing_ns += sum.ongoing_ns;
+            }
+            None => self.sums.push(sum),
+        }
+    }
+}
