@@ -185,9 +185,12 @@ impl Ground {
     pub(crate) fn elevation_m_among(&self, patches: &[GroundPatch], position: Position) -> f64 {
         // Lower bound on the length of a degree of latitude, and of a degree of longitude at the equator.
         const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
+        // Upper bounds on both.
+        const METRES_PER_DEGREE_MAX: f64 = 111_700.0;
         let inside = |patch: &&GroundPatch| {
             let middle = patch.position;
-            let north_m = (middle.latitude_deg - position.latitude_deg).abs() * METRES_PER_DEGREE_MIN;
+            let north_deg = (middle.latitude_deg - position.latitude_deg).abs();
+            let north_m = north_deg * METRES_PER_DEGREE_MIN;
             if north_m > patch.radius_m {
                 return false;
             }
@@ -196,7 +199,13 @@ impl Ground {
             let east_deg = geodesy::wrap_180(middle.longitude_deg - position.longitude_deg).abs();
             // The distance along the parallel exceeds the geodesic by less than 1 % up to 10 degrees, hence the factor.
             let far = east_deg < 10.0 && 0.99 * east_deg * parallel * METRES_PER_DEGREE_MIN > patch.radius_m;
-            !far && geodesy::distance_m(middle, position) <= patch.radius_m
+            // The way along the parallel nearer to the equator and along a meridian is not shorter than the geodesic.
+            let equatorward_deg = middle.latitude_deg.abs().min(position.latitude_deg.abs());
+            let near = || {
+                let parallel = libm::cos(equatorward_deg * geodesy::RAD_PER_DEG);
+                (north_deg + east_deg * parallel) * METRES_PER_DEGREE_MAX <= patch.radius_m
+            };
+            !far && (near() || geodesy::distance_m(middle, position) <= patch.radius_m)
         };
         let patch_m = patches.iter().rev().find(inside).map(|patch| patch.elevation_m);
         let terrain_m = || self.terrain.as_ref()?.elevation_m_at(position);
@@ -293,5 +302,25 @@ mod tests {
             };
             assert_eq!((at(900.0), at(29_990.0), at(30_010.0)), (200.0, 100.0, 5.0), "{azimuth_deg}");
         }
+    }
+
+    #[test]
+    fn patches_are_found_as_by_the_geodesic_alone() {
+        let mut inside = 0;
+        for latitude_deg in [-89.95, -45.0, 0.0, 30.0, 62.0, 89.9] {
+            for radius_m in [50.0, 20_000.0, 900_000.0] {
+                let middle = Position::new(latitude_deg, 179.9);
+                let patch = GroundPatch { position: middle, radius_m, elevation_m: 1.0 };
+                let ground = Ground { elevation_m: 0.0, patches: vec![patch], terrain: None };
+                for number in 0..400 {
+                    let share = [0.3, 0.7, 0.9, 0.99, 0.999_99, 1.000_01, 1.1][number % 7];
+                    let position = geodesy::destination(middle, 0.9 * number as f64, share * radius_m);
+                    let by_definition = geodesy::distance_m(middle, position) <= radius_m;
+                    inside += usize::from(by_definition);
+                    assert_eq!(ground.elevation_m_at(position) > 0.0, by_definition, "{position:?}, {radius_m} m");
+                }
+            }
+        }
+        assert!(inside > 1_000, "{inside}");
     }
 }

@@ -186,14 +186,14 @@ impl ActiveOrder {
             Order::FlyTo { to, .. } => Stage::Direct(to.position),
             Order::FlyLine { from, to } | Order::JoinLine { from, to } => {
                 let line = Line::new(from.position, to.position);
-                self.line = Some(line);
+                self.line = Some(line.clone());
                 self.line_stage(&line, from.position, here)
             }
             Order::Loiter { around, radius_m, .. } => Stage::Circle(here.circle(around.position, radius_m)),
             Order::Hover { at, .. } => Stage::Hover(at.map_or_else(|| here.stopping_place(), |at| at.position)),
             Order::Land { at, course_rad } if here.fixed() => {
                 let line = final_approach(&at, course_rad, here);
-                self.line = Some(line);
+                self.line = Some(line.clone());
                 if self.is_lined_up(&line, here) { Stage::LeadIn } else { self.join_stage(&line, here) }
             }
             Order::Land { at, .. } => Stage::Direct(at.position),
@@ -224,7 +224,7 @@ impl ActiveOrder {
             Stage::Direct(point) => Path::Point(*point),
             Stage::Tangent(join) => Path::Point(join.tangent),
             Stage::Turn(join) => Path::Circle(join.turn),
-            Stage::LeadIn | Stage::OnLine => self.line.map_or(Path::Straight, Path::Line),
+            Stage::LeadIn | Stage::OnLine => self.line.clone().map_or(Path::Straight, Path::Line),
             Stage::Follow(path) => path.path(here),
             Stage::Glide(glide) => glide.path(here),
         }
@@ -419,7 +419,7 @@ impl ActiveOrder {
     /// Computes the distances to the end of the stage and to the goal.
     fn measure(&mut self, here: &Situation) {
         let to = |point: Position| bearing(here.state.position, point).1;
-        let along = || self.line.map(|line| (line.locate(here.state.position).0, line.length_m, line.from));
+        let along = || self.line.as_ref().map(|line| (line.locate(here.state.position).0, line.length_m, line.from));
         (self.stage_m, self.to_go_m) = match &self.stage {
             Stage::Way => self.way.as_ref().map_or((0.0, 0.0), |way| way.distances_m(here.state.position)),
             Stage::Direct(point) => (to(*point), to(*point)),

@@ -68,7 +68,7 @@ impl FollowedPath {
     /// Returns the path to follow now.
     pub(crate) fn path(&self, here: &Situation) -> Path {
         if self.is_fixed_wing {
-            return Path::Leg(self.leg, self.turn_rad_per_m);
+            return Path::Leg(self.leg.clone(), self.turn_rad_per_m);
         }
         let left_m = self.left_m(here.state.position);
         let at_next = self.speeds.get(self.next).copied().unwrap_or(0.0);
@@ -76,7 +76,7 @@ impl FollowedPath {
         let to_brake = sqrt(at_next * at_next + 2.0 * braking * left_m.max(0.2));
         let before = self.next.checked_sub(1).and_then(|index| self.wanted.get(index)).copied().unwrap_or(0.0);
         let on_leg = self.wanted.get(self.next).map_or(f64::INFINITY, |speed| speed.max(before));
-        Path::Paced(self.leg, self.level_share() * to_brake.min(on_leg))
+        Path::Paced(self.leg.clone(), self.level_share() * to_brake.min(on_leg))
     }
 
     /// Returns the horizontal share of the speed along a climbing or descending leg.

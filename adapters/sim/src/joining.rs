@@ -164,12 +164,12 @@ impl ActiveOrder {
             return None;
         }
         self.planned_straight = true;
-        Some(self.join_stage(&self.line?, here))
+        Some(self.join_stage(&self.line.clone()?, here))
     }
 
     /// Flies the turn; returns the next stage once the course is close to that of the line.
     pub(crate) fn turned(&mut self, join: &Join, here: &Situation) -> Option<Stage> {
-        let line = self.line?;
+        let line = self.line.clone()?;
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
         let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
@@ -186,7 +186,7 @@ impl ActiveOrder {
 
     /// Flies along the extension of the line; returns the next stage at its beginning.
     pub(crate) fn led_in(&mut self, here: &Situation) -> Option<Stage> {
-        let line = self.line?;
+        let line = self.line.clone()?;
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         if along_m < self.begin_m {
             return None;

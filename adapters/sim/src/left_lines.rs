@@ -56,7 +56,7 @@ impl ActiveOrder {
     /// Returns the ends of the commanded line and the distance flown along it; `None` if it was not begun.
     pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
         let (from, to) = self.ends_of_line()?;
-        let line = self.line?;
+        let line = self.line.as_ref()?;
         // If the vehicle is interrupted on its way back to the line, the line is resumed at the first interruption.
         let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
         (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))

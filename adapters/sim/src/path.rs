@@ -5,6 +5,7 @@ use crate::motion::{State, wrap_pi, wrap_tau};
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_model::problem::Position;
 use libm::{asin, atan, atan2, cos, sin, sqrt};
+use std::cell::Cell;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Path to follow.
@@ -27,12 +28,17 @@ pub(crate) enum Path {
 }
 
 /// A geodesic line with its initial azimuth and length.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Line {
     pub(crate) from: Position,
     pub(crate) azimuth_rad: f64,
     pub(crate) length_m: f64,
+    /// The position that was located last, with the result: guidance and progress ask for the same one several times.
+    located: Cell<Option<(Position, OnLine)>>,
 }
+
+/// Distance along a line, distance to its right, and the line's course there.
+type OnLine = (f64, f64, f64);
 
 /// A circle flown in one direction.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +66,21 @@ impl Line {
     /// Returns the line between two positions.
     pub(crate) fn new(from: Position, to: Position) -> Line {
         let (azimuth_rad, length_m) = bearing(from, to);
-        Line { from, azimuth_rad, length_m }
+        Line { from, azimuth_rad, length_m, located: Cell::new(None) }
     }
 
     /// Returns the distance along the line, the distance to its right, and the line's course there.
-    pub(crate) fn locate(&self, position: Position) -> (f64, f64, f64) {
+    pub(crate) fn locate(&self, position: Position) -> OnLine {
+        let bits = |at: Position| (at.latitude_deg.to_bits(), at.longitude_deg.to_bits());
+        if let Some((_, found)) = self.located.get().filter(|(at, _)| bits(*at) == bits(position)) {
+            return found;
+        }
+        let found = self.compute(position);
+        self.located.set(Some((position, found)));
+        found
+    }
+
+    fn compute(&self, position: Position) -> OnLine {
         let (azimuth_rad, distance_m) = bearing(self.from, position);
         let angle = distance_m / geodesy::EARTH_RADIUS_M_MEAN;
         let turn = azimuth_rad - self.azimuth_rad;
@@ -198,6 +214,23 @@ mod tests {
         assert!((along - 0.6 * line.length_m).abs() < 5.0 && across.abs() < 5.0, "{along} {across}");
         let there = bearing(middle, to).0;
         assert!(wrap_pi(course - there).abs() < 1e-3, "{course} {there}");
+    }
+
+    #[test]
+    fn a_line_locates_each_position_as_a_new_line_does() {
+        let line = Line::new(Position::new(40.0, -120.0), Position::new(41.5, -118.0));
+        for step in 0..200 {
+            // Every position twice in sequence, some again later, and both signs of zero.
+            let offset = f64::from(step / 2 % 7) * 0.1;
+            let sign = if step % 4 < 2 { 1.0 } else { -1.0 };
+            for position in [Position::new(40.0 + offset, -119.0), Position::new(sign * 0.0, -119.0 + offset)] {
+                let copy = line.clone();
+                let fresh = Line::new(Position::new(40.0, -120.0), Position::new(41.5, -118.0)).locate(position);
+                let bits = |found: OnLine| (found.0.to_bits(), found.1.to_bits(), found.2.to_bits());
+                assert_eq!(bits(line.locate(position)), bits(fresh), "{position:?}");
+                assert_eq!(bits(copy.locate(position)), bits(fresh), "{position:?}");
+            }
+        }
     }
 
     #[test]

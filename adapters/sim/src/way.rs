@@ -63,7 +63,7 @@ impl Way {
     pub(crate) fn path(&self) -> Path {
         match self.points.get(self.next) {
             Some(point) if !self.is_fixed_wing => Path::Point(point.position),
-            _ => Path::Leg(self.leg, self.turn_rad_per_m),
+            _ => Path::Leg(self.leg.clone(), self.turn_rad_per_m),
         }
     }
 

@@ -63,12 +63,6 @@ impl Library {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
     }
 
-    /// Returns true if samples of the attribute are read by a derivation.
-    pub fn feeds_derivations(&self, attribute: &Symbol) -> bool {
-        let reads = |each: &Derivation| each.inputs.iter().any(|input| input.attribute == *attribute);
-        !self.derivations.is_empty() && self.derivations.values().any(reads)
-    }
-
     /// Returns the parts of a resource and their parts, in order of their names; none for most resources.
     pub fn parts_of<'a>(&'a self, resource: &Symbol) -> Vec<&'a Symbol> {
         let mut parts: BTreeSet<&Symbol> = BTreeSet::new();

@@ -192,11 +192,10 @@ pub static UNITS: &[Unit] = &[
 
 /// Returns the unit with this spelling, in any case; the exact spelling wins where two differ by case only.
 pub fn unit_named(name: &str) -> Option<&'static Unit> {
-    let folded = name.to_lowercase();
-    UNITS
-        .iter()
-        .find(|unit| unit.name == name)
-        .or_else(|| UNITS.iter().find(|unit| unit.name.to_lowercase() == folded || unit.aliases.contains(&&*folded)))
+    UNITS.iter().find(|unit| unit.name == name).or_else(|| {
+        let folded = name.to_lowercase();
+        UNITS.iter().find(|unit| unit.name.to_lowercase() == folded || unit.aliases.contains(&&*folded))
+    })
 }
 
 /// A real number of SI units with its dimension; never dimensionless, never pure time.

@@ -103,14 +103,16 @@ impl<'a> AgentGroup<'a> {
 
     /// Returns the next instant at which an agent requests a wake.
     pub(crate) fn next_wake(&self) -> Option<Time> {
-        self.agents.iter().filter_map(|agent| agent.next_wake().map(|(at, _)| at)).min()
+        self.agents.iter().filter_map(Agent::next_wake_at).min()
     }
 
     /// Wakes the agents whose requested instant is not after `now`; returns the first reason.
     pub(crate) fn wake(&mut self, now: Time) -> Result<Option<String>, RunError> {
         let mut cause = None;
         for (agent, inbox) in self.agents.iter().zip(&mut self.inboxes) {
-            if let Some((_, why)) = agent.next_wake().filter(|(at, _)| *at <= now) {
+            // Most inputs come before any wake, so the reason is put into words only when one is due.
+            let is_due = agent.next_wake_at().is_some_and(|at| at <= now);
+            if let Some((_, why)) = is_due.then(|| agent.next_wake()).flatten() {
                 inbox.push(Input::new(now, EventKind::Woken))?;
                 let named = format!("{why}, of {}", agent.name);
                 cause.get_or_insert(if self.agents.len() > 1 { named } else { why });
@@ -150,7 +152,10 @@ impl<'a> AgentGroup<'a> {
                 Some(inbox) => inbox.push(input),
                 None => Ok(()),
             },
-            None => self.inboxes.iter_mut().try_for_each(|inbox| inbox.push(input.clone())),
+            None => match self.inboxes.as_mut_slice() {
+                [only] => only.push(input),
+                several => several.iter_mut().try_for_each(|inbox| inbox.push(input.clone())),
+            },
         }
     }
 

@@ -65,6 +65,8 @@ pub(crate) struct Work {
     pub(crate) said: Vec<SelfMessage>,
     /// Notice: recorded samples and messages.
     pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
+    /// Record: number of samples that deriving once more from the stimuli would record, if it changed nothing else.
+    pub(crate) repetition: Option<u64>,
     /// Notice: monitors to be judged.
     pub(crate) touched: MonitorIds,
     /// Enable: clauses that came true.

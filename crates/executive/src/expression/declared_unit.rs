@@ -18,8 +18,15 @@ pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static 
 /// # Errors
 /// A message for the trace when the unit cannot measure the value.
 pub(crate) fn in_declared_unit(library: &Library, variable: &StateVariable, value: Value) -> Result<Value, String> {
-    let declaration = library.state_variables.get(&variable.attribute);
-    let Some(unit) = declaration.and_then(|_| unit_of(&variable.attribute, library)) else { return Ok(value) };
+    in_unit(unit_of(&variable.attribute, library), variable, value)
+}
+
+/// Returns `value` in `unit`, the declared unit of `variable`; as it is without one.
+///
+/// # Errors
+/// Like [`in_declared_unit`].
+pub(crate) fn in_unit(unit: Option<&'static Unit>, variable: &StateVariable, value: Value) -> Result<Value, String> {
+    let Some(unit) = unit else { return Ok(value) };
     match value.as_number() {
         Some((number, Dimension::NONE)) => Ok(with_unit(number, unit)),
         Some((_, dimension)) if dimension == unit.dimension => Ok(value),

@@ -11,6 +11,8 @@ use crate::expression::{EvalContext, evaluate};
 use crate::monitoring::memory::histories::{Recording, record_sample};
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::{Histories, History, Sample};
+use crate::state::recorded::Recorded;
+use crate::state::variable_index::{InputReader, RankedDerivation, VariableIndex};
 use apex_model::agent_limits::Limits;
 use apex_model::derivation::{Derivation, DerivationInput, Join, Reading};
 use apex_model::event::StateVariable;
@@ -22,7 +24,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use std::collections::BTreeSet;
+use smallvec::{SmallVec, smallvec};
 
 /// A sample that was recorded, of a variable that derivations read.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,52 +44,84 @@ pub(crate) struct Derived {
 /// Context of derivations in addition to histories.
 pub(crate) struct Surroundings<'a> {
     pub(crate) library: &'a Library,
+    pub(crate) index: &'a VariableIndex,
     pub(crate) host: &'a HostFunctions,
     pub(crate) agent: &'a Symbol,
     pub(crate) limits: &'a Limits,
 }
 
+/// Histories of the inputs of a derivation for one object, in order of the inputs.
+type InputHistories<'h> = SmallVec<[&'h History; 4]>;
+
 /// Derives samples from `changed` and records them; `arrival` numbers them. Returns the result of recording each, in order. A value that
 /// cannot be computed counts as a missing measurement; the first failure of a variable is reported.
 pub(crate) fn derive(
-    mut changed: Vec<Changed>,
+    changed: Vec<Changed>,
     histories: &mut Histories,
     surroundings: &Surroundings<'_>,
     arrival: &mut dyn FnMut() -> u64,
 ) -> Vec<Derived> {
-    let library = surroundings.library;
-    let mut ranked: Vec<(&Symbol, &Derivation)> = library.derivations.iter().collect();
-    ranked.sort_by_key(|(_, derivation)| derivation.rank);
+    let Surroundings { library, index, .. } = surroundings;
+    let with_readers = |each: Changed| (index.readers(&each.variable.attribute), each);
+    let mut changed: Vec<(&[InputReader], Changed)> = changed.into_iter().map(with_readers).collect();
     let mut recordings = Vec::new();
-    for (attribute, derivation) in ranked {
-        let mut due: BTreeSet<(Time, StateVariable)> = BTreeSet::new();
-        for each in &changed {
-            for input in derivation.inputs.iter().filter(|input| input.attribute == each.variable.attribute) {
-                for object in objects(derivation, input, &each.variable.object, histories) {
-                    // Without a sample of each input there is no value at any instant.
-                    if derivation.inputs.iter().any(|input| history_of(input, &object, histories).is_none()) {
-                        continue;
-                    }
-                    let derived = StateVariable::new(attribute.clone(), object.clone());
-                    let instants = affected(derivation, input, &object, each.at, histories);
-                    due.extend(instants.into_iter().map(|at| (at, derived.clone())));
-                }
+    let mut due: Vec<(Time, Value)> = Vec::new();
+    for (number, RankedDerivation { attribute, holds_numbers }) in index.ranked().iter().enumerate() {
+        let Some(derivation) = library.derivations.get(attribute) else { continue };
+        for (readers, each) in &changed {
+            for reader in readers.iter().filter(|reader| reader.derivation == number) {
+                add_due(&mut due, derivation, reader.input, each, histories);
             }
         }
-        for (at, variable) in due {
-            let Some(value) = value_at(derivation, &variable, at, histories, surroundings) else { continue };
+        due.sort();
+        due.dedup_by(|a, b| a.cmp(&b).is_eq());
+        for (at, object) in due.drain(..) {
+            let variable = StateVariable::new(attribute.clone(), object);
+            let value = value_at((derivation, *holds_numbers), &variable, at, histories, surroundings);
             let recording = match value {
-                Ok(value) => record_sample(histories, library, variable.clone(), value, at, arrival()),
-                Err(message) => Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false },
+                None => continue,
+                Some(Ok(value)) => record_sample(histories, index, variable.clone(), value, at, arrival()),
+                Some(Err(message)) => {
+                    Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false }
+                }
             };
-            if recording.stimulus.is_some() && library.feeds_derivations(attribute) {
-                changed.push(Changed { variable: variable.clone(), at });
+            let readers = index.readers(attribute);
+            if recording.stimulus.is_some() && !readers.is_empty() {
+                changed.push((readers, Changed { variable: variable.clone(), at }));
             }
             let recording = first_trouble_only(recording, &variable, histories);
             recordings.push(Derived { variable, at, recording });
         }
     }
     recordings
+}
+
+/// Returns the number of samples that deriving once more from the same samples would record, if that changed nothing else. `derived` is
+/// the result of the first time.
+pub(crate) fn repetition(derived: &[Derived], histories: &Histories) -> Option<u64> {
+    let changes_nothing = |each: &Derived| {
+        let history = histories.get(&each.variable);
+        each.recording.recorded == Some(Recorded::Appended)
+            && history.is_some_and(|history| history.ignores_repetition(each.at))
+    };
+    derived.iter().all(changes_nothing).then_some(derived.len() as u64)
+}
+
+/// Adds the instants and objects at which a sample of an input gives a value.
+fn add_due(
+    due: &mut Vec<(Time, Value)>,
+    derivation: &Derivation,
+    input: usize,
+    changed: &Changed,
+    histories: &Histories,
+) {
+    let Some(read) = derivation.inputs.get(input) else { return };
+    for object in objects(derivation, read, &changed.variable.object, histories) {
+        // Without a sample of each input there is no value at any instant.
+        let Some(all) = input_histories(derivation, &object, histories) else { continue };
+        let Some(own) = all.get(input) else { continue };
+        affected(derivation.join, &all, own, changed.at, &mut |at| due.push((at, object.clone())));
+    }
 }
 
 /// Counts a value that was not computed, or was refused, as missing, and drops all of its messages but the first.
@@ -99,97 +133,88 @@ fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histor
 }
 
 /// Returns the objects for which a sample of `input`, with the object `measured`, gives a value.
-fn objects(derivation: &Derivation, input: &DerivationInput, measured: &Value, histories: &Histories) -> Vec<Value> {
+fn objects(
+    derivation: &Derivation,
+    input: &DerivationInput,
+    measured: &Value,
+    histories: &Histories,
+) -> SmallVec<[Value; 1]> {
     match &input.object {
         Pattern::Literal(wanted) if wanted.matches(measured) => {
             let own = |input: &&DerivationInput| matches!(input.object, Pattern::Variable(_));
-            let mut objects: Vec<Value> = Vec::new();
+            let mut objects = SmallVec::new();
             for input in derivation.inputs.iter().filter(own).take(1) {
                 objects.extend(histories.of_attribute(&input.attribute).map(|(variable, _)| variable.object.clone()));
             }
             objects
         }
-        Pattern::Variable(_) => vec![measured.clone()],
-        _ => Vec::new(),
+        Pattern::Variable(_) => smallvec![measured.clone()],
+        _ => SmallVec::new(),
     }
 }
 
-fn history_of<'h>(input: &DerivationInput, object: &Value, histories: &'h Histories) -> Option<&'h History> {
-    let object = match &input.object {
-        Pattern::Literal(literal) => literal.clone(),
-        _ => object.clone(),
+/// Returns the histories of all inputs; `None` if one has no sample.
+fn input_histories<'h>(
+    derivation: &Derivation,
+    object: &Value,
+    histories: &'h Histories,
+) -> Option<InputHistories<'h>> {
+    let of_input = |input: &DerivationInput| {
+        let object = match &input.object {
+            Pattern::Literal(literal) => literal,
+            _ => object,
+        };
+        histories.get(&StateVariable::new(input.attribute.clone(), object.clone()))
     };
-    histories.get(&StateVariable::new(input.attribute.clone(), object))
+    derivation.inputs.iter().map(of_input).collect()
 }
 
-/// Returns the instants whose derived sample depends on the sample of `input` at `at`: its own; for a late sample, or on a line, also
-/// those of other inputs up to its neighbours.
-fn affected(
-    derivation: &Derivation,
-    input: &DerivationInput,
-    object: &Value,
-    at: Time,
-    histories: &Histories,
-) -> BTreeSet<Time> {
-    let mut instants = BTreeSet::from([at]);
-    let Some(own) = history_of(input, object, histories) else { return instants };
-    let next = own.between(Time(at.0.saturating_add(1)), Time::END).next().map(|sample| sample.at);
-    let from = match derivation.join {
+/// Notes the instants whose derived sample depends on the sample of `own`, an input among `all`, at `at`: its own; for a late sample, or
+/// on a line, also those of other inputs up to its neighbours.
+fn affected(join: Join, all: &[&History], own: &History, at: Time, note: &mut dyn FnMut(Time)) {
+    note(at);
+    let is_newest = own.newest().is_none_or(|newest| newest.at <= at);
+    let later = || own.between(Time(at.0.saturating_add(1)), Time::END).next().map(|sample| sample.at);
+    let next = if is_newest { None } else { later() };
+    let from = match join {
         Join::Hold(_) => at,
         Join::Interpolate(_) => own.before(at).map_or(at, |sample| sample.at),
     };
-    let to = match (derivation.join, next) {
+    let to = match (join, next) {
         (_, Some(next)) => next,
-        (Join::Hold(_), None) => return with_older(instants, derivation, object, at, histories),
+        // The newest sample of its variable, while other variables may have later samples.
+        (Join::Hold(_), None) => {
+            let has_later = |history: &&&History| history.newest().is_some_and(|newest| newest.at > at);
+            for history in all.iter().filter(has_later) {
+                history.between(at, Time::END).for_each(|sample| note(sample.at));
+            }
+            return;
+        }
         (Join::Interpolate(_), None) => at,
     };
-    for each in &derivation.inputs {
-        let Some(history) = history_of(each, object, histories) else { continue };
-        instants.extend(history.between(from, to).map(|sample| sample.at));
+    for history in all {
+        history.between(from, to).for_each(|sample| note(sample.at));
     }
-    instants
-}
-
-/// Handles a sample that is the newest of its variable, while other variables have later samples.
-fn with_older(
-    mut instants: BTreeSet<Time>,
-    derivation: &Derivation,
-    object: &Value,
-    at: Time,
-    histories: &Histories,
-) -> BTreeSet<Time> {
-    for each in &derivation.inputs {
-        let Some(history) = history_of(each, object, histories) else { continue };
-        if history.newest().is_some_and(|newest| newest.at > at) {
-            instants.extend(history.between(at, Time::END).map(|sample| sample.at));
-        }
-    }
-    instants
 }
 
 /// Returns the derived value at an instant; `None` if an input has no value then.
 fn value_at(
-    derivation: &Derivation,
+    (derivation, holds_numbers): (&Derivation, bool),
     variable: &StateVariable,
     at: Time,
     histories: &Histories,
     surroundings: &Surroundings<'_>,
 ) -> Option<Result<Value, String>> {
+    let all = input_histories(derivation, &variable.object, histories)?;
     let mut bindings = Bindings::new();
     bindings.set(derivation.object.clone(), variable.object.clone());
-    for input in &derivation.inputs {
-        let history = history_of(input, &variable.object, histories)?;
+    for (input, history) in derivation.inputs.iter().zip(all) {
         bindings.set(input.name.clone(), input_at(input.reads, derivation.join, history, at)?);
     }
     let context = InstantView { surroundings, histories, bindings: &bindings, at };
-    let declared = surroundings.library.state_variables.get(&variable.attribute);
-    let is_number = declared.is_some_and(|declared| {
-        declared.unit.is_some()
-            || declared.value_type.as_ref().is_some_and(|word| ["real", "integer", "number"].contains(&word.folded()))
-    });
     match evaluate(&derivation.value, &context) {
         // For a variable that holds numbers, `nil` means that the value is unknown.
-        Ok(value) if is_number && !value.is_true() => None,
+        Ok(value) if holds_numbers && !value.is_true() => None,
         Ok(value) => Some(Ok(value)),
         Err(error) => {
             let place = surroundings.library.describe_place(error.place);

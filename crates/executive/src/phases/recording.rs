@@ -46,7 +46,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
             }
         }
     }
-    derive(cycle);
+    cycle.work.repetition = derive(cycle);
     for event in events {
         match &event.kind {
             EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
@@ -89,6 +89,12 @@ fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
 pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     let now = cycle.now;
     cycle.agent.published.clear();
+    let repetition = cycle.work.repetition.take();
+    if let Some(samples) = repetition.filter(|_| cycle.work.said.is_empty()) {
+        // Nothing was recorded since the variables of this instant were derived.
+        cycle.agent.next.arrival += samples;
+        return;
+    }
     for said in std::mem::take(&mut cycle.work.said) {
         match said {
             SelfMessage::Occurrence(form) => occurrence(cycle, form, now),
@@ -98,33 +104,37 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     derive(cycle);
 }
 
-/// Computes the samples of derived variables from those recorded since the monitors were last notified.
-fn derive(cycle: &mut Cycle<'_>) {
-    let library = cycle.library;
-    if library.derivations.is_empty() {
-        return;
+/// Computes the samples of derived variables from those recorded since the monitors were last notified. Returns the number of samples that
+/// doing so once more would record, if that changed nothing else.
+fn derive(cycle: &mut Cycle<'_>) -> Option<u64> {
+    let (library, index) = (cycle.library, &cycle.index.variables);
+    if index.ranked().is_empty() {
+        return Some(0);
     }
     let changed = cycle.work.stimuli.iter().filter_map(|stimulus| match stimulus {
-        Stimulus::Sample { variable, at, .. } if library.feeds_derivations(&variable.attribute) => {
+        Stimulus::Sample { variable, at, .. } if !index.readers(&variable.attribute).is_empty() => {
             Some(Changed { variable: variable.clone(), at: *at })
         }
         _ => None,
     });
     let changed: Vec<Changed> = changed.collect();
     if changed.is_empty() {
-        return;
+        return Some(0);
     }
     let agent = &mut *cycle.agent;
-    let surroundings = Surroundings { library, host: &agent.host, agent: &agent.name, limits: &agent.limits };
+    let surroundings = Surroundings { library, index, host: &agent.host, agent: &agent.name, limits: &agent.limits };
     let next = &mut agent.next.arrival;
     let mut arrival = || {
         let number = *next;
         *next += 1;
         number
     };
-    for derived in derivation::derive(changed, &mut agent.histories, &surroundings, &mut arrival) {
+    let derived = derivation::derive(changed, &mut agent.histories, &surroundings, &mut arrival);
+    let repetition = derivation::repetition(&derived, &agent.histories);
+    for derived in derived {
         note(cycle, derived.recording);
     }
+    repetition
 }
 
 fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
@@ -180,7 +190,8 @@ fn overflow(cycle: &mut Cycle<'_>, limit: Limit, message: String) {
 
 fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
     let number = arrival(cycle);
-    let recording = histories::record_sample(&mut cycle.agent.histories, cycle.library, variable, value, at, number);
+    let index = &cycle.index.variables;
+    let recording = histories::record_sample(&mut cycle.agent.histories, index, variable, value, at, number);
     note(cycle, recording);
 }
 

@@ -277,10 +277,10 @@ impl MonitorSession {
             return 0;
         }
         let samples_max = self.world.limits.count(Limit::HistorySamples);
-        let SessionState { library, histories, now, .. } = &mut self.world;
+        let SessionState { library, index, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
-        if declaration.and_then(retention::lateness).is_some() || library.feeds_derivations(&variable.attribute) {
+        if declaration.and_then(retention::lateness).is_some() || !index.readers(&variable.attribute).is_empty() {
             return 0;
         }
         let Some(history) = histories.get_mut(variable) else { return 0 };

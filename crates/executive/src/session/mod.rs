@@ -28,6 +28,7 @@ use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
 use crate::state::table::Table;
+use crate::state::variable_index::VariableIndex;
 use apex_model::agent_limits::Limits;
 use apex_model::condition::Condition;
 use apex_model::event::{StateVariable, measured};
@@ -110,8 +111,10 @@ impl MonitorSession {
         retention::prepare(&mut histories, &library, None);
         let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
         let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
+        let index = Arc::new(VariableIndex::new(&library));
         let mut world = SessionState {
             library,
+            index,
             host,
             name: Symbol::new("monitor"),
             histories,
@@ -210,9 +213,9 @@ impl MonitorSession {
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();
-        let SessionState { histories, library, .. } = &mut self.world;
-        let recording = histories::record_sample(histories, library, variable.clone(), value, at, sequence);
-        if recording.stimulus.is_some() && library.feeds_derivations(&variable.attribute) {
+        let SessionState { histories, index, .. } = &mut self.world;
+        let recording = histories::record_sample(histories, index, variable.clone(), value, at, sequence);
+        if recording.stimulus.is_some() && !index.readers(&variable.attribute).is_empty() {
             self.derive_from.push(Changed { variable: variable.clone(), at });
         }
         self.take_in(variable, at, recording)
@@ -361,8 +364,8 @@ impl MonitorSession {
             return;
         }
         let changed = std::mem::take(&mut self.derive_from);
-        let SessionState { library, host, name, limits, histories, .. } = &mut self.world;
-        let surroundings = Surroundings { library, host, agent: name, limits };
+        let SessionState { library, index, host, name, limits, histories, .. } = &mut self.world;
+        let surroundings = Surroundings { library, index, host, agent: name, limits };
         let arrivals = &mut self.arrivals;
         let mut arrival = || {
             *arrivals += 1;

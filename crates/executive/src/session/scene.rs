@@ -3,6 +3,7 @@
 use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
+use crate::state::variable_index::VariableIndex;
 use apex_model::agent_limits::Limits;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
@@ -41,6 +42,7 @@ impl KnownTask {
 #[derive(Clone, Debug)]
 pub(super) struct SessionState {
     pub(super) library: Arc<Library>,
+    pub(super) index: Arc<VariableIndex>,
     pub(super) host: HostFunctions,
     pub(super) name: Symbol,
     pub(super) histories: Histories,

@@ -232,14 +232,18 @@ impl Agent {
 
     /// Returns the instant of the next step if nothing happens before, with its reason.
     pub fn next_wake(&self) -> Option<(Time, String)> {
-        if self.finished.is_some() {
-            return None;
+        let at = self.next_wake_at()?;
+        let wake = self.wakes.first().filter(|_| self.started);
+        Some((at, wake.map_or_else(|| "the agent has not begun".into(), |(_, wake)| self.describe_wake(wake))))
+    }
+
+    /// Returns the instant of the next step if nothing happens before.
+    pub fn next_wake_at(&self) -> Option<Time> {
+        match (&self.finished, self.started) {
+            (Some(_), _) => None,
+            (None, false) => Some(Time::ZERO),
+            (None, true) => self.wakes.first().map(|(key, _)| key.at),
         }
-        if !self.started {
-            return Some((Time::ZERO, "the agent has not begun".into()));
-        }
-        let (key, wake) = self.wakes.first()?;
-        Some((key.at, self.describe_wake(wake)))
     }
 
     /// Returns the growth of limits on one instant at `now`: each message from outside may cause as much work as one alone. Messages among

@@ -3,6 +3,7 @@
 
 use crate::state::awaited_outcomes as outcomes;
 use crate::state::step_clauses::StepClauses;
+use crate::state::variable_index::VariableIndex;
 use crate::state::walk;
 use apex_forms::awaited::Awaited;
 use apex_model::condition::{Condition, ConditionKind};
@@ -125,6 +126,8 @@ pub struct LibraryIndex {
     pub procedures: Vec<Arc<ProcedureIndex>>,
     /// The program names `(command-state ..)`: only then states of commands are published.
     pub names_command_states: bool,
+    /// State variables by attribute.
+    pub variables: VariableIndex,
 }
 
 impl LibraryIndex {
@@ -135,7 +138,8 @@ impl LibraryIndex {
         };
         let names = |text: &str| text.to_ascii_lowercase().contains(COMMAND_STATE);
         let names_command_states = library.sources.iter().any(|source| names(&source.text));
-        let mut index = LibraryIndex { names_command_states, ..LibraryIndex::default() };
+        let variables = VariableIndex::new(library);
+        let mut index = LibraryIndex { names_command_states, variables, ..LibraryIndex::default() };
         for (procedure, number) in library.procedures.iter().zip(0..) {
             if uses(&procedure.bundle) {
                 index.methods.insert(&procedure.index, IndexCandidate::Procedure(number));

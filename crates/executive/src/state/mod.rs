@@ -33,6 +33,7 @@ pub mod task;
 pub mod threshold_episode;
 pub mod thresholds;
 pub mod turns;
+pub mod variable_index;
 pub mod waiting;
 pub mod wake;
 pub mod walk;

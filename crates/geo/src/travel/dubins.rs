@@ -7,7 +7,7 @@
 //! separately, beginning with the arrival of a straight flight. A track that is not given is free: the turn at that end is then left out.
 //! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
 
-use crate::plane::Point;
+use crate::plane::{Point, point_to_segment};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Instants examined within the time of a full circle, and in total; bisection steps between two of them.
@@ -190,6 +190,10 @@ impl Flyer {
         let lasts_s = 3.0 * circle_s / (1.0 - wind_mps / self.true_airspeed_mps);
         let count = (libm::ceil(lasts_s / circle_s) * INSTANTS_PER_CIRCLE).min(INSTANTS_MAX);
         let exact_s = EXACT * (circle_s + direct_s);
+        let moves = [direct_s, direct_s + lasts_s].map(|time_s| to.point.plus(-time_s, self.wind_mps));
+        if word.is_out_of_reach(&ends, moves) {
+            return None;
+        }
         let mut before = look(direct_s);
         for index in 1..=count as usize {
             let now_s = direct_s + lasts_s * index as f64 / count;
@@ -203,20 +207,8 @@ impl Flyer {
                 (Some(before), None) => Some((before, outermost(before, now_s, &look))),
                 (before, now) => before.zip(now),
             };
-            if let Some((early, late)) = since {
-                let halves = parted(early, late, &look, self.turn_radius_m);
-                for (early, late) in
-                    halves.into_iter().filter(|(early, late)| (early.missed_s > 0.0) != (late.missed_s > 0.0))
-                {
-                    let above = early.missed_s > 0.0;
-                    let (left, _) = narrowed(early, late, &look, |middle| (middle.missed_s > 0.0) == above);
-                    if left.missed_s.abs() <= exact_s {
-                        return Some(path(left));
-                    }
-                }
-                if early.missed_s.abs() <= exact_s {
-                    return Some(path(early));
-                }
+            if let Some(found) = since.and_then(|pair| reached(pair, &look, self.turn_radius_m, exact_s)) {
+                return Some(path(found));
             }
             before = now;
         }
@@ -252,6 +244,28 @@ fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> O
         }
     }
     known
+}
+
+/// Returns the candidate between two instants whose duration is exact; `None` if there is none.
+fn reached(
+    (early, late): (PathCandidate, PathCandidate),
+    look: &dyn Fn(f64) -> Option<PathCandidate>,
+    radius: f64,
+    exact_s: f64,
+) -> Option<PathCandidate> {
+    let is_crossed = |early: &PathCandidate, late: &PathCandidate| (early.missed_s > 0.0) != (late.missed_s > 0.0);
+    // In most intervals the length neither jumps nor becomes exact.
+    if is_crossed(&early, &late) || early.jumps_to(&late, radius) {
+        let halves = parted(early, late, look, radius);
+        for (early, late) in halves.into_iter().filter(|(early, late)| is_crossed(early, late)) {
+            let above = early.missed_s > 0.0;
+            let (left, _) = narrowed(early, late, look, |middle| (middle.missed_s > 0.0) == above);
+            if left.missed_s.abs() <= exact_s {
+                return Some(left);
+            }
+        }
+    }
+    (early.missed_s.abs() <= exact_s).then_some(early)
 }
 
 /// Returns the interval between two candidates, in two parts if the length jumps within it.
@@ -329,7 +343,20 @@ impl PathEnds {
     }
 }
 
+/// Share by which an end must be farther than a path of turns reaches, so that no rounding decides.
+const SURELY_BEYOND: f64 = 1.0 + 1e-6;
+
 impl PathType {
+    /// Returns true if no path of three turns reaches the end while it moves straight between two places: its circles are then too far
+    /// apart all the time. False for paths with a line.
+    fn is_out_of_reach(self, ends: &PathEnds, between: [Point; 2]) -> bool {
+        if self.between == 0.0 {
+            return false;
+        }
+        let [from, to] = between.map(|to| to.plus(ends.radius * self.last, ends.last));
+        point_to_segment(ends.first, from, to) > SURELY_BEYOND * 4.0 * ends.radius
+    }
+
     /// Returns the parts from one pose in the air to another, with the heading at the beginning.
     fn parts(self, ends: &PathEnds, to: Point) -> Option<(f64, [Part; 3])> {
         let PathEnds { radius, start, end, first, .. } = *ends;

@@ -343,9 +343,12 @@ impl<'a> Scene<'a> {
         changes_s.push(self.now_s + look_ahead_s);
         changes_s.sort_by(f64::total_cmp);
         let mut from_s = self.now_s;
+        // Until the first change the area is the present one.
+        let mut present = Some(area);
         for until_s in changes_s {
             let span = active_span((from_s, until_s), self.now_s, 0.0, 0.0, look_ahead_s);
-            let area = KeepIn::new(zones, self.flown.altitude_m, 0.5 * (from_s + until_s));
+            let later = || KeepIn::new(zones, self.flown.altitude_m, 0.5 * (from_s + until_s));
+            let area = present.take().or_else(later);
             if let Some((span, area)) = span.zip(area) {
                 let left = first_violation(&self.route, span, self.route.speed_mps_max(), |state| {
                     area.keep_in_m(state.point, state.altitude_m, buffer)

@@ -39,7 +39,8 @@ pub fn assess(
     let worths: Vec<StripWorth<'_>> =
         target.looks.iter().map(|look| StripWorth::new(target, look, grid, &by_cell.passes, context)).collect();
     let mut cells: Vec<Vec<CellWorth>> = target.looks.iter().map(|_| Vec::with_capacity(grid.len())).collect();
-    let mut losses: Vec<Vec<[f64; CAUSES]>> = target.looks.iter().map(|_| Vec::new()).collect();
+    let explained = if context.is_explained { grid.len() } else { 0 };
+    let mut losses: Vec<Vec<[f64; CAUSES]>> = target.looks.iter().map(|_| Vec::with_capacity(explained)).collect();
     let mut scratch = chance::Scratch::default();
     for cell in 0..grid.len() {
         let chosen = assign::assign(&by_cell, cell, &worths, &mut scratch);

@@ -320,7 +320,11 @@ fn points(target: &ObservedTarget, cells: &[(Position, f64)], cell_m: f64) -> Re
     let mut placed: Vec<(Point, f64)> =
         cells.iter().map(|(position, weight)| (plane.project(*position), *weight)).collect();
     placed.sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)));
-    let rows = placed.iter().enumerate().map(|(first, (point, _))| CellRow { y: point.y, first, count: 1 }).collect();
+    let rows = placed
+        .iter()
+        .enumerate()
+        .map(|(first, (point, _))| CellRow { y: point.y, first, count: 1, west: point.x })
+        .collect();
     let grid = placed.iter().map(|(point, weight)| (*point, *weight)).collect();
     Ok(finish(target, plane, cell_m, rows, grid))
 }
@@ -339,8 +343,8 @@ fn from_dense(
         for (column, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
             cells.push((Point { x: origin.x + (column as f64 + 0.5) * cell_m, y }, *weight));
         }
-        if cells.len() > first {
-            rows.push(CellRow { y, first, count: cells.len() - first });
+        if let Some((Point { x: west, .. }, _)) = cells.get(first) {
+            rows.push(CellRow { y, first, count: cells.len() - first, west: *west });
         }
     }
     finish(target, plane, cell_m, rows, cells)

@@ -4,10 +4,29 @@ use crate::footprint::Ground;
 use crate::plane::{EqualAreaPlane, Point};
 use apex_geo::geodesy::Position;
 
-/// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings.
+/// An edge of a strip, from its lower end.
+#[derive(Clone, Copy)]
+struct GlanceEdge {
+    low: Point,
+    high_y: f64,
+    /// Change of x per metre of y.
+    slope: f64,
+}
+
+impl GlanceEdge {
+    fn x_at(&self, y: f64) -> f64 {
+        self.low.x + self.slope * (y - self.low.y)
+    }
+}
+
+/// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings. Rows are asked in
+/// order of y.
 struct Glance {
-    /// Lower end of each edge, its upper y, and its change of x per metre of y; `None` for anything but at most four edges.
-    edges: [Option<(Point, f64, f64)>; 4],
+    /// `None` for anything but at most four edges.
+    edges: [Option<GlanceEdge>; 4],
+    /// The only two edges that cross the rows below `until_y`; `None` if there are not two.
+    pair: Option<(GlanceEdge, GlanceEdge)>,
+    until_y: f64,
     cells_per_m: f64,
     /// Bound of the error of a coarse crossing, in cells.
     slack: f64,
@@ -19,27 +38,38 @@ impl Glance {
         let most_m = edges.iter().flat_map(|(a, b)| [a.x.abs(), b.x.abs(), a.y.abs(), b.y.abs()]).fold(0.0, f64::max);
         if edges.len() <= found.len() {
             for (slot, (a, b)) in found.iter_mut().zip(edges) {
-                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
-                *slot = Some((*low, high.y, (high.x - low.x) / (high.y - low.y)));
+                let (low, high) = if a.y < b.y { (*a, *b) } else { (*b, *a) };
+                *slot = Some(GlanceEdge { low, high_y: high.y, slope: (high.x - low.x) / (high.y - low.y) });
             }
         }
-        Glance { edges: found, cells_per_m: 1.0 / cell_m, slack: 1e-6 + 1e-9 * most_m / cell_m }
+        let slack = 1e-6 + 1e-9 * most_m / cell_m;
+        Glance { edges: found, pair: None, until_y: f64::NEG_INFINITY, cells_per_m: 1.0 / cell_m, slack }
     }
 
-    /// Returns true if no cell centre of the row at `y`, whose centres are whole cells east of `west`, can be inside. Certain only for
+    /// Selects the edges that cross the row at `y`, and the next y at which that changes.
+    fn select(&mut self, y: f64) {
+        let edges = || self.edges.iter().flatten();
+        let mut crossing = edges().filter(|edge| edge.low.y <= y && y < edge.high_y);
+        let pair = crossing.next().zip(crossing.next());
+        let pair = pair.filter(|_| crossing.next().is_none()).map(|(first, second)| (*first, *second));
+        let changes = edges().flat_map(|edge| [edge.low.y, edge.high_y]).filter(|change_y| *change_y > y);
+        let until_y = changes.fold(f64::INFINITY, f64::min);
+        (self.pair, self.until_y) = (pair, until_y);
+    }
+
+    /// Returns true if no cell centre of the row, whose centres are whole cells east of its first, can be inside. Certain only for
     /// exactly two crossings.
-    fn misses(&self, y: f64, west: f64) -> bool {
-        let (mut count, mut low, mut high) = (0, f64::INFINITY, f64::NEG_INFINITY);
-        for (from, to_y, slope) in self.edges.iter().flatten() {
-            if from.y <= y && y < *to_y {
-                let x = from.x + slope * (y - from.y);
-                (count, low, high) = (count + 1, low.min(x), high.max(x));
-            }
+    fn misses(&mut self, row: &CellRow) -> bool {
+        if row.y >= self.until_y {
+            self.select(row.y);
         }
-        let low_cells = (low - west) * self.cells_per_m - self.slack;
-        let high_cells = (high - west) * self.cells_per_m + self.slack;
+        let Some((first, second)) = &self.pair else { return false };
+        let (a, b) = (first.x_at(row.y), second.x_at(row.y));
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        let low_cells = (low - row.west) * self.cells_per_m - self.slack;
+        let high_cells = (high - row.west) * self.cells_per_m + self.slack;
         let is_between = low_cells > 0.0 && high_cells < 1e9 && low_cells as i64 == high_cells as i64;
-        count == 2 && (is_between || high_cells < 0.0)
+        is_between || high_cells < 0.0
     }
 }
 
@@ -49,6 +79,8 @@ pub(super) struct CellRow {
     pub(super) y: f64,
     pub(super) first: usize,
     pub(super) count: usize,
+    /// The x of its first cell.
+    pub(super) west: f64,
 }
 
 /// The cells of a target.
@@ -188,9 +220,9 @@ impl TargetGrid {
         let first = self.rows.partition_point(|row| row.y < low_y);
         let edges: Vec<(Point, Point)> = apex_geo::plane::edges(polygon).filter(|(a, b)| a.y != b.y).collect();
         let mut crossings: Vec<f64> = Vec::with_capacity(edges.len());
-        let glance = Glance::new(&edges, self.cell_m);
-        for row in self.rows.iter().skip(first).take_while(|row| row.y <= high_y) {
-            if self.row_cells(row).first().is_some_and(|west| glance.misses(row.y, *west)) {
+        let mut glance = Glance::new(&edges, self.cell_m);
+        for row in self.rows.get(first..).unwrap_or_default().iter().take_while(|row| row.y <= high_y) {
+            if glance.misses(row) {
                 continue;
             }
             crossings.clear();

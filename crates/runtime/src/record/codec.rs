@@ -41,8 +41,9 @@ pub(super) struct Variable {
 pub(super) struct Variables {
     list: Vec<Variable>,
     numbers: BTreeMap<Vec<u8>, u64>,
-    /// By number: the variable that came next the last time. Telemetry repeats its order.
-    successors: Vec<u64>,
+    /// By number: the variables that came next the last times, the latest first. Telemetry repeats its order; groups that come at two
+    /// rates meet in two orders.
+    successors: Vec<[u64; 2]>,
 }
 
 impl Variables {
@@ -65,16 +66,20 @@ impl Variables {
     /// Returns the number of `variable`, which was measured after the variable `before` (0: as the first of a batch).
     fn number_after(&mut self, before: u64, variable: &StateVariable) -> Option<u64> {
         let slot = usize::try_from(before).ok()?;
-        let guess = self.successors.get(slot).copied().unwrap_or(0);
-        if self.get(guess).is_some_and(|known| same_spelling(&known.variable, variable)) {
-            return Some(guess);
+        let [latest, earlier] = self.successors.get(slot).copied().unwrap_or_default();
+        let is = |guess: &u64| self.get(*guess).is_some_and(|known| same_spelling(&known.variable, variable));
+        if is(&latest) {
+            return Some(latest);
         }
-        let number = self.numbers.get(&spelling(variable)).copied()?;
+        let number = match Some(earlier).filter(is) {
+            Some(earlier) => earlier,
+            None => self.numbers.get(&spelling(variable)).copied()?,
+        };
         if slot >= self.successors.len() {
-            self.successors.resize(self.list.len() + 1, 0);
+            self.successors.resize(self.list.len() + 1, [0; 2]);
         }
-        if let Some(successor) = self.successors.get_mut(slot) {
-            *successor = number;
+        if let Some(successors) = self.successors.get_mut(slot) {
+            *successors = [number, latest];
         }
         Some(number)
     }

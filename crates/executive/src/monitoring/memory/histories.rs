@@ -1,21 +1,21 @@
 //! Recording (M&I)
 //! What: records samples and messages in the histories, in the declared unit, and returns the stimuli for monitors.
 //! Runs: first phase of every step.
-//! Reads: library.
+//! Reads: index of state variables.
 //! Writes: histories.
 //! Bound: O(log n) in the number of state variables per sample; a late one O(samples kept).
 //! PDL: `(state-variable ..)`, `:lateness`.
 //! Paper: section IV, logging and retrieving data.
 
 use crate::expression::arithmetic::duration;
-use crate::expression::declared_unit::in_declared_unit;
+use crate::expression::declared_unit::in_unit;
 use crate::monitoring::memory::demand::{Demand, Reach, Subject};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::histories::history::{Histories, Occurrence, Sample};
 use crate::state::recorded::Recorded;
+use crate::state::variable_index::VariableIndex;
 use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
-use apex_model::library::Library;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -35,20 +35,20 @@ pub(crate) struct Recording {
 /// Records a measurement in its history. A bare number has the declared unit of the variable; a value of another dimension is rejected.
 pub(crate) fn record_sample(
     histories: &mut Histories,
-    library: &Library,
+    index: &VariableIndex,
     variable: StateVariable,
     value: Value,
     at: Time,
     sequence: u64,
 ) -> Recording {
-    let declaration = library.state_variables.get(&variable.attribute);
-    let value = match in_declared_unit(library, &variable, value) {
+    let rules = index.rules(&variable.attribute);
+    let value = match in_unit(rules.and_then(|rules| rules.unit), &variable, value) {
         Ok(value) => value,
         Err(message) => {
             return Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false };
         }
     };
-    let lateness = declaration.and_then(|declared| declared.lateness.as_ref()).and_then(|value| duration(value).ok());
+    let lateness = rules.and_then(|rules| rules.lateness.as_ref()).and_then(|value| duration(value).ok());
     let sample = Sample { at, sequence, value: value.clone() };
     let (recorded, overflows) = histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO));
     match recorded {
@@ -123,7 +123,7 @@ fn forgotten(over: &str, limit: Limit, limits: &Limits) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use apex_model::library::StateVariableDeclaration;
+    use apex_model::library::{Library, StateVariableDeclaration};
     use apex_model::quantity::unit_named;
     use apex_model::source::Place;
     use apex_model::symbol::Symbol;
@@ -145,10 +145,10 @@ mod tests {
 
     #[test]
     fn bare_numbers_take_the_declared_unit_and_other_dimensions_are_refused() {
-        let (mut histories, library) = (Histories::default(), library());
+        let (mut histories, index) = (Histories::default(), VariableIndex::new(&library()));
         let variable = StateVariable::new(Symbol::new("altitude"), Value::symbol("uav"));
         let mut record = |value: Value, at: f64| {
-            record_sample(&mut histories, &library, variable.clone(), value, Time::from_seconds(at), 0)
+            record_sample(&mut histories, &index, variable.clone(), value, Time::from_seconds(at), 0)
         };
         let Some(Stimulus::Sample { value, .. }) = record(Value::Integer(400), 1.0).stimulus else { panic!() };
         assert_eq!(value.to_string(), "400ft");

@@ -24,7 +24,7 @@ proptest! {
                 _ => Value::Integer(*value),
             };
             let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
-            record_sample(&mut view.histories, &view.library, variable, value, Time(*at), number as u64);
+            record_sample(&mut view.histories, &VariableIndex::new(&view.library), variable, value, Time(*at), number as u64);
         }
         view.now = Time(samples.last().map_or(0, |last| last.0) + later);
         let least = least.map(|least| compare(Relation::GreaterOrEqual, int(least)));

@@ -8,6 +8,7 @@ mod numbers;
 mod patterns;
 mod relation_chains;
 mod relations;
+mod repeated_derivation;
 mod statistics_by_definition;
 mod stories;
 mod thresholds;
@@ -23,6 +24,7 @@ use super::stimulus::Stimulus;
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{EpisodeIndex, LeafId, Taken, ThresholdEpisode};
 use crate::state::monitors::monitor::{Keep, Monitor, PartKind, Verdict, Window};
+use crate::state::variable_index::VariableIndex;
 use crate::test_support::TestView;
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
@@ -177,8 +179,8 @@ impl World {
         self.view.now = self.view.now.max(Time(at));
         self.sequence += 1;
         let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
-        let (histories, library) = (&mut self.view.histories, &self.view.library);
-        let recording = record_sample(histories, library, variable, value, Time(at), self.sequence);
+        let index = VariableIndex::new(&self.view.library);
+        let recording = record_sample(&mut self.view.histories, &index, variable, value, Time(at), self.sequence);
         let Some(stimulus) = recording.stimulus else { return };
         notice(&mut self.told, &stimulus, &self.view);
         let Stimulus::Sample { variable, value, at, newest, .. } = &stimulus else { return };

@@ -82,7 +82,14 @@ fn a_question_about_a_forgotten_past_is_unknown_never_false() {
     let mut view = TestView::default();
     let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
     for at in 0..5 {
-        record_sample(&mut view.histories, &view.library, variable.clone(), Value::Integer(1), Time(at), 0);
+        record_sample(
+            &mut view.histories,
+            &VariableIndex::new(&view.library),
+            variable.clone(),
+            Value::Integer(1),
+            Time(at),
+            0,
+        );
     }
     view.now = Time(9);
     let mut past = equals("a", 3);
@@ -150,7 +157,7 @@ fn persistence_carries_the_last_value_into_the_window_for_its_timeout() {
     for (now, expected) in [(12, Some((2, 2, 12))), (13, None)] {
         let mut view = TestView { now: Time(now), ..TestView::default() };
         let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
-        record_sample(&mut view.histories, &view.library, variable, Value::Integer(3), Time(2), 0);
+        record_sample(&mut view.histories, &VariableIndex::new(&view.library), variable, Value::Integer(3), Time(2), 0);
         let mut world = World::in_view(&wanted, view);
         assert_eq!(world.answer(now), expected);
         // A sample of the same instant replaces the carried value.

@@ -113,7 +113,7 @@ proptest! {
         for (sequence, (late, attribute, value, over)) in (1..).zip(&samples) {
             let variable = StateVariable::new(Symbol::new(ATTRIBUTES[*attribute]), Value::symbol("uav"));
             let at = Time(view.now.0 - late);
-            let recording = record_sample(&mut view.histories, &view.library, variable, value.clone(), at, sequence);
+            let recording = record_sample(&mut view.histories, &VariableIndex::new(&view.library), variable, value.clone(), at, sequence);
             if let Some(stimulus) = recording.stimulus {
                 tell(&mut pairs, &interests, &stimulus, &view);
             }

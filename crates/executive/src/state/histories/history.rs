@@ -242,6 +242,15 @@ impl History {
         Recorded::Inserted
     }
 
+    /// Returns true if recording a sample of the instant `at` once more changes nothing: it is the newest, equals itself, and no sample
+    /// is thinned for a log meanwhile.
+    pub(crate) fn ignores_repetition(&self, at: Time) -> bool {
+        let Retention { lookback, log_spacing, .. } = self.retention;
+        let is_thinned = lookback == Duration::ZERO && log_spacing > Duration::ZERO;
+        let newest = self.samples.back().filter(|newest| newest.at == at);
+        !is_thinned && newest.is_some_and(|newest| newest.value.equals(&newest.value))
+    }
+
     /// Drops samples that no clause can need any longer; constant time on average.
     fn trim(&mut self, samples_max: usize) {
         self.thin();

@@ -158,3 +158,68 @@ fn known_paths() {
     assert_eq!(windy.paths(pose(0.0, 0.0, 0.0), pose(500.0, 0.0, 0.0)), Vec::new(), "no track against such a wind");
     assert!((turn_radius_m(95.0, 15.0_f64.to_radians()) - 3434.6).abs() < 1.0);
 }
+
+/// Returns the path of one type by looking at every instant and treating all intervals alike.
+fn by_every_instant(flyer: &Flyer, word: PathType, from: (Point, f64), to: (Point, f64)) -> Option<(f64, [Part; 3])> {
+    let (speed, radius, wind) = (flyer.true_airspeed_mps, flyer.turn_radius_m, flyer.wind_mps);
+    let circle_s = TAU * radius / speed;
+    let ends = PathEnds::new(word, radius, (from.0, Some(from.1)), Some(to.1));
+    let look = |time_s: f64| {
+        let (heading_rad, parts) = word.parts(&ends, to.0.plus(-time_s, wind))?;
+        let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
+        Some(PathCandidate { time_s, missed_s: length_m / speed - time_s, heading_rad, parts })
+    };
+    let apart = to.0.minus(from.0);
+    let track = unit(angle(apart));
+    let direct_s = apart.length() / (speed * unit(flyer.heading_rad(angle(apart))?).dot(track) + wind.dot(track));
+    let lasts_s = 3.0 * circle_s / (1.0 - wind.length() / speed);
+    let count = (libm::ceil(lasts_s / circle_s) * INSTANTS_PER_CIRCLE).min(INSTANTS_MAX);
+    let exact_s = EXACT * (circle_s + direct_s);
+    let mut before = look(direct_s);
+    for index in 1..=count as usize {
+        let now_s = direct_s + lasts_s * index as f64 / count;
+        let now = look(now_s);
+        let since = match (before, now) {
+            (None, Some(now)) => Some((outermost(now, now_s - lasts_s / count, &look), now)),
+            (Some(before), None) => Some((before, outermost(before, now_s, &look))),
+            (before, now) => before.zip(now),
+        };
+        if let Some((early, late)) = since {
+            for (early, late) in parted(early, late, &look, radius) {
+                if (early.missed_s > 0.0) != (late.missed_s > 0.0) {
+                    let above = early.missed_s > 0.0;
+                    let (left, _) = narrowed(early, late, &look, |middle| (middle.missed_s > 0.0) == above);
+                    if left.missed_s.abs() <= exact_s {
+                        return Some((left.time_s + left.missed_s, left.parts));
+                    }
+                }
+            }
+            if early.missed_s.abs() <= exact_s {
+                return Some((early.time_s + early.missed_s, early.parts));
+            }
+        }
+        before = now;
+    }
+    None
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn intervals_without_a_solution_are_passed_over(
+        x in -9.0..9.0_f64, y in -9.0..9.0_f64, start in -3.2..3.2_f64, end in -3.2..3.2_f64,
+        wind_x in -0.9..0.9_f64, wind_y in -0.4..0.4_f64, scale in 1.0..900.0_f64,
+    ) {
+        let wind_mps = Point { x: wind_x, y: wind_y };
+        prop_assume!(wind_mps.length() < 0.97 && wind_mps != Point::default());
+        let flyer = Flyer { true_airspeed_mps: 1.0, turn_radius_m: scale, wind_mps };
+        let (from, to) = (Point { x: 3.0, y: -4.0 }, Point { x: scale * x, y: scale * y });
+        for word in words(true, true) {
+            let pose = |point: Point, heading_rad: f64| (Pose { point, track_rad: None }, Some(heading_rad));
+            let found = flyer.path(word, pose(from, start), pose(to, end), f64::INFINITY);
+            let found = found.map(|path| (path.time_s, path.parts));
+            prop_assert_eq!(found, by_every_instant(&flyer, word, (from, start), (to, end)));
+        }
+    }
+}
