@@ -6,7 +6,7 @@ use apex_geo::geodesy::Position;
 
 /// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings.
 struct Glance {
-    /// Lower end of each edge, its upper y, and its change of x per metre of y; `None` for anything but at most four edges.
+    /// Lower end of each edge, the y of its upper end, and its change of x per metre of y. `None`: the polygon has fewer edges, or more than four.
     edges: [Option<(Point, f64, f64)>; 4],
     cells_per_m: f64,
     /// Bound of the error of a coarse crossing, in cells.
