@@ -11,7 +11,7 @@ use serde_json::Value;
 
 /// Number of queried tasks in one run, spread over all of its tasks.
 const TASKS_MAX: usize = 3;
-/// Spoilings tried of one answer.
+/// Number of falsified versions of one answer that are tried.
 const TRIES_MAX: usize = 12;
 
 /// The answers about some tasks and all resources of a run, as data and as text.
@@ -67,7 +67,7 @@ fn all() -> Vec<(String, Value, String)> {
     all
 }
 
-/// The members of `data` that can be spoiled, as paths.
+/// The members of `data` that can be falsified, as paths.
 fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
     match data {
         Value::Object(members) => {

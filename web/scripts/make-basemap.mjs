@@ -7,9 +7,9 @@ import { feature, mesh } from 'topojson-client';
 
 const root = new URL('..', import.meta.url);
 const folder = new URL('public/basemap/', root);
-/** The US comes finer from its own atlas. */
+/** Numeric code of the US, which is left out here: a separate package has its states in more detail. */
 const UNITED_STATES = '840';
-/** About 100 m on the ground: finer than the outlines are. */
+/** Decimals of coordinates: about 100 m on the ground, which is more exact than the outlines. */
 const DECIMALS = 3;
 
 function read(name) {

@@ -16,7 +16,7 @@ if (!source || !folder) {
 }
 /** Time for the map to load, and for answers that restore an instant. */
 const [LOAD_MS, SETTLE_MS, WAIT_MS] = [4000, 2500, 120_000];
-/** Panels of each slot, with what is chosen in them first. */
+/** Panels of each slot, with the selection made before the picture. */
 const LEFT = ['agenda', 'objects', 'program', 'network', 'draft'];
 const RIGHT = ['why', 'monitors', 'signals', 'plans', 'log', 'alarms', 'whatif', 'compare', 'report'];
 const SCREENS = [
@@ -42,7 +42,7 @@ async function served(record) {
   return /https?:\/\/[^\s/]+/.exec(String(said))[0];
 }
 
-/** The task at work at the instant: what the now line names. */
+/** The active task at the instant, which the line "now" names. */
 await page.goto(`${base}/?t=${seconds}`);
 await page.getByTestId('now-task').click();
 await page.waitForURL(/sel=task/);
@@ -65,7 +65,7 @@ for (const panel of [...LEFT, ...RIGHT]) {
   await page.getByTestId(`tab-${panel}`).waitFor();
   if (panel === 'draft') await page.getByTestId('draft-from-plan').click();
   if (panel === 'report') await page.keyboard.press('End');
-  // These restore the instant.
+  // These panels wait until the server has restored the instant.
   if (panel === 'monitors') await page.getByTestId('monitors').waitFor({ timeout: WAIT_MS });
   if (panel === 'objects')
     await page.getByTestId('objects').getByText('flight-path').waitFor({ timeout: WAIT_MS });

@@ -172,7 +172,7 @@ mod tests {
         assert!(read(&schema, &huge).unwrap_err().starts_with("`a` claims 4294967295 values"));
         let endless = Schema::parse("p/M", "p/M inner").unwrap();
         assert_eq!(read(&endless, &[0, 1, 0, 0, 0]).unwrap_err(), "messages are nested more than 16 deep");
-        // Each level has a hundred of the next, and the last takes no byte.
+        // Each message contains a hundred of the next level, and the messages of the last level take no bytes.
         let mut text = "p/A0[100] a\n".to_string();
         for level in 0..12 {
             text.push_str(&format!("MSG: p/A{level}\np/A{}[100] a\n", level + 1));

@@ -36,7 +36,7 @@ pub(crate) struct CsvTable<R> {
     damages: ReadErrors,
     /// Names of the columns to read; `None` reads all.
     carried: Option<BTreeSet<String>>,
-    /// The same by number.
+    /// True for each column, by number, that is read.
     carries: Vec<bool>,
 }
 

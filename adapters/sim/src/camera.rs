@@ -109,7 +109,7 @@ pub(crate) struct Camera {
     pub(crate) error_rad: f64,
     /// The mount is stuck and does not move.
     pub(crate) stuck: bool,
-    /// It delivers no images.
+    /// True while the camera delivers no images.
     pub(crate) broken: bool,
 }
 

@@ -28,7 +28,7 @@ pub enum Health {
     Good,
     /// The failure mode is in some candidates, or may be in some if a search ended at its limit.
     Suspect,
-    /// It is in every candidate.
+    /// Every candidate contains the failure mode.
     Bad,
 }
 

@@ -12,9 +12,9 @@ pub enum Outcome {
     /// The test was not run, or its result is out of date.
     #[default]
     Unknown,
-    /// It passed.
+    /// The test passed.
     Passed,
-    /// It failed.
+    /// The test failed.
     Failed,
     /// The test fails at some times and passes at others: something that it depends on fails, and its passes clear nothing.
     Intermittent,

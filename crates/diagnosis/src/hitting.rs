@@ -26,13 +26,13 @@ pub(crate) struct Problem<'a> {
     pub(crate) modes: usize,
     /// Sets that must each be hit; none is empty or part of another.
     pub(crate) clauses: &'a [Bits],
-    /// Sets that must not be held as a whole.
+    /// Forbidden sets: no result may contain all modes of one of them.
     pub(crate) nogoods: &'a [Bits],
     /// Cost of each mode, above 0.
     pub(crate) costs: &'a [f64],
-    /// As many sets are kept.
+    /// Maximum number of sets that are kept.
     pub(crate) keep: usize,
-    /// As many partial sets are examined.
+    /// Maximum number of partial sets that are examined.
     pub(crate) nodes: usize,
 }
 

@@ -86,7 +86,7 @@ pub struct Authority {
 /// A change of authority.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AuthorityChange {
-    /// It was free, and the actor holds it now.
+    /// Authority was free, and the actor holds it now.
     Taken,
     /// The actor to which it was offered holds it now.
     HandedOver,
@@ -94,11 +94,11 @@ pub enum AuthorityChange {
     Overridden,
     /// The actor took it from a silent holder.
     TakenFromSilent,
-    /// It is offered.
+    /// Authority is offered to another actor.
     Offered,
     /// The offer was refused; the holder keeps authority.
     Refused,
-    /// It is free.
+    /// Authority is free.
     Released,
 }
 

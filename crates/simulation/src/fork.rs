@@ -41,7 +41,7 @@ pub struct ForkTerms<'o> {
     pub observer: Option<&'o mut dyn Observer>,
 }
 
-/// Both flights.
+/// The original flight and the fork.
 pub struct Forked {
     /// The report of the recorded flight, computed from its record.
     pub recorded: Report,

@@ -64,7 +64,7 @@ impl Checker<'_> {
     /// Checks that `value` is at most `limit`, the figure called `other`.
     ///
     /// # Errors
-    /// It is greater.
+    /// The value is greater.
     pub(crate) fn at_most(&self, path: &str, value: f64, limit: f64, other: &str) -> Result<(), VehicleFileError> {
         if value <= limit {
             return Ok(());
@@ -76,7 +76,7 @@ impl Checker<'_> {
     /// Checks that `value` is less than `limit`, the figure called `other`.
     ///
     /// # Errors
-    /// It is not.
+    /// The value is not below the limit.
     pub(crate) fn below(&self, path: &str, value: f64, limit: f64, other: &str) -> Result<(), VehicleFileError> {
         if value < limit {
             return Ok(());

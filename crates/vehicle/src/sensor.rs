@@ -123,7 +123,7 @@ pub enum Mount {
         /// Pan.
         pan_deg: f64,
     },
-    /// It is turned by motors.
+    /// The mount is turned by motors.
     Gimbal {
         /// Lowest tilt.
         tilt_deg_min: f64,

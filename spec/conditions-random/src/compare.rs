@@ -15,7 +15,7 @@ pub enum Finding {
     Never,
     /// The checker refuses it.
     Refused(String),
-    /// They differ.
+    /// The answers differ.
     Different(String),
 }
 

@@ -19,7 +19,7 @@ const FARTHEST: Time = Time::MAX / 2;
 enum Saying {
     /// The line meets the constraints, according to the knowledge at that time.
     Meets(Way),
-    /// It does not.
+    /// The line does not satisfy them.
     Fails,
     /// There is no line to be trusted.
     Unknown,

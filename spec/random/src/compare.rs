@@ -13,14 +13,14 @@ const MADE_MAX: usize = 10;
 /// Result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Both did the same.
+    /// Both interpreters behaved the same.
     Same(Box<Run>),
     /// The checker refused the program.
     Refused(String),
     /// Both behaved the same as far as the reference runs: up to an instant that does not come to rest, or until there are more tasks
     /// than it handles.
     Cut(Cut),
-    /// They differ.
+    /// The interpreters differ.
     Different(String),
 }
 

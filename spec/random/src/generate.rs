@@ -97,7 +97,7 @@ fn taste(dice: &mut Dice) -> Taste {
 pub(crate) struct Goal {
     pub(crate) head: String,
     pub(crate) argument: Argument,
-    /// It takes time.
+    /// True if the primitive takes time.
     pub(crate) lasts: bool,
     pub(crate) returns: bool,
 }

@@ -53,7 +53,7 @@ pub enum Kind {
     Sequential,
     /// All at once, ranks in written order.
     Ranked,
-    /// The same by another name.
+    /// Another name for the order above.
     SoftSequential,
 }
 
@@ -113,13 +113,13 @@ pub struct Need {
 /// Conditions that move a task.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clauses {
-    /// It ends, with success.
+    /// The task ends, with success.
     pub end_when: Option<Condition>,
-    /// It starts over.
+    /// The task starts over.
     pub restart_when: Option<Condition>,
     /// The task is suspended by the first condition until the second one holds.
     pub suspend_when: Option<(Condition, Condition)>,
-    /// It continues.
+    /// The task continues.
     pub resume_when: Option<Condition>,
     /// The task is not begun; for steps only.
     pub skip_when: Option<Condition>,
@@ -165,7 +165,7 @@ pub struct Step {
     pub rank: Option<Expr>,
     /// Interrupt cost.
     pub interrupt_cost: Option<Expr>,
-    /// Again and again.
+    /// `repeating`: the step is executed again after each end.
     pub repetition: Option<Repetition>,
     /// Required resources in addition to those of its method.
     pub profile: Vec<Need>,
@@ -213,7 +213,7 @@ pub enum Priority {
 pub struct Repetition {
     /// A new instance waits next to each enabled one, instead of the same task again.
     pub responding: bool,
-    /// Again as long as this holds.
+    /// The step is repeated as long as this holds.
     pub while_true: Option<Expr>,
     /// Not again when this holds.
     pub until: Option<Expr>,
@@ -297,7 +297,7 @@ pub enum Condition {
     And(Vec<Condition>),
     /// At least one of the parts.
     Or(Vec<Condition>),
-    /// Nothing of that up to now.
+    /// The condition has had no result up to now.
     Not(Box<Condition>),
     /// In sequence.
     InOrder(Vec<Condition>),

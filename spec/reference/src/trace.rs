@@ -25,7 +25,7 @@ pub enum What {
     Moved(State, State, Option<String>, String),
     /// The task sent this text to the outside.
     Informed(String),
-    /// It printed something.
+    /// The task printed a text.
     Printed(String),
     /// The application is over.
     Finished,

@@ -13,11 +13,11 @@ use apex_sim::SimulatedWorld;
 pub(crate) struct BadLink {
     vehicle: SimulatedWorld,
     draws: Draws,
-    /// Probabilities of being late, lost (samples only) and doubled.
+    /// Probabilities that an input is late, lost (samples only) or sent twice.
     late: f64,
     lost: f64,
     doubled: f64,
-    /// The vehicle's clock is slow or fast by this in a span.
+    /// Start and end of a span of time, and the error of the vehicle's clock in it.
     jump: Option<(Time, Time, Duration)>,
     held: Vec<(Time, Input)>,
 }

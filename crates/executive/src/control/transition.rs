@@ -26,7 +26,7 @@ pub(crate) enum Trigger {
     Restarted,
     /// Its step repeats.
     Repeated,
-    /// It completes, fails or is cut.
+    /// The task completes, fails or is cut.
     Ended,
 }
 

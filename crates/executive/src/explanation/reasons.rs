@@ -48,7 +48,7 @@ pub enum ReasonKind {
     Circle,
     /// Subtasks have not ended.
     Subtasks,
-    /// It has ended.
+    /// The task has ended.
     Ended,
 }
 

@@ -95,7 +95,7 @@ pub(crate) struct SampleConstraints<'a> {
     pub(crate) object: &'a [Constraint],
     /// Constraints on the value.
     pub(crate) value: &'a [Constraint],
-    /// Those on the value, prepared.
+    /// The constraints on the value, in a form prepared for comparison.
     pub(crate) tests: &'a [Test],
     /// True if the object is known, so that it needs no matching.
     pub(crate) known: bool,

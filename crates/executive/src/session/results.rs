@@ -25,7 +25,7 @@ pub struct MonitorResult {
 /// Report about a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResultEvent {
-    /// It was recognised just now.
+    /// The result was recognised just now.
     Recognised {
         /// Its interval may still grow; it will be reported once more when it is final.
         open: bool,

@@ -73,7 +73,7 @@ pub struct IndexedRun {
 /// Kinds of changes of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
-    /// It has a result from now on.
+    /// The episode has a result from now on.
     Found,
     /// Its run, which had a result, is over.
     Over,

@@ -203,7 +203,7 @@ impl Network {
     /// Adds a place of the plane.
     ///
     /// # Errors
-    /// It is not finite.
+    /// The point is not finite.
     pub fn add_point(&mut self, point: Point) -> Result<EndpointId, TravelError> {
         self.ground.spot_on_plane(point).map(|spot| self.admit(spot))
     }

@@ -325,9 +325,9 @@ pub(super) struct ReportedCamera {
     pub(super) tilt_deg: f64,
     /// From the nose clockwise.
     pub(super) pan_deg: f64,
-    /// It slews, points or exposes.
+    /// True while the camera slews, points or exposes.
     pub(super) is_pointing: bool,
-    /// It did so before.
+    /// True if the camera did so before.
     pub(super) has_pointed: bool,
     /// Temperature of its detector, and its instant.
     pub(super) detector_k: Option<f64>,

@@ -76,7 +76,7 @@ pub struct SunKeepOut {
 /// Greatest temperature of detectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeatLimit {
-    /// That of each sensor file.
+    /// The limit that each sensor file states.
     OfSensors,
     /// Not watched.
     Off,

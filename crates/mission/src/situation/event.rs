@@ -24,7 +24,7 @@ pub enum MissionEvent {
     SegmentWeighed {
         /// The target.
         target: String,
-        /// It is flown again.
+        /// True if the segment is flown again.
         is_again: bool,
         /// Both values as text.
         text: String,

@@ -26,7 +26,7 @@ pub(crate) enum Premise {
     End { step: usize, place: Place },
     /// The preceding step of the sequence.
     Sequence { step: usize },
-    /// That the step with this number has begun.
+    /// The condition that the step with this number has begun.
     Begin { step: usize, place: Place },
     /// A result that one of these steps binds.
     Result { name: Symbol, steps: Vec<usize> },

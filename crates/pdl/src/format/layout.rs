@@ -194,7 +194,7 @@ impl Page {
 struct Role {
     /// True if it may be on the first line.
     in_header: bool,
-    /// It is an option's keyword.
+    /// True if the item is the keyword of an option.
     leads: bool,
     /// True if an option's keyword precedes it.
     is_value: bool,

@@ -41,7 +41,7 @@ pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, fin
 
 /// The reason for which an argument does not have the wanted type.
 pub(super) enum Mismatch {
-    /// It certainly has another kind, stated as text.
+    /// The argument certainly has another kind, stated as text.
     Other(String),
     /// A number without unit where a quantity is wanted.
     Bare(String),

@@ -10,7 +10,7 @@ const PI: f64 = 3.141592;
 pub(super) enum Metric {
     /// On a line, rounded to the nearest whole number.
     Euclidean,
-    /// The same, rounded up.
+    /// On a line, rounded up.
     EuclideanUp,
     /// The Euclidean distance truncated to this number of decimals: Solomon 1, Cordeau 2.
     EuclideanCut(u8),

@@ -19,7 +19,7 @@ pub enum Verdict {
     First,
     /// The second is better.
     Second,
-    /// Neither is, by more than 1 %.
+    /// Neither planner is better by more than 1 %.
     NoDifference,
     /// More missions would be needed.
     Undecided,

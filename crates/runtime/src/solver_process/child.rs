@@ -33,7 +33,7 @@ pub struct ProcessLimits {
 pub(super) enum Heard {
     /// A line, without its end.
     Line(Vec<u8>),
-    /// Nothing yet.
+    /// The program has sent no line yet.
     Nothing,
     /// The program exceeded a limit: description of the excess.
     TooMuch(String),

@@ -13,7 +13,7 @@ use apex_planning::solver::Budget;
 /// Time of a leg that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Times {
-    /// That of leaving when the plan begins, rounded up.
+    /// The time of a departure when the plan begins, rounded up.
     Now,
     /// The least over all departures, rounded down.
     Least,

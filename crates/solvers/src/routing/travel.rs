@@ -22,7 +22,7 @@ const NETWORKS_MAX: usize = 16;
 /// A way with its times.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TimedPath {
-    /// Both ends and the bends between.
+    /// Positions of the way: both ends and the bends between them.
     pub(crate) route: Vec<Position>,
     /// Flown path, turns included; empty if turns are not limited.
     pub(crate) path: Vec<Position>,

@@ -314,7 +314,7 @@ help: string | null,
 place: string | null, };
 
 /**
- * A draft with the checker's word.
+ * A draft with the checker's verdict.
  */
 export type DraftAnswer = { at_ns: number, 
 /**

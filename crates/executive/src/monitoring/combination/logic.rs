@@ -251,7 +251,7 @@ impl<'a> Combination<'a> {
         for part in &self.composite.parts {
             match &part.kind {
                 PartKind::Delay(leaf) if self.ordered => match delays(leaf, query.context) {
-                    // In sequence they add up.
+                    // Consecutive delays add up.
                     Ok((least, most)) => {
                         let (before, before_most) = delay.unwrap_or((Duration::ZERO, Duration::ZERO));
                         delay = Some((before + least, before_most + most));
@@ -313,7 +313,7 @@ impl<'a> Combination<'a> {
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {
-                // Time alone will bring it after the preceding part: it is evaluated again at that instant.
+                // The result will follow the preceding part once enough time has passed: it is evaluated again at that instant.
                 let due = partial.end + step.delay.map_or(TICK, |(least, _)| least);
                 if step.stands && due > query.now {
                     query.wake_at(due);
@@ -332,7 +332,7 @@ impl<'a> Combination<'a> {
                 evidence: partial.evidence.joined(&result.evidence),
             };
             self.extend(rest, nots, last_delay, next, query);
-            // Without choices further on the first combination is the earliest.
+            // If the other parts leave no choice, the first combination found is the earliest.
             if self.part.keep == Keep::First && !self.composite.combines && !self.found.is_empty() {
                 return;
             }
@@ -356,7 +356,7 @@ impl<'a> Combination<'a> {
         query: &mut VerdictQuery<'_>,
     ) {
         let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
-        // If only time has to pass, that is an instant.
+        // A part that only requires time to pass is satisfied at one instant.
         let instant = last_delay.map_or(query.now, |(least, _)| partial.end + least);
         let interval = partial.hull.unwrap_or((instant, instant));
         let constraints = &self.composite.constraints;

@@ -48,7 +48,7 @@ impl KnownInterval {
 /// Knowledge of a relation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Decision {
-    /// It cannot hold any longer.
+    /// The relation can no longer hold.
     Fails,
     /// Decided by later inputs.
     Open,
@@ -61,7 +61,7 @@ pub(crate) enum Decision {
 pub(crate) enum PointComparison {
     /// The first is earlier.
     Earlier,
-    /// They are equal.
+    /// The end points are equal.
     Same,
 }
 

@@ -265,7 +265,7 @@ fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<F
 pub(crate) enum Saying {
     /// The line satisfies the constraints in the window.
     Met(Satisfaction),
-    /// It will do so at this instant, if no sample arrives before.
+    /// The line will satisfy them at this instant, if no sample arrives before.
     WillBe(Time, f64, FittedLine),
     /// It does not.
     Unmet(FittedLine),

@@ -56,7 +56,7 @@ pub struct Extreme {
 /// Direction of the values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Heading {
-    /// They have not moved by the hysteresis yet.
+    /// The values have not changed by the hysteresis yet.
     #[default]
     Unknown,
     /// Up, since the last turning point.

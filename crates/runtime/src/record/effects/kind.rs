@@ -25,7 +25,7 @@ pub(crate) struct EffectKind {
     pub(crate) outcome: Option<&'static str>,
     /// Resources are granted by it.
     pub(crate) grants: bool,
-    /// It is about a task.
+    /// True if the effect is about a task.
     pub(in crate::record) has_task: bool,
 }
 
