@@ -26,7 +26,8 @@ const DARK = {
   graticule: '#23282d',
   /** The planned way. */
   track: '#a9b1b8',
-  flown: '#e8eaec',
+  /** As words, but told apart from them in pictures. */
+  flown: '#eceef0',
   /** The flown way of the record in the comparison. */
   other: '#8f979f',
   pending: '#989fa7',
@@ -76,7 +77,7 @@ const LIGHT: Record<ColourName, string> = {
   coast: '#a5a096',
   graticule: '#dad6cc',
   track: '#4d5358',
-  flown: '#1a1c1e',
+  flown: '#16181a',
   other: '#6a7076',
   pending: '#5b6065',
   enabled: '#3a3f44',
