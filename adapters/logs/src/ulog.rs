@@ -26,6 +26,8 @@ struct Subscription {
 pub(crate) struct ULog<R> {
     bytes: Bytes<R>,
     begun: bool,
+    /// True if the file begins as a ULog file does.
+    is_whole: bool,
     began: Option<Time>,
     formats: Formats,
     subscriptions: BTreeMap<u16, Subscription>,
@@ -39,6 +41,7 @@ impl<R: Read> ULog<R> {
         ULog {
             bytes: Bytes::new(input),
             begun: false,
+            is_whole: false,
             began: None,
             formats: Formats::default(),
             subscriptions: BTreeMap::new(),
@@ -56,6 +59,7 @@ impl<R: Read> ULog<R> {
         if !whole {
             self.damages.add(|| "byte 0: this is not the beginning of a ULog file".to_string());
         }
+        self.is_whole = whole;
         self.bytes.skip(HEADER);
         Ok(())
     }
@@ -132,6 +136,10 @@ impl<R: Read> ULog<R> {
 
     /// Processes a message of the vehicle's software: level, time stamp and text.
     fn said(&mut self, payload: &[u8], stamp: usize, message: &mut Message) -> bool {
+        // Any bytes contain such texts: without the beginning of a log, definitions of data must come first.
+        if !self.is_whole && self.subscriptions.is_empty() {
+            return false;
+        }
         let (Some(level), Some(microseconds)) = (payload.first(), u64_at(payload, stamp)) else { return false };
         let topics = &mut self.topics;
         let topic = *self.messages.get_or_insert_with(|| {

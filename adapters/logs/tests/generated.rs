@@ -253,3 +253,23 @@ fn words_scales_and_numbers_for_not_known() {
     assert_eq!(of(1).collect::<Vec<_>>(), ["0.0", "1.0", "2.0", "three"]);
     assert!(of(2).all(|word| word == "auto"));
 }
+
+/// Any bytes can hold what looks like a text that the vehicle's software logged.
+#[test]
+fn texts_alone_are_no_log_without_its_beginning() {
+    let mut text = vec![12, 0, b'L', b'6'];
+    text.extend(1_000_000_u64.to_le_bytes());
+    text.extend(b"hey");
+    let mut bytes = vec![0x5a; 16];
+    bytes.extend(&text);
+    let count = |bytes: &[u8]| {
+        let (mut reader, mut message, mut count) = (reader(bytes, "ulg"), Message::default(), 0);
+        while reader.next(&mut message).unwrap() {
+            count += 1;
+        }
+        count
+    };
+    assert_eq!(count(&bytes), 0);
+    let whole = [builders::ulog(1).get(..16).unwrap(), &text].concat();
+    assert_eq!(count(&whole), 1);
+}

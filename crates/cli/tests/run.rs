@@ -130,3 +130,31 @@ fn success_is_that_of_the_initial_task_whatever_the_words_of_the_end() {
     let failed = desk.apex(&["run", "failed.pdl", "--expect", "success"]);
     failed.complained(1, &["expected the run to succeed, but it ended because the initial task failed"]);
 }
+
+#[test]
+fn acknowledgements_without_a_command_are_noted() {
+    let desk = Desk::new();
+    desk.write(
+        "shots.pdl",
+        "(procedure :sequential (index (do-domain)) (step a (shoot)) (step b (shoot)))\n\
+         (primitive (index (shoot)) (on-start (command (take-picture camera-1))))\n",
+    );
+    let inputs = [
+        r#"{"t": 1, "acknowledge": "(take-picture camera-1)"}"#,
+        r#"{"t": 2, "acknowledge": "(take-picture camera-2)", "error": "no card"}"#,
+        r#"{"t": 3, "acknowledge": 1}"#,
+        r#"{"t": 4, "acknowledge": 7}"#,
+    ];
+    desk.write("in.jsonl", &inputs.join("\n"));
+    let said = desk.apex(&["run", "shots.pdl", "--inputs", "in.jsonl", "--text"]).complained(
+        0,
+        &[
+            "note: an input acknowledges `(take-picture camera-2)` at 2s, but",
+            "note: an input acknowledges command 7, but",
+        ],
+    );
+    assert_eq!(said.err.matches("note: ").count(), 2, "{}", said.err);
+    desk.write("in.jsonl", r#"{"t": 1, "acknowledge": "take-picture"}"#);
+    let word = desk.apex(&["run", "shots.pdl", "--inputs", "in.jsonl"]);
+    word.complained(2, &["in.jsonl:1: \"acknowledge\" is \"take-picture\"; expected the form of a command"]);
+}

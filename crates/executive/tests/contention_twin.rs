@@ -115,6 +115,28 @@ fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut 
     let _ = writeln!(text, "{body})");
 }
 
+/// Ranked procedures that compete with one another: families with steady priorities.
+fn families(dice: &mut Dice, taste: &Taste, text: &mut String) {
+    let kinds = 1 + dice.below(3);
+    for kind in 0..kinds {
+        let mut body = format!("(procedure :ranked (index (family {kind} ?n))\n");
+        for number in 0..2 + dice.below(6) {
+            let steady = Taste { urgency: 0, urgencies: 0, profiles: taste.profiles.clone(), ..*taste };
+            let (activity, clauses) = (activity(dice, taste), clauses(dice, &steady));
+            let rank = if dice.chance(taste.ranks) { format!("(rank {})", dice.below(4)) } else { String::new() };
+            let _ = writeln!(body, "  (step k{kind}n{number} {activity} {clauses} {rank})");
+        }
+        let _ = writeln!(text, "{body})");
+    }
+    text.push_str("(procedure (index (m))\n");
+    for kind in 0..kinds {
+        let (late, count) = (dice.below(3), 1 + dice.below(4));
+        let wait = if dice.chance(taste.late) { format!("(waitfor (go {late}))") } else { String::new() };
+        let _ = writeln!(text, "  (step f{kind} (family {kind} ?n) (forall ?n in (range {count})) {wait})");
+    }
+    text.push_str(")\n");
+}
+
 /// Returns a program, and the same program with one more claimant.
 fn programs(seed: u64) -> [String; 2] {
     let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
@@ -126,7 +148,10 @@ fn programs(seed: u64) -> [String; 2] {
 (primitive (index (sleep ?d)) (duration ?d))
 ",
     );
-    procedure(&mut dice, &taste, "m", 0, &mut text);
+    match seed % 3 {
+        0 => families(&mut dice, &taste, &mut text),
+        _ => procedure(&mut dice, &taste, "m", 0, &mut text),
+    }
     let last = "(step last (sleep 1s) (profile r q (r3 3) (q3 3)) (priority (if (> 1 0) -1000 -1000)))";
     [String::new(), last.into()].map(|last| format!("{text}(procedure (index (do-domain)) (step main (m)) {last})\n"))
 }

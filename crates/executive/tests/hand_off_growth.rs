@@ -64,3 +64,26 @@ fn ten_times_as_many_competitors_cost_much_less_than_ten_times_as_much() {
         assert!(many < few * 8, "{} {order}: {few:?} among 100, {many:?} among 1,000", kind.0);
     }
 }
+
+/// Ranked procedures of ten steps that compete with one another; numbers of their steps differ.
+fn families(profile: &str, count: usize) -> String {
+    let step = |number: usize| {
+        format!("  (step s{number} (use {}s) (profile {profile}) (priority {}))\n", 1 + number % 3, number * 7 % 10)
+    };
+    let steps: String = (0..10).map(step).collect();
+    let families = count / 10;
+    format!(
+        "(procedure (index (do-domain)) (step all (family ?f) (forall ?f in (range {families}))))
+(procedure :ranked (index (family ?f))\n{steps})\n(primitive (index (use ?d)) (duration ?d))\n"
+    )
+}
+
+/// Compared pair by pair, ten times as many took more than a hundred times as long.
+#[test]
+fn ranked_families_cost_much_less_than_their_number() {
+    for profile in ["r", "r q"] {
+        let (few, many) = (least(&families(profile, 100)), least(&families(profile, 1_000)));
+        println!("families of {profile}: {few:?} among 100, {many:?} among 1,000");
+        assert!(many < few * 8, "families of {profile}: {few:?} among 100, {many:?} among 1,000");
+    }
+}

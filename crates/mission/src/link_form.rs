@@ -64,7 +64,13 @@ impl<'a> LinkForm<'a> {
     /// Returns a figure in SI units above zero and up to `most`; bare numbers are SI.
     pub(crate) fn figure(&self, key: &str, value: &Value, unit: Dimension, most: f64) -> MissionResult<f64> {
         match value.as_number() {
-            Some((si, found)) if (found == unit || found == Dimension::NONE) && si > 0.0 && si <= most => Ok(si),
+            Some((si, found)) if found == unit && si > 0.0 && si <= most => Ok(si),
+            Some((bare, Dimension::NONE)) if bare > 0.0 && unit != Dimension::NONE => {
+                let suffix = if unit == Dimension::TIME { "s" } else { "m" };
+                Err(self.wrong(format!(
+                    "`{key} {value}` has no unit: write `{key} {value}{suffix}`, or the unit that is meant"
+                )))
+            }
             _ => {
                 let what = match unit {
                     Dimension::LENGTH => "length in metres",

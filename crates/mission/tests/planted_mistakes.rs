@@ -241,14 +241,13 @@ fn slips_in_missions_are_named_at_their_line() {
     assert!(elsewhere.len() * 20 <= count, "{} of {count} slips:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
 
-/// Three slips are not found: a bare number as a length in the data, and two sums whose terms are known at the caller only.
+/// Every slip is found: also bare numbers as lengths in the data, and sums whose terms are known at the caller only.
 #[test]
 fn slips_in_expressions_and_declarations_are_named_at_their_line() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/dike-survey/mission.pdl");
     let (silent, elsewhere) = planted(&path, DIKE_SURVEY);
-    let known = [":full-level 30", "(half ?depth) 1s", "(current-value water-level ?gauge) 0s"];
     assert!(DIKE_SURVEY.len() >= 75);
-    assert_eq!(silent, known, "of {} slips", DIKE_SURVEY.len());
+    assert_eq!(silent, Vec::<String>::new(), "of {} slips", DIKE_SURVEY.len());
     assert!(elsewhere.len() * 20 <= DIKE_SURVEY.len(), "{}:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
 

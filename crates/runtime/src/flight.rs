@@ -123,7 +123,15 @@ impl<'a, 'o> Flight<'a, 'o> {
             now: Time::ZERO,
             steps_at_now: 0,
             is_new: true,
-            end: RunEnd { at: Time::ZERO, reason: EndReason::Quiescent, steps: 0, events: 0, effects: 0, late },
+            end: RunEnd {
+                at: Time::ZERO,
+                reason: EndReason::Quiescent,
+                steps: 0,
+                events: 0,
+                effects: 0,
+                late,
+                unused: Vec::new(),
+            },
         })
     }
 

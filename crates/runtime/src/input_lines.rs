@@ -114,7 +114,15 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     let agent = agent_of(&fields).map_err(|fault| format!(": {fault}"))?;
     let command_form = match fields.get("acknowledge") {
         Some(form @ Json::String(_)) => {
-            Some(pdl("acknowledge", form, read_value).map_err(|fault| format!(": {fault}"))?)
+            let command = pdl("acknowledge", form, read_value).map_err(|fault| format!(": {fault}"))?;
+            let is_form =
+                matches!(&command, Value::List(items) if items.first().is_some_and(|head| head.as_symbol().is_some()));
+            if !is_form {
+                return Err(format!(
+                    ": \"acknowledge\" is {form}; expected the form of a command, as in \"(take-picture camera-1)\""
+                ));
+            }
+            Some(command)
         }
         _ => None,
     };

@@ -44,7 +44,9 @@ pub fn run_all(
     observers: &mut [&mut dyn Observer],
     mut options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_all(agents, &mut NoVehicle::beside(&mut options.inputs), &mut NoDeliberator, observers, options)
+    let mut vehicle = NoVehicle::beside(&mut options.inputs);
+    let end = fly_all(agents, &mut vehicle, &mut NoDeliberator, observers, options)?;
+    Ok(RunEnd { unused: vehicle.unused(), ..end })
 }
 
 /// Replaces a vehicle: does nothing, and acknowledges commands at once unless an input does.
@@ -56,7 +58,9 @@ pub struct NoVehicle {
     numbered: BTreeSet<CommandId>,
     /// Acknowledgements of commands by form, in order of time.
     named: Vec<Input>,
-    /// True if commands are acknowledged by another source.
+    /// Number of the commands that were sent.
+    sent: u64,
+    /// Another source acknowledges.
     silent: bool,
 }
 
@@ -79,6 +83,14 @@ impl NoVehicle {
 }
 
 impl NoVehicle {
+    /// Returns the acknowledgements that belong to no command that was sent.
+    fn unused(&self) -> Vec<String> {
+        let form = |input: &Input| Some(format!("`{}` at {}", input.command_form.as_ref()?, input.at));
+        let never = self.numbered.iter().filter(|command| command.0 >= self.sent);
+        let numbers = never.map(|command| format!("command {}", command.0));
+        self.named.iter().filter_map(form).chain(numbers).collect()
+    }
+
     fn report(&mut self, at: Time, kind: EventKind) {
         let place = self.acknowledgements.partition_point(|input| input.at <= at);
         self.acknowledgements.insert(place, Input::new(at, kind));
@@ -97,6 +109,7 @@ impl Vehicle for NoVehicle {
     }
 
     fn command(&mut self, command: CommandId, form: &Value, at: Time) {
+        self.sent = self.sent.max(command.0.saturating_add(1));
         if self.silent || self.numbered.contains(&command) {
             return;
         }

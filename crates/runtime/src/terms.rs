@@ -145,6 +145,8 @@ pub struct RunEnd {
     pub effects: u64,
     /// Delay against wall time, if the run was paced.
     pub late: Lateness,
+    /// Acknowledgements among the inputs that belong to no command that was sent, as text.
+    pub unused: Vec<String>,
 }
 
 /// Delay of a paced run against wall time.

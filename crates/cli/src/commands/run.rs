@@ -202,9 +202,21 @@ impl Run<'_> {
     }
 }
 
+/// Number of acknowledgements without a command that are named one by one.
+const UNUSED_TOLD_MAX: usize = 10;
+
 fn tell_end(end: &RunEnd) {
     if !matches!(end.reason, EndReason::Application { .. }) {
         output::print_error(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
+    }
+    // Streams of inputs are unbounded, notes are not.
+    for unused in end.unused.iter().take(UNUSED_TOLD_MAX) {
+        output::print_error(format_args!(
+            "note: an input acknowledges {unused}, but no such command was waiting for it"
+        ));
+    }
+    if let Some(more) = end.unused.len().checked_sub(UNUSED_TOLD_MAX).filter(|more| *more > 0) {
+        output::print_error(format_args!("note: {more} further acknowledgements belong to no command"));
     }
     if end.late.steps > 0 {
         let Lateness { steps, worst } = end.late;

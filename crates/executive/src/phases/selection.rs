@@ -338,7 +338,11 @@ fn cost(cycle: &Cycle<'_>, id: TaskId, level: Level, expr: Option<&Expr>) -> Res
 fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option<Duration>, Because> {
     let Some(expr) = expr else { return Ok(None) };
     match evaluate(expr, &cycle.view(id, Level::Procedure)).map_err(failed)? {
-        Value::Duration(span) => Ok(Some(span)),
+        Value::Duration(span) if span >= Duration::ZERO => Ok(Some(span)),
+        Value::Duration(span) => {
+            let message = format!("a duration of {span} is negative; write zero or more, for example `(max 0s ..)`");
+            Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
+        }
         other => {
             let message = format!("{other} is not a span of time; write a duration such as 10s");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))

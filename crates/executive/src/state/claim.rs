@@ -42,6 +42,14 @@ impl Claim {
         }
         self
     }
+
+    /// Returns true if the claimant has one rank and a constant priority and has not begun.
+    pub(super) fn is_of_family(&self) -> bool {
+        let Claim::Queued(claim) = self else { return false };
+        let [rank] = claim.by_rank.as_slice() else { return false };
+        let constant = claim.level.as_ref().is_some_and(|level| level.steady.is_some() && level.rising.is_empty());
+        constant && !claim.varies && !rank.begun
+    }
 }
 
 impl QueuedClaim {

@@ -32,6 +32,9 @@ pub struct Waiting {
     sensitive: BTreeSet<TaskId>,
     /// Number of claimants without a place.
     apart: usize,
+    /// Number of claimants that have one rank and a constant priority and have not begun.
+    #[serde(default)]
+    members: usize,
 }
 
 /// Ranks of claimants below one parent.
@@ -49,6 +52,7 @@ impl Waiting {
     /// Adds the claim of the task, or replaces it.
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
+        self.members += usize::from(claim.is_of_family());
         match &claim {
             Claim::Queued(claim) => {
                 self.apart += usize::from(claim.place.is_none());
@@ -74,6 +78,7 @@ impl Waiting {
     pub fn remove(&mut self, task: TaskId) -> bool {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
+        self.members -= usize::from(claim.is_of_family());
         match claim {
             Claim::Queued(claim) => {
                 self.apart -= usize::from(claim.place.is_none());
@@ -258,6 +263,35 @@ impl Waiting {
     /// Returns the resources that queued claimants need in addition to this one.
     pub fn others(&self) -> impl Iterator<Item = ResourceId> + '_ {
         self.together().flatten().map(|(other, _)| *other)
+    }
+
+    /// Returns true if each claimant has one rank, a constant priority, and has not begun.
+    pub fn are_families(&self) -> bool {
+        self.members == self.claims.len() && self.members > 0
+    }
+
+    /// Returns the claimants of ranked families in the order of priorities without ranks.
+    pub fn by_own_priority(&self) -> impl Iterator<Item = QueueKey> + '_ {
+        self.all.level.steady_places()
+    }
+
+    /// Returns the claimants with a rank below the parent, in the order of their ranks.
+    pub fn below(&self, parent: TaskId) -> impl Iterator<Item = QueueKey> + '_ {
+        self.all.below.get(&parent).into_iter().flatten().copied()
+    }
+
+    /// Returns the places of a claimant of a ranked family: by its own priority, and by its rank.
+    pub fn family_places(&self, task: TaskId) -> Option<(QueueKey, QueueKey)> {
+        let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
+        Some((claim.level.as_ref()?.steady?, *claim.by_rank.first()?))
+    }
+
+    /// Returns the needed amount of a claimant.
+    pub fn amount_of(&self, task: TaskId) -> f64 {
+        match self.claims.get(&task) {
+            Some(Claim::Queued(claim)) => claim.amount,
+            _ => 0.0,
+        }
     }
 
     /// Returns the priority of those that have ranks; `None` if no rank counts.

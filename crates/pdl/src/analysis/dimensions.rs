@@ -1,7 +1,8 @@
 //! Dimensions of computed values: results of functions, indexicals and `let`s, requirements of clauses, and uses of goal words in
 //! procedures.
 
-use super::kinds::{Kind, Kinds, is_zero};
+use super::function_calls;
+use super::kinds::{Kind, Kinds, ONE_DIMENSION, is_zero};
 use super::methods::Method;
 use super::{FindingCollector, Program, walk};
 use crate::codes;
@@ -20,7 +21,12 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
-    walk::library(program.library, &mut |expr| sums(program, expr, report));
+    walk::library(program.library, &mut |expr| {
+        sums(program, expr, report);
+        if let Some(diagnostic) = function_calls::mismatch(program.library, expr, &mut report.locator) {
+            report.add(diagnostic);
+        }
+    });
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
             comparisons(program, condition, report);
@@ -36,9 +42,6 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
     words(program, report);
 }
-
-/// Functions whose numeric arguments must have the same dimension.
-const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
 fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Call { function, arguments } = &expr.kind else { return };

@@ -5,8 +5,10 @@ use super::walk::{self, QUERIES};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
+use std::collections::BTreeMap;
 
 /// The kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,14 +51,49 @@ pub(crate) struct Kinds<'l> {
     library: &'l Library,
     /// Variables of functions and `let`s, innermost last.
     locals: Vec<(&'l Symbol, Kind)>,
+    /// Variables of the procedure.
+    variables: BTreeMap<&'l Symbol, Kind>,
     depth: usize,
     steps: usize,
+    /// The number of branches around an expression: it may never be evaluated.
+    branches: usize,
+    /// The first sum or comparison of a called function that fails whenever the function is called so.
+    mismatch: Option<SumMismatch>,
 }
+
+/// A sum or comparison of values of different dimensions.
+pub(crate) struct SumMismatch {
+    pub(crate) function: Symbol,
+    pub(crate) kinds: [Kind; 2],
+    pub(crate) place: Place,
+}
+
+/// Functions whose numeric arguments must have the same dimension.
+pub(crate) const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
 impl<'l> Kinds<'l> {
     /// Returns the kind of `expr`, an expression outside of functions.
     pub(crate) fn of(library: &'l Library, expr: &'l Expr) -> Kind {
-        Kinds { library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
+        Kinds::new(library).kind(expr)
+    }
+
+    /// Returns the kind of `expr` where variables of its procedure have known kinds.
+    pub(crate) fn with(library: &'l Library, variables: BTreeMap<&'l Symbol, Kind>, expr: &'l Expr) -> Kind {
+        Kinds { variables, ..Kinds::new(library) }.kind(expr)
+    }
+
+    /// Returns the first sum or comparison that fails if `function`, which the program defines, is called with arguments of these kinds.
+    pub(crate) fn mismatch_in(library: &'l Library, function: &Symbol, arguments: &[Kind]) -> Option<SumMismatch> {
+        let defined = library.functions.get(function)?;
+        let locals = defined.parameters.required.iter().zip(arguments.iter().copied()).collect();
+        let mut kinds = Kinds::new(library);
+        kinds.apart(locals, &defined.body);
+        kinds.mismatch
+    }
+
+    fn new(library: &'l Library) -> Kinds<'l> {
+        let (locals, variables) = (Vec::new(), BTreeMap::new());
+        Kinds { library, locals, variables, depth: 0, steps: 0, branches: 0, mismatch: None }
     }
 
     fn kind(&mut self, expr: &'l Expr) -> Kind {
@@ -70,8 +107,19 @@ impl<'l> Kinds<'l> {
                 self.locals.iter().rev().find(|(local, _)| *local == name).map_or(Kind::Unknown, |(_, kind)| *kind)
             }
             ExprKind::Indexical(name) => self.indexical(name),
-            ExprKind::Call { function, arguments } => self.call(function, arguments),
-            ExprKind::If(_, then, Some(otherwise)) => self.kind(then).join(self.kind(otherwise)),
+            ExprKind::Variable { name, .. } => self.variables.get(name).copied().unwrap_or(Kind::Unknown),
+            ExprKind::Call { function, arguments } => {
+                if self.depth > 0 && self.branches == 0 && ONE_DIMENSION.contains(&function.folded()) {
+                    self.note_mismatch(function, arguments, expr.place);
+                }
+                self.call(function, arguments)
+            }
+            ExprKind::If(_, then, Some(otherwise)) => {
+                self.branches += 1;
+                let kind = self.kind(then).join(self.kind(otherwise));
+                self.branches -= 1;
+                kind
+            }
             ExprKind::Let { sequential, bindings, body } => self.scoped(|kinds| {
                 let mut found = Vec::new();
                 let assigned = assigned(bindings, body);
@@ -91,6 +139,17 @@ impl<'l> Kinds<'l> {
 
     fn body(&mut self, body: &'l [Expr]) -> Kind {
         body.last().map_or(Kind::Unknown, |last| self.kind(last))
+    }
+
+    fn note_mismatch(&mut self, function: &Symbol, arguments: &'l [Expr], place: Place) {
+        let mut first = None;
+        for argument in arguments.iter().filter(|argument| !is_zero(argument)) {
+            let kind @ Kind::Number(_) = self.kind(argument) else { continue };
+            let known = *first.get_or_insert(kind);
+            if known != kind && self.mismatch.is_none() {
+                self.mismatch = Some(SumMismatch { function: function.clone(), kinds: [known, kind], place });
+            }
+        }
     }
 
     fn scoped(&mut self, action: impl FnOnce(&mut Self) -> Kind) -> Kind {

@@ -9,6 +9,7 @@ mod deadlocks;
 mod dimensions;
 mod endings;
 mod flow;
+mod function_calls;
 mod horn;
 mod impossible;
 pub(crate) mod kinds;

@@ -7,6 +7,7 @@ mod calls;
 mod findings;
 mod known;
 mod messages;
+mod sums;
 mod types;
 
 use crate::analysis::methods::Methods;
@@ -29,6 +30,7 @@ pub(crate) fn check(library: &Library) -> Vec<Diagnostic> {
         let calls = Calls::new(library, &methods);
         let types = Types::new(library, &methods, &calls);
         arguments::check(library, &calls, &types, &mut findings);
+        sums::check(library, &types, &mut findings);
     }
     findings.diagnostics
 }

@@ -2,6 +2,7 @@
 //! as arguments of goals whose variables have a type already.
 
 use super::calls::{Call, Calls, Receiver};
+use crate::analysis::kinds::Kind;
 use crate::analysis::methods::{Method, Methods};
 use crate::analysis::walk;
 use crate::matching::View;
@@ -137,6 +138,17 @@ impl<'l> Types<'l> {
                 others.iter().all(|method| self.of_index(*method, number).as_ref() == Some(&wanted)).then_some(wanted)
             }
         }
+    }
+
+    /// Returns the variables of the method's index whose dimension is known.
+    pub(super) fn dimensions(&self, method: Method) -> BTreeMap<&'l Symbol, Kind> {
+        let of_method = self.found.iter().filter(|((owner, _), _)| *owner == method);
+        of_method
+            .filter_map(|((_, name), found)| match found {
+                TypeUse::Type(ArgumentType::Quantity(dimension)) => Some((*name, Kind::Number(*dimension))),
+                _ => None,
+            })
+            .collect()
     }
 
     /// Returns the type of the variable at position `number` of a method's index.

@@ -37,6 +37,7 @@ mod procedure;
 mod scope;
 mod shared;
 mod slips;
+mod slips_in_words;
 mod slips_of_tasks;
 mod special;
 mod step;

@@ -279,7 +279,7 @@ impl Lowering {
             "log" => procedure.log.extend(self.log(clause)?),
             "expected-duration" => {
                 let datum = self.only("expected-duration", clause.tail(), clause.span)?;
-                procedure.expected_duration = Some(self.pure("this clause", |lowering| lowering.duration(datum))?);
+                procedure.expected_duration = Some(self.pure("this clause", |lowering| lowering.span_of_time(datum))?);
             }
             "interrupt-cost" => procedure.interrupt_cost = Some(self.only_expression(clause)?),
             "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut procedure.hooks)?,

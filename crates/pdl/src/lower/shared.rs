@@ -4,6 +4,7 @@ use super::Lowering;
 use super::clauses::groups;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use apex_model::condition::Condition;
 use apex_model::expression::{Expr, ExprKind};
@@ -102,6 +103,12 @@ impl Lowering {
         self.all(&entries, |lowering, item| {
             let place = item.span.place();
             match &item.kind {
+                DatumKind::Symbol(name) if matches!(name.folded(), "t" | "nil" | "true" | "false") => {
+                    let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, format!("`{name}` is not a resource"))
+                        .reason("`:refuse-if-busy` is an option without a value, and a profile names resources")
+                        .fix(Fix::safe("remove it").replace(item.span, ""));
+                    lowering.refuse(diagnostic)
+                }
                 DatumKind::Symbol(name) if name.folded().starts_with(':') => {
                     let message = format!("`{name}` is neither a resource nor an option of a profile");
                     let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)

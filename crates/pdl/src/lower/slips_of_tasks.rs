@@ -33,7 +33,7 @@ const TIME_RELATIONS: &[&str] = &[
 ];
 /// Verbs before a relation: `(altitude uav is > 100m)`.
 const FILLERS: &[&str] = &["is", "are", "was", "gets", "becomes"];
-const AS_WRITTEN: &str = "as written, this is an event with these words, which never occurs";
+pub(super) const AS_WRITTEN: &str = "as written, this is an event with these words, which never occurs";
 
 impl Lowering {
     /// Reports a condition on a task, a time or a comparison whose form is nearly right; true if it did.
@@ -45,6 +45,7 @@ impl Lowering {
             || self.report_unknown_command_state(items)
             || self.report_bare_time(datum, items)
             || self.report_marked_relation(items)
+            || self.report_worded_relation(items)
     }
 
     fn is_tag_word(&self, datum: &Datum) -> bool {

@@ -186,7 +186,13 @@ impl<'s, 'l> Search<'s, 'l> {
     /// Returns a fix that adds an empty procedure for the goal at the end of its file.
     fn skeleton(&self, goal: &Datum) -> Option<Fix> {
         let text = &self.library.sources.get(usize::try_from(goal.span.file).ok()?)?.text;
-        let items = goal.as_list()?.iter().enumerate();
+        let all = goal.as_list()?;
+        // `=> ?x` binds the result of the step: it is not a part of the goal.
+        let is_result = |number: usize| {
+            let marks = [Some(number), number.checked_sub(1)].into_iter().flatten();
+            marks.filter_map(|at| all.get(at)).any(|item| item.is("=>"))
+        };
+        let items = all.iter().enumerate().filter(|(number, _)| !is_result(*number));
         let words: Option<Vec<String>> = items.map(|(number, item)| self.index_part(item, number)).collect();
         let index = format!("({})", words?.join(" "));
         let end = u32::try_from(text.len()).ok()?;

@@ -9,10 +9,10 @@ use crate::control::conflicts::arbitration::{Arbitration, Defeat, Refusal, Rival
 use crate::control::conflicts::competition::{
     Claimant, as_claimant, at_work_since, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
-use crate::control::conflicts::precedence::Precedence;
+use crate::control::conflicts::precedence::{OrderKey, Precedence};
 use crate::control::conflicts::priority;
 use crate::control::conflicts::resources::needs_of;
-use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind, any_related, has_room, matters};
+use crate::control::conflicts::sharing::{Notes, TOLERANCE, Use, UseKind, any_related, has_room, matters};
 use crate::control::cycle::Cycle;
 use crate::expression::EvalContext;
 use crate::planted::{self, Bug};
@@ -120,17 +120,6 @@ pub(crate) struct Field<'a, 'c> {
     notes: Notes,
 }
 
-/// Kinds of notes about refused claims.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Notes {
-    /// Each refused claim is noted.
-    Each,
-    /// Refused claims that cannot begin before one instant are noted as one; only for claimants that are not related to each other.
-    ByInstant,
-    /// Claims are noted only until they suffice to refuse all further claimants.
-    Enough,
-}
-
 impl<'a, 'c> Field<'a, 'c> {
     /// Returns a field on which nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
@@ -143,6 +132,18 @@ impl<'a, 'c> Field<'a, 'c> {
         Field { notes: Notes::Enough, ..Field::empty(cycle) }
     }
 
+    /// Returns a brief field in which tasks have the places that are added by [`Field::rank`].
+    pub(crate) fn ranked(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
+        Field { precedence: Some(Precedence::empty()), ..Field::brief(cycle) }
+    }
+
+    /// Sets the place of a task in the order of ranks and priorities.
+    pub(crate) fn rank(&mut self, id: TaskId, place: OrderKey) {
+        if let Some(precedence) = &mut self.precedence {
+            precedence.insert(id, place);
+        }
+    }
+
     /// Returns an empty field that notes claims by instant ([`Notes::ByInstant`]), for claimants in queues, which are not related to each
     /// other.
     pub(crate) fn grouped(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
@@ -150,7 +151,7 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// Returns the claim of the task with its turn and the priority that counts for it.
-    fn as_claimant(&self, id: TaskId) -> Claimant {
+    pub(crate) fn as_claimant(&self, id: TaskId) -> Claimant {
         let mut claimant = as_claimant(self.cycle, id);
         if let Some(precedence) = &self.precedence {
             precedence.apply(&mut claimant);

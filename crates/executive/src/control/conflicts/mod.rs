@@ -8,6 +8,7 @@ pub(crate) mod crossing;
 pub(crate) mod curve;
 pub(crate) mod deadlock;
 pub(crate) mod equal_ranks;
+pub(crate) mod families;
 pub(crate) mod front;
 mod gap_lines;
 pub(crate) mod gaps;

@@ -32,12 +32,14 @@ struct Competitor {
 }
 
 #[derive(Clone, Copy)]
-struct OrderKey {
-    turn: usize,
+pub(crate) struct OrderKey {
+    pub(crate) turn: usize,
     /// The most important competitor that it precedes; itself if it precedes none.
-    whom: TaskId,
+    pub(crate) whom: TaskId,
     /// The priority of that competitor.
-    priority: f64,
+    pub(crate) priority: f64,
+    /// The priority of the task itself.
+    pub(crate) own: f64,
 }
 
 impl Precedence {
@@ -61,6 +63,17 @@ impl Precedence {
         precedence
     }
 
+    /// Returns an order without competitors, for places that are known otherwise; priorities do not change with time.
+    pub(crate) fn empty() -> Precedence {
+        let (competitors, places) = (Vec::new(), BTreeMap::new());
+        Precedence { competitors, places, varies: false, stand_for: RefCell::default() }
+    }
+
+    /// Sets the place of a task.
+    pub(crate) fn insert(&mut self, id: TaskId, place: OrderKey) {
+        self.places.insert(id, place);
+    }
+
     /// Places all competitors by priority, but each one after those that precede it by rank, recursively.
     fn place_all(&mut self) {
         let count = self.competitors.len();
@@ -81,7 +94,8 @@ impl Precedence {
                     None => {
                         open.pop();
                         let (turn, whom) = (self.places.len(), &whom.claimant);
-                        let place = OrderKey { turn, whom: whom.id, priority: whom.priority };
+                        let own = competitor.claimant.priority;
+                        let place = OrderKey { turn, whom: whom.id, priority: whom.priority, own };
                         self.places.entry(competitor.claimant.id).or_insert(place);
                     }
                 }
@@ -110,8 +124,7 @@ impl Precedence {
 
     /// Returns the task whose priority counts for `id`, if it is another task.
     pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
-        let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
-        self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
+        self.places.get(&id).filter(|place| place.priority > place.own).map(|place| place.whom)
     }
 
     /// Returns all tasks whose priorities may count for `id`: itself, the tasks that it precedes, and those that these precede in turn.

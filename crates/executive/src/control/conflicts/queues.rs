@@ -54,7 +54,7 @@ pub(crate) fn is_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
 }
 
 /// Returns true if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
-fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
+pub(crate) fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
     let holder = agent.task(holder);
     // A holder may have begun to hold resources for its steps while they were claiming already.
     let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));

@@ -8,7 +8,7 @@ use crate::control::conflicts::arbitration::Arbitration;
 use crate::control::conflicts::competition::{as_claimant, by_priority};
 use crate::control::conflicts::conflict::{arbitrate_all, orphans};
 use crate::control::conflicts::resources::needs_of;
-use crate::control::conflicts::{front, queues};
+use crate::control::conflicts::{families, front, queues};
 use crate::control::cycle::Cycle;
 use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
@@ -58,10 +58,10 @@ fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeMap<Reso
         resource.waiting.others().next().is_some() || holders.any(|holding| needs_of(cycle, holding.task).len() > 1)
     };
     if queued.is_empty() || !rest.is_empty() && queued.iter().any(joint) {
-        return arbitrate_all(cycle, dirty);
+        return decide_families(cycle, dirty, fresh);
     }
     let claim: BTreeSet<TaskId> = queued.iter().filter_map(|id| fresh.get(id)).flatten().copied().collect();
-    let Some(mut result) = front::decide(cycle, &queued, &claim) else { return arbitrate_all(cycle, dirty) };
+    let Some(mut result) = front::decide(cycle, &queued, &claim) else { return decide_families(cycle, dirty, fresh) };
     if !rest.is_empty() {
         let mut compared = arbitrate_all(cycle, &rest);
         let never = (mem::take(&mut result.impossible), mem::take(&mut compared.impossible));
@@ -69,6 +69,17 @@ fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeMap<Reso
         result.impossible = in_turns(cycle, never, |each| each.0);
     }
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
+}
+
+/// Arbitrates by the first claimants of ranked families if that suffices, otherwise by comparison.
+fn decide_families(
+    cycle: &Cycle<'_>,
+    dirty: &BTreeSet<ResourceId>,
+    fresh: &BTreeMap<ResourceId, Vec<TaskId>>,
+) -> Arbitration {
+    let claims: BTreeSet<TaskId> = fresh.values().flatten().copied().collect();
+    let found = families::decide(cycle, dirty, &claims).filter(|found| orphans(cycle, found).next().is_none());
+    found.unwrap_or_else(|| arbitrate_all(cycle, dirty))
 }
 
 /// Merges two lists of claimants, the better claimant first; each list keeps its order.

@@ -34,6 +34,17 @@ pub(crate) enum UseKind {
     Awaited(Option<Time>),
 }
 
+/// Kinds of notes about refused claims.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Notes {
+    /// Each refused claim is noted.
+    Each,
+    /// Refused claims that cannot begin before one instant are noted as one; only for claimants that are not related to each other.
+    ByInstant,
+    /// Claims are noted only until they suffice to refuse all further claimants.
+    Enough,
+}
+
 /// Returns true if `task` can use `amount` of a resource with capacity `total`. Within the amount that its ancestors hold it always can,
 /// even if claims exceed the capacity.
 pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId, amount: f64) -> bool {

@@ -193,8 +193,13 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, again: &Again) {
 fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because> {
     let failed = |message: String, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
     let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))?;
-    crate::expression::arithmetic::duration(&value)
-        .map_err(|_| failed(format!("{value} is not a span of time; write a duration such as 10s"), expr.place))
+    let span = crate::expression::arithmetic::duration(&value)
+        .map_err(|_| failed(format!("{value} is not a span of time; write a duration such as 10s"), expr.place))?;
+    if span < Duration::ZERO {
+        let message = format!("a span of {span} is negative; write zero or more, for example `(max 0s ..)`");
+        return Err(failed(message, expr.place));
+    }
+    Ok(span)
 }
 
 /// Handles the end of the least interval between two instances.
