@@ -2,7 +2,7 @@
 //!
 //! Bound: O(log n) for each pixel that has an interval; one step for each interval near one that is as long as a pixel.
 
-use super::super::index::{BLOCK_CHANGES, IndexedTask, Interval};
+use super::super::index::{BLOCK_CHANGES, Change, IndexedTask, Interval};
 use super::window::Window;
 use apex_model::task::TaskState;
 
@@ -52,13 +52,18 @@ impl Pieces {
         pieces.single.extend(begin.checked_sub(1).and_then(single));
         let mut place = begin;
         while place < inside {
-            let block_end = (place - place % BLOCK_CHANGES + BLOCK_CHANGES).min(inside);
-            if task.longest_ns(place) < window.pixel_ns {
-                pieces.add_short(task, (place, block_end), window);
-            } else {
-                pieces.single.extend((place..block_end).filter_map(single));
+            let is_short = |place: usize| task.longest_ns(place) < window.pixel_ns;
+            let short = is_short(place);
+            let mut end = place;
+            while end < inside && is_short(end) == short {
+                end = (end - end % BLOCK_CHANGES + BLOCK_CHANGES).min(inside);
             }
-            place = block_end;
+            if short {
+                pieces.add_short(task, (place, end), window);
+            } else {
+                pieces.single.extend((place..end).filter_map(single));
+            }
+            place = end;
         }
         pieces.single.extend(single(inside));
         pieces
@@ -71,15 +76,16 @@ impl Pieces {
         while place < end {
             let pixel = window.pixel(at_ns(place));
             let edge_ns = window.end_ns(pixel);
-            let here = task.changes.get(place..end).unwrap_or_default();
-            let next = place + here.partition_point(|change| change.at_ns < edge_ns).max(1);
+            let next = first_from(&task.changes, (place + 1, end), edge_ns);
             let (before, after) = (task.sums_before(place), task.sums_before(next));
             let (count, ongoing_ns) = (after.drawn - before.drawn, after.ongoing_ns - before.ongoing_ns);
             // The last of them may end in the next pixel.
             let beyond_ns = at_ns(next).saturating_sub(edge_ns).max(0);
             let last = task.changes.get(next - 1).filter(|last| beyond_ns > 0 && last.state.is_alive());
             let carried_ns = last.map_or(0, |last| if last.state.0 == TaskState::Ongoing { beyond_ns } else { 0 });
-            self.add_sum(PixelSum { pixel, count: count as usize, ongoing_ns: ongoing_ns - carried_ns });
+            if count > 0 {
+                self.add_sum(PixelSum { pixel, count: count as usize, ongoing_ns: ongoing_ns - carried_ns });
+            }
             if last.is_some() {
                 self.add_sum(PixelSum { pixel: pixel + 1, count: 0, ongoing_ns: carried_ns });
             }
@@ -87,6 +93,7 @@ impl Pieces {
         }
     }
 
+    /// Adds sums of a pixel, which is the last one that has any, or later.
     fn add_sum(&mut self, sum: PixelSum) {
         match self.sums.last_mut().filter(|last| last.pixel == sum.pixel) {
             Some(last) => {
@@ -96,4 +103,17 @@ impl Pieces {
             None => self.sums.push(sum),
         }
     }
+}
+
+/// Returns the first place from `begin` on whose change is not before `edge_ns`, at most `end`: by steps that double, because it is mostly
+/// near.
+fn first_from(changes: &[Change], (begin, end): (usize, usize), edge_ns: i64) -> usize {
+    let is_before = |place: usize| changes.get(place).is_some_and(|change| change.at_ns < edge_ns);
+    let (mut low, mut step) = (begin, 1);
+    while low + step < end && is_before(low + step) {
+        low += step;
+        step *= 2;
+    }
+    let near = changes.get(low..(low + step).min(end)).unwrap_or_default();
+    low + near.partition_point(|change| change.at_ns < edge_ns)
 }
