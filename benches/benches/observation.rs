@@ -70,6 +70,7 @@ fn prediction(c: &mut Criterion) {
             from_s: 300.0 + north_m / 100.0,
             ground_speed_mps: SPEED_MPS,
             crab_deg: 4.0,
+            pitch_deg: 2.0,
             on_ground_s: Some(3_000.0),
         }
     });

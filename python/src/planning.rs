@@ -2,7 +2,7 @@
 
 use crate::errors::{mission as failed, planning, value};
 use crate::planner::{Planners, registry};
-use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve};
+use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve_for_landing};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::export::json;
 use apex_mission::export::table::PlanFacts;
@@ -177,7 +177,8 @@ pub(crate) fn problem_json(python: Python<'_>, path: PathBuf) -> PyResult<String
 /// Solves, proves a bound, and writes both.
 fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) -> MissionResult<String> {
     let wish = SolveOptions { means, solver, budget: input.budget, seed: input.seed, previous: None };
-    let mut solved = solve(input.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
+    let (mut invocations, cancel) = (Invocations::new(), CancelToken::new());
+    let mut solved = solve_for_landing(input.mission(), input.problem.clone(), wish, &mut invocations, &cancel)
         .map_err(|reason| MissionError::planning("no plan was found").because(reason))?;
     if let Some(mission) = input.mission() {
         name_obstacles(mission, &mut solved);

@@ -37,9 +37,8 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
     let straight = turn(state, demand, model, wind, dt);
     let climb_angle = (state.vertical_speed / state.true_airspeed.max(1.0)).clamp(-0.5, 0.5);
     let indicated = state.true_airspeed / true_per_indicated;
-    // At one g the required angle of attack decreases with the square of the indicated airspeed.
     let slowness = model.indicated_airspeed_m_s_min / indicated.max(1.0);
-    state.pitch_rad = climb_angle + 0.16 * slowness * slowness - 0.02;
+    state.pitch_rad = climb_angle + VehicleModel::level_pitch_rad(slowness);
     level && speed_held && straight
 }
 

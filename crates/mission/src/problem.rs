@@ -2,6 +2,8 @@
 
 mod timing;
 
+pub(crate) use timing::GroundArrival;
+
 use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
 use crate::energy::energy;
@@ -10,10 +12,11 @@ use crate::score::FlownScore;
 use crate::vehicle::turn_radius_m;
 use crate::visit_altitude::sites;
 pub use crate::visit_altitude::visit_altitude_m;
+use crate::ways::time_error_s;
 use apex_geo::geodesy;
 use apex_model::problem::{
-    AirspaceZone, EventRate, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
-    SurveillanceProblem, SurveillanceTarget, ZoneKind,
+    AirspaceZone, EventRate, FOREVER_S, Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget,
+    SingleVisitVehicle, SurveillanceProblem, SurveillanceTarget, TimeWindow, ZoneKind,
 };
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
@@ -95,7 +98,7 @@ pub(crate) fn single_visits(
         end_s: Some(latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
-        zones: mission.zones.iter().map(|zone| grown(zone, mission)).collect(),
+        zones: mission.zones.iter().map(|zone| timed(&grown(zone, mission), now_s)).collect(),
         zone_margin_m: mission.requirements.zone_margin_m,
         landing_places: mission.landing_places(),
         landing_distance_m_max: mission.requirements.landing_distance_m_max(),
@@ -142,12 +145,7 @@ fn wanted(
                     continue;
                 }
             };
-            let shortest = manoeuvres.iter().min_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
-            let shortest_s = shortest.map_or(f64::INFINITY, |manoeuvre| manoeuvre.duration_s);
-            // Pictures are sent one by one, a scanner's lines as a whole.
-            let line_s = shortest
-                .filter(|manoeuvre| manoeuvre.pictures.is_none())
-                .map_or(0.0, |manoeuvre| manoeuvre.duration_s / manoeuvre.lines.len().max(1) as f64);
+            let (shortest_s, line_s) = durations_s(&manoeuvres);
             let result = flown.and_then(|flown| flown.result(&target.id));
             let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
             let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
@@ -158,7 +156,13 @@ fn wanted(
                 manoeuvres,
                 windows: timing::begins(look),
                 light: timing::hard_light(look),
-                timing: timing::table(mission, target, look, (at.seconds(), shortest_s, line_s)),
+                timing: timing::table(
+                    mission,
+                    target,
+                    look,
+                    (at.seconds(), shortest_s, line_s),
+                    GroundArrival::AfterWayHome,
+                ),
                 name,
             });
         }
@@ -180,6 +184,33 @@ fn wanted(
     };
     let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
     Ok((targets, precedence))
+}
+
+/// Returns the time of the shortest manoeuvre, and of one of its lines: pictures are sent one by one, a scanner's lines as a whole.
+fn durations_s(manoeuvres: &[Manoeuvre]) -> (f64, f64) {
+    let shortest = manoeuvres.iter().min_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
+    let lines = shortest.filter(|manoeuvre| manoeuvre.pictures.is_none());
+    let line_s = lines.map_or(0.0, |manoeuvre| manoeuvre.duration_s / manoeuvre.lines.len().max(1) as f64);
+    (shortest.map_or(f64::INFINITY, |manoeuvre| manoeuvre.duration_s), line_s)
+}
+
+/// Returns the problem with the timing factors for images that arrive as stated for each look by its name in plans.
+pub(crate) fn with_landing(
+    mission: &Mission,
+    problem: &SingleVisitProblem,
+    arrival: &dyn Fn(&str) -> GroundArrival,
+) -> SingleVisitProblem {
+    let mut problem = problem.clone();
+    for target in &mission.targets {
+        let TargetKind::Fire(fire) = &target.kind else { continue };
+        for (name, look) in fire.looks().filter(|(_, look)| look.latency.is_some()) {
+            let Some(posed) = problem.targets.iter_mut().find(|posed| posed.name == name) else { continue };
+            let (shortest_s, line_s) = durations_s(&posed.manoeuvres);
+            let times_s = (problem.start_s, shortest_s, line_s);
+            posed.timing = timing::table(mission, target, look, times_s, arrival(&name));
+        }
+    }
+    problem
 }
 
 /// Returns the reason for which a look cannot be observed from the mission's start, with the nearest possibility; `None` if it can.
@@ -280,6 +311,23 @@ fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
     AirspaceZone { altitude_m_min: low_m, altitude_m_max: (high_m + out_m).max(low_m), ..zone.clone() }
 }
 
+/// Returns a zone that closes the airspace earlier by the error of the times at which zones are passed, as ways in flight count it, and
+/// opens it later by the error that is left then, because a vehicle can wait: a visit planned to the last second would have no way. What
+/// closes soon closes after half of the time until then at the earliest.
+fn timed(zone: &AirspaceZone, now_s: f64) -> AirspaceZone {
+    let TimeWindow { from_s, until_s } = zone.active;
+    let closed_s = |time_s: f64| {
+        let ahead_s = (time_s - now_s).max(0.0);
+        if time_s < FOREVER_S { time_s - time_error_s(ahead_s).min(0.5 * ahead_s) } else { time_s }
+    };
+    let opened_s = |time_s: f64| if (now_s..FOREVER_S).contains(&time_s) { time_s + time_error_s(0.0) } else { time_s };
+    let active = match zone.kind {
+        ZoneKind::Restricted => TimeWindow { from_s: closed_s(from_s), until_s: opened_s(until_s) },
+        ZoneKind::Permitted => TimeWindow { from_s: opened_s(from_s), until_s: closed_s(until_s) },
+    };
+    AirspaceZone { active, ..zone.clone() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -289,6 +337,30 @@ mod tests {
         assert_eq!(latest_end_s(86_400.0, 3_600.0, 0.0), 82_800.0);
         assert_eq!(latest_end_s(86_400.0, 3_600.0, 64_800.0), 84_600.0);
         assert_eq!(latest_end_s(86_400.0, 3_600.0, 90_000.0), 86_400.0);
+    }
+
+    fn zone(kind: ZoneKind, (from_s, until_s): (f64, f64)) -> AirspaceZone {
+        let (name, active) = ("z".to_string(), TimeWindow { from_s, until_s });
+        AirspaceZone { name, kind, corners: Vec::new(), altitude_m_min: 0.0, altitude_m_max: 1_000.0, active }
+    }
+
+    #[test]
+    fn times_of_zones_are_as_uncertain_as_ways_in_flight_take_them() {
+        let active = |kind, times, now_s| {
+            let TimeWindow { from_s, until_s } = timed(&zone(kind, times), now_s).active;
+            (from_s, until_s)
+        };
+        // 2 minutes and a tenth of the time until then, at most 15 minutes.
+        assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 0.0), (3_120.0, 7_320.0));
+        assert_eq!(active(ZoneKind::Restricted, (36_000.0, 72_000.0), 0.0), (35_100.0, 72_120.0));
+        assert_eq!(active(ZoneKind::Permitted, (3_600.0, 7_200.0), 0.0), (3_720.0, 6_360.0));
+        // The nearer, the less: what was planned before is possible later.
+        assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 3_000.0), (3_420.0, 7_320.0));
+        assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 3_500.0), (3_550.0, 7_320.0));
+        for always in [(0.0, FOREVER_S), (-FOREVER_S, FOREVER_S)] {
+            assert_eq!(active(ZoneKind::Restricted, always, 10.0), always);
+            assert_eq!(active(ZoneKind::Permitted, always, 10.0), always);
+        }
     }
 
     #[test]

@@ -37,6 +37,8 @@ pub struct PlannedLine {
     pub ground_speed_mps: f64,
     /// Heading minus track: the angle by which the nose points into the wind.
     pub crab_deg: f64,
+    /// Pitch angle of the level flight: a scanner that is fixed to the body looks ahead by it.
+    pub pitch_deg: f64,
     /// Instant at which the image of the line is on the ground; none if that is not planned.
     pub on_ground_s: Option<f64>,
 }
@@ -189,7 +191,7 @@ fn add_line(
         let along_m = length_m * index as f64 / count as f64;
         let position = geodesy::destination(line.from, azimuth_deg, along_m);
         let track_deg = if index < count { geodesy::azimuth_deg(position, line.to) } else { azimuth_deg };
-        let attitude = Attitude { heading_deg: track_deg + line.crab_deg, pitch_deg: 0.0, roll_deg: 0.0 };
+        let attitude = Attitude { heading_deg: track_deg + line.crab_deg, pitch_deg: line.pitch_deg, roll_deg: 0.0 };
         let time_s = line.from_s + along_m / line.ground_speed_mps;
         scan_line(time_s, position, line.altitude_m, &attitude, half_field_rad, context.ground, target.elevation_m)
     };

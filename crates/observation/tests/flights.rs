@@ -245,6 +245,7 @@ fn what_is_predicted_is_flown_in_still_air() {
             from_s: y,
             ground_speed_mps: SPEED_MPS,
             crab_deg: 0.0,
+            pitch_deg: 0.0,
             on_ground_s: None,
         }
     };

@@ -258,6 +258,7 @@ fn planned(size: (f64, f64), y: f64, x: (f64, f64), altitude_m: f64, from_s: f64
         from_s,
         ground_speed_mps: 95.0,
         crab_deg: 0.0,
+        pitch_deg: 0.0,
         on_ground_s: None,
     }
 }

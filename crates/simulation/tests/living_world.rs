@@ -274,8 +274,8 @@ fn a_fire_that_grows_is_mapped_where_it_burns_now() {
     assert!(time_s(&grown) > 1.15 * time_s(&still), "{} s for {} s", time_s(&grown), time_s(&still));
     let notes = grown.notes.iter().filter(|note| note.text.starts_with("brush burns on"));
     assert_eq!(notes.count(), 2, "{}", grown.text());
-    // One report arrives after the plan and a minute before the first line; the report after it changes nothing.
-    let late = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.5}}"#);
+    // Two reports arrive after the plan, the second a minute before the first line; the report after it changes nothing.
+    let late = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.3}}"#);
     let (flown, predicted) = coverage(&late);
     assert!(flown < predicted - 0.03, "{flown} flown, {predicted} predicted");
     assert!(late.notes.iter().any(|note| note.text == "brush has grown since it was observed"), "{}", late.text());

@@ -16,6 +16,8 @@ mod images;
 mod low_sun;
 #[path = "odd/low_zone.rs"]
 mod low_zone;
+#[path = "odd/still_air.rs"]
+mod still_air;
 #[path = "odd/strong_wind.rs"]
 mod strong_wind;
 #[path = "odd/waiting.rs"]

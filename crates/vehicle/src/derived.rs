@@ -1,6 +1,6 @@
 //! Figures that follow from a vehicle file, against which a reader can check it: ranges, turns, pixels, swaths, scan rates.
 
-use crate::energy::EnergyModel;
+use crate::energy::{EnergyModel, density_ratio};
 use crate::model::{Airframe, VehicleModel};
 use crate::sensor::{CarriedSensor, Optics, ScannerMode};
 use libm::{cos, tan};
@@ -37,7 +37,27 @@ pub fn turn_radius_m(true_airspeed_m_s: f64, bank_deg: f64) -> f64 {
     true_airspeed_m_s * true_airspeed_m_s / (GRAVITY_M_S2 * tan(bank_deg.to_radians()))
 }
 
+/// Angle of attack of a fixed wing at its slowest speed, and that at which it has no lift, rad (assumption).
+const ANGLE_OF_ATTACK_RAD: (f64, f64) = (0.16, 0.02);
+
 impl VehicleModel {
+    /// Returns the pitch angle of a fixed wing in level flight by its slowest indicated airspeed over the present one, rad: lift at one g
+    /// needs an angle of attack that falls with the square of the indicated airspeed.
+    pub fn level_pitch_rad(slowness: f64) -> f64 {
+        ANGLE_OF_ATTACK_RAD.0 * slowness * slowness - ANGLE_OF_ATTACK_RAD.1
+    }
+
+    /// Returns the pitch angle of level flight at cruise speed, rad; 0 for a rotorcraft.
+    pub fn cruise_pitch_rad(&self, altitude_m: f64) -> f64 {
+        match self.airframe {
+            Airframe::FixedWing => {
+                let indicated_m_s = self.true_airspeed_m_s_cruise * libm::sqrt(density_ratio(altitude_m));
+                VehicleModel::level_pitch_rad((self.indicated_airspeed_m_s_min / indicated_m_s).min(1.0))
+            }
+            Airframe::Rotorcraft => 0.0,
+        }
+    }
+
     /// Returns the radius of the turns that plans use at cruise speed, m; 0 for a rotorcraft, which turns in place.
     pub fn planned_turn_radius_m(&self) -> f64 {
         match self.airframe {

@@ -4,7 +4,7 @@ use crate::error::{CliError, CliResult};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::sources::{parse_length_m, parse_time};
 use crate::{output, sources, stopping};
-use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve};
+use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve_for_landing};
 use apex_mission::export::chart::{Chart, chart};
 use apex_mission::export::table::PlanFacts;
 use apex_mission::export::{geojson, json, kml, qgc, table};
@@ -125,7 +125,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
     let cancel = CancelToken::new();
     let token = cancel.clone();
     stopping::at_signal(move || token.cancel());
-    solve(question.problem.clone(), wish, &mut Invocations::new(), &cancel)
+    solve_for_landing(question.mission(), question.problem.clone(), wish, &mut Invocations::new(), &cancel)
         .map_err(|reason| CliError::user("no plan was found").because(reason).help(no_plan_help))
 }
 

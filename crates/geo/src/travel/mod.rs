@@ -15,6 +15,7 @@ mod dubins;
 mod error;
 mod ground;
 mod network;
+mod passing;
 mod path_vertices;
 mod search;
 mod setting;

@@ -12,6 +12,7 @@ use super::circles::{End, On, Passage, Rounds};
 use super::dubins::{Flyer, Pose, TurnPath};
 use super::ground::PreparedPoint;
 use super::network::{EndpointId, Network};
+use super::passing::ShutPart;
 use super::spans::Span;
 use super::ways::PathId;
 use crate::direction::Direction;
@@ -225,8 +226,9 @@ impl Network {
                 }
                 let (found, points, blocked) = self.free_path(piece, &flyer, ends)?;
                 extra_s += (found.time_s - straight_s).max(0.0);
+                let before = total_s * self.air.ground_speed_mps_max();
+                shut.extend(blocked.into_iter().map(|part| part.after(before)));
                 total_s += found.time_s;
-                shut.extend(blocked);
                 path.extend(points);
             }
             if possible {
@@ -236,37 +238,35 @@ impl Network {
             // Between circles, the flown path depends on where the previous circle was left.
             turned.spots.push(if circled { Vec::new() } else { path });
         }
-        // A vehicle that leaves before a zone closes must be through in time, wherever on the path the zone is; winds between two pieces
-        // count too.
-        let longest_s = 2.0 * lasts_s + turned.extra_s;
-        turned.closed_s.extend(shut.into_iter().map(|(shut_s, open_s): Span| (shut_s - longest_s, open_s)));
+        turned.closed_s = ShutPart::closed_s(shut, &self.air, (lasts_s, turned.extra_s));
         flown.then_some(turned)
     }
 
-    /// Returns the fastest path over a piece that avoids everything that is closed forever, as points over ground, and the times at which
-    /// zones that it meets are closed.
+    /// Returns the fastest path over a piece that avoids what is closed forever, as points over ground, and its parts that zones shut.
     fn free_path(
         &self,
         piece: &TurnLeg<'_>,
         flyer: &Flyer,
         (from, to): (At, At),
-    ) -> Option<(TurnPath, Drawn, Vec<Span>)> {
+    ) -> Option<(TurnPath, Drawn, Vec<ShutPart>)> {
         let begin = Pose { point: Point::default(), track_rad: piece.track_rad(from, false) };
         let end = Pose { point: piece.end(), track_rad: piece.track_rad(to, true) };
         let tolerance = TOLERANCE_SHARE * self.turns.radius;
         flyer.paths(begin, end).into_iter().find_map(|path| {
             let mut spots: Vec<PreparedPoint> = vec![piece.from.clone()];
             let inner = path.points(tolerance);
-            let between = inner.len().saturating_sub(2);
-            for point in inner.into_iter().skip(1).take(between) {
-                let (position, on_map, _) = piece.place(point);
+            for point in inner.get(1..inner.len().saturating_sub(1)).unwrap_or_default() {
+                let (position, on_map, _) = piece.place(*point);
                 spots.push(self.ground.between((piece.from, piece.to), position, on_map)?);
             }
             spots.push(piece.to.clone());
-            let mut blocked = Vec::new();
-            for (from, to) in spots.iter().zip(spots.iter().skip(1)) {
+            let (mut blocked, mut before) = (Vec::new(), 0.0);
+            for (ends, chord) in spots.windows(2).zip(inner.windows(2)) {
+                let ([from, to], [first, last]) = (ends, chord) else { continue };
                 let blocks = self.ground.blocks_wider(from, to, 1.05 * tolerance).ok()?;
-                blocked.extend(blocks.into_iter().map(|block| block.time_s));
+                let after = before + last.minus(*first).length();
+                blocked.extend(blocks.into_iter().map(|block| ShutPart::of(block, (before, after))));
+                before = after;
             }
             Some((path, spots.into_iter().map(|spot| (spot.position, spot.point)).collect(), blocked))
         })

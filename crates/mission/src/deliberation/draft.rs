@@ -2,7 +2,7 @@
 //! would plan it. Nothing is recorded or flown.
 
 use super::operator_plan::{HUMAN, means};
-use super::{BUDGET_DEFAULT, Deliberation, PlanningResources, SolveOptions, solve};
+use super::{BUDGET_DEFAULT, Deliberation, PlanningResources, SolveOptions, solve_for_landing};
 use crate::Mission;
 use crate::error::MissionResult;
 use crate::problem::{NoPlan, here, pose};
@@ -34,7 +34,7 @@ pub fn draft(
         let means = means(resources, Some(HUMAN), Some(visits)).map_err(NoPlan::Fault)?;
         let seed = mission.settings.seed;
         let wish = SolveOptions { means: &means, solver: Some(HUMAN), budget: BUDGET_DEFAULT, seed, previous: None };
-        solve(problem, wish, &mut Invocations::default(), &CancelToken::default())
+        solve_for_landing(Some(&believed), problem, wish, &mut Invocations::default(), &CancelToken::default())
     });
     Ok(planned.map_err(|none| none.to_string()))
 }

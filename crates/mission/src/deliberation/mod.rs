@@ -2,12 +2,14 @@
 
 mod current_plan;
 mod draft;
+mod landing;
 mod operator_plan;
 mod segment;
 pub mod solve;
 mod steps;
 
 pub use draft::draft;
+pub use landing::solve_for_landing;
 pub(crate) use operator_plan::HUMAN;
 pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, name_obstacles, solve, validate};
 pub use steps::translate;
@@ -241,7 +243,7 @@ impl Question {
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
-            let solved = solve(problem, wish, invocations, cancel)?;
+            let solved = solve_for_landing(Some(&believed), problem, wish, invocations, cancel)?;
             // Before the flight, a plan without visits is an answer; in flight, the mission is then complete.
             match solved.plan.targets().is_empty() {
                 true => Err(NoPlan::NothingLeft(solved.plan.summary().to_string())),

@@ -81,9 +81,18 @@ impl Trade {
             more => format!("{} targets less, {}", more.len(), more.join(", ")),
         };
         format!(
-            "the segment again adds {gain_points:.1} points; its {flight_s:.0} s cost {price_points:.1} points of the rest of the plan ({less})"
+            "the segment again adds {} points; its {flight_s:.0} s cost {} points of the rest of the plan ({less})",
+            points(*gain_points),
+            points(*price_points)
         )
     }
+}
+
+/// Returns points with a decimal, and with as many as show two digits of a small number, at most five: gain and price are compared.
+fn points(points: f64) -> String {
+    let size = points.abs();
+    let decimals = if size >= 0.95 || size < 5e-6 { 1 } else { (1.0 - libm::floor(libm::log10(size))) as usize };
+    format!("{points:.*}", decimals.min(5))
 }
 
 impl LostSegment {
@@ -243,7 +252,8 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     let (ground_speed_mps, crab_deg) = triangle.map_or((airspeed_mps, 0.0), |triangle| {
         (triangle.ground_speed_mps, geodesy::wrap_180(triangle.heading_deg - track_deg))
     });
-    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
+    let pitch_deg = mission.model.cruise_pitch_rad(altitude_m).to_degrees();
+    PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, pitch_deg, on_ground_s: None }
 }
 
 /// Returns the time for these lines with the turns between them.

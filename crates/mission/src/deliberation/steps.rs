@@ -87,7 +87,7 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         altitude_m = manoeuvre.altitude_m;
         detour(&mut steps, &visit.route, altitude_m);
         if target.is_some_and(|target| waits(problem, target, manoeuvre, visit)) {
-            wait(&mut steps, &visit.route, altitude_m, visit.begin_s);
+            wait(&mut steps, &visit.route, altitude_m, (problem, manoeuvre, visit.begin_s));
         }
         steps.push(observation(visit, manoeuvre));
     }
@@ -142,12 +142,28 @@ fn waits(
     visit.begin_s - visit.arrive_s >= 1.0 || closed || dark || lower
 }
 
-/// Adds a circle at the end of a route until the observation may begin; it ends at once if that instant has passed.
-fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, begin_s: f64) {
+/// Adds a circle at the end of a route until the observation may begin; it ends at once if that instant has passed. A vehicle with turns
+/// leaves the circle in time for the lead-in before the first line.
+fn wait(
+    steps: &mut Vec<NamedActivity>,
+    route: &[Position],
+    altitude_m: f64,
+    (problem, manoeuvre, begin_s): (&SingleVisitProblem, &Manoeuvre, f64),
+) {
     let Some(there) = route.last() else { return };
     let tag = Symbol::new(&format!("wait-{}", steps.len() + 1));
     let until = Duration::from_seconds(libm::ceil(begin_s));
-    steps.push((tag, PlannedActivity::LoiterUntil { at: at(*there, altitude_m), until }));
+    let is_from_point = manoeuvre.pictures.as_ref().is_some_and(|work| work.form.is_some() || work.at.is_some());
+    let line = observed_lines(manoeuvre).first().copied();
+    let line = line.filter(|_| problem.vehicle.turn_radius_m > 0.0 && !is_from_point);
+    let circle = PlannedActivity::LoiterUntil { at: at(*there, altitude_m), until };
+    let activity = line.map(|(from, to)| {
+        let before = ["before", "line", "from"].map(Value::symbol).into_iter().chain([from.value()]);
+        let items = circle.goal().as_list().unwrap_or_default().to_vec();
+        let goal = items.into_iter().chain(before).chain([Value::symbol("to"), to.value()]);
+        PlannedActivity::Goal(Value::list(goal))
+    });
+    steps.push((tag, activity.unwrap_or(circle)));
 }
 
 /// Adds a hold at the beginning of a route until it is open; nothing for less than a second.

@@ -7,7 +7,7 @@ use super::wish::Wish;
 use crate::ground::MissionGround;
 use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
 use apex_geo::coverage::{CoverageArea, SweepSettings, sweep_lines};
-use apex_geo::geodesy::RAD_PER_DEG;
+use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::perimeter::perimeter_lines;
 use apex_geo::wind;
 use apex_model::problem::{AirspaceZone, Manoeuvre, Position, QualityFactor, QualityFactors};
@@ -15,6 +15,9 @@ use apex_observation::predict::{AirConditions, Conditions, PlannedLine, Predicte
 use apex_observation::result::{LookResult, LossCause};
 use apex_observation::target::{ObservedTarget, TargetArea};
 use std::collections::BTreeMap;
+
+/// Time from the beginning of a line until the scanner is on, s.
+const START_S: f64 = 1.0;
 
 /// A sweep before its factors are predicted.
 struct SweepDraft {
@@ -115,6 +118,9 @@ fn draft(
         lines.extend(around.unwrap_or(swept));
         entry = lines.last().map_or(entry, |(_, exit)| *exit);
     }
+    let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
+    let start_m = START_S * (mission.model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));
+    let lines: Vec<(Position, Position)> = lines.into_iter().map(|line| earlier(line, (ahead_m, start_m))).collect();
     let flown = flown(&lines)?;
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
@@ -122,6 +128,13 @@ fn draft(
     let promise = clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
+}
+
+/// Returns a line that begins and ends earlier by what the scanner looks ahead, since the nose is up, and begins earlier by what is flown
+/// until the scanner is on.
+fn earlier((from, to): (Position, Position), (ahead_m, start_m): (f64, f64)) -> (Position, Position) {
+    let (begin_deg, end_deg) = (geodesy::azimuth_deg(from, to) + 180.0, geodesy::azimuth_deg(to, from));
+    (geodesy::destination(from, begin_deg, ahead_m + start_m), geodesy::destination(to, end_deg, ahead_m))
 }
 
 /// Returns the grounds of a target in order.
@@ -182,6 +195,7 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> 
             from_s: line.from_s,
             ground_speed_mps: line.ground_speed_mps,
             crab_deg: line.crab_deg,
+            pitch_deg: wish.mission.model.cruise_pitch_rad(draft.altitude_m).to_degrees(),
             on_ground_s: None,
         })
         .collect();

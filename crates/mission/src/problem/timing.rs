@@ -38,6 +38,15 @@ pub(super) fn hard_light(look: &WantedLook) -> Light {
     }
 }
 
+/// Arrival of images on the ground where the mission does not say that they are sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum GroundArrival {
+    /// After the way home from the target: the earliest.
+    AfterWayHome,
+    /// This long after the middle of the observation, in seconds.
+    After(f64),
+}
+
 /// Returns the timing factor by the beginning of an observation of `duration_s`; empty if the factor is 1 whenever windows and light
 /// permit the observation.
 pub(super) fn table(
@@ -45,6 +54,7 @@ pub(super) fn table(
     target: &Target,
     look: &WantedLook,
     (now_s, duration_s, line_s): (f64, f64, f64),
+    arrival: GroundArrival,
 ) -> Vec<(f64, f64)> {
     let ramps = look.light != LightNeed::Any && hard_light(look) == Light::Any;
     let is_steady = look.slope.is_none() && look.overpass.is_none() && look.latency.is_none();
@@ -52,7 +62,12 @@ pub(super) fn table(
         return Vec::new();
     }
     let zero_unix_s = mission.settings.epoch_unix_s.unwrap_or(0.0);
-    let on_ground_s = on_ground_after_s(mission, target, (duration_s, line_s));
+    let least_s = on_ground_after_s(mission, target, (duration_s, line_s));
+    let on_ground_s = match arrival {
+        _ if mission.settings.images_on_ground.is_some() => least_s,
+        GroundArrival::AfterWayHome => least_s,
+        GroundArrival::After(after_s) => after_s,
+    };
     let at = |time_s: f64| {
         let light = if ramps {
             look.light.factor(solar_position(target.position, zero_unix_s + time_s).elevation_deg)

@@ -3,6 +3,7 @@
 use super::landing::on_line;
 use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
+use super::wait::PlannedStart;
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
@@ -17,12 +18,14 @@ use std::sync::Arc;
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
 /// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
-const FUNCTIONS: [(&str, usize, usize, Body); 8] = [
+const FUNCTIONS: [(&str, usize, usize, Body); 10] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
     ("way-to-landing", 4, 4, to_landing),
     ("way-to-segment", 6, 6, to_segment),
+    ("time-before-line", 6, 6, before_line),
+    ("time-on-circle", 7, 7, on_circle),
     ("landing-place-near", 2, 2, landing_place_near),
     ("landing-place-in-glide", 3, 3, landing_place_in_glide),
     ("forecast-error", 4, 4, forecast_error),
@@ -265,7 +268,10 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
 
 /// Evaluates `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is the point at which the vehicle left the line before, or nil.
 fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
-    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let is_fixed_wing = limits.turn_radius_m > 0.0;
+    // A fixed wing turns onto lines as planned, also if nothing limits its ways.
+    let request = if is_fixed_wing { start_of(arguments)? } else { start(limits, arguments)? };
+    let Some(request) = request else { return Ok(Value::nil()) };
     let [.., from, to, left] = arguments else { return Ok(Value::nil()) };
     let ends = spot(limits, from).ok().zip(spot(limits, to).ok());
     let Some(((begin, begin_m), (end, end_m))) = ends else { return Ok(Value::nil()) };
@@ -291,7 +297,6 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     if is_on_line {
         return Ok(Value::nil());
     }
-    let is_fixed_wing = limits.turn_radius_m > 0.0;
     let (gate, gate_deg) = on_line(begin, end, if is_fixed_wing { begin_along_m - lead_m } else { begin_along_m });
     let request = Request {
         to: gate,
@@ -300,7 +305,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         ..request
     };
     // A line is joined as the plan assumes, by turns in the wind: an autopilot's own join ignores the wind and may circle.
-    let way = match is_fixed_wing && !limits.are_none() {
+    let way = match is_fixed_wing {
         true => limits.turning_way(&request).or_else(|| limits.open_way(&request)),
         false => limits.best_way(&request),
     };
@@ -339,6 +344,49 @@ fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let told = answer(Some(way), None);
     let told = told.as_list().unwrap_or_default();
     Ok(Value::list([first.clone(), second.clone()].into_iter().chain(told.iter().cloned())))
+}
+
+/// Evaluates `(time-before-line HERE TRACK MET FROM TO TIME)`: the time that is left if the vehicle flies to the lead-in before the line
+/// now, which is to begin at TIME since the mission's start; nil if that is not known.
+fn before_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some((request, start)) = start_of_line(limits, arguments, 3)? else { return Ok(Value::nil()) };
+    let spare_s = limits.spare_s(&request, &start);
+    Ok(spare_s.map_or_else(Value::nil, |spare_s| Value::measured(spare_s, Dimension::TIME)))
+}
+
+/// Evaluates `(time-on-circle HERE TRACK MET PLACE FROM TO TIME)`: how long a vehicle that circles PLACE stays on the circle, so that the
+/// lead-in before the line begins at TIME; nil if it does not circle there.
+fn on_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some((request, start)) = start_of_line(limits, arguments, 4)? else { return Ok(Value::nil()) };
+    let Some((place, stated_m)) = arguments.get(3).and_then(|place| spot(limits, place).ok()) else {
+        return Ok(Value::nil());
+    };
+    let to_altitude_m = stated_m.unwrap_or(request.from_altitude_m);
+    let stay_s = (start.begin_s - request.at_s).max(0.0);
+    let (centre, _) = limits.circle_centre(&Request { to: place, to_altitude_m, stay_s, ..request });
+    let stay_s = limits.circling_s(&request, centre, &start);
+    Ok(stay_s.map_or_else(Value::nil, |stay_s| Value::Duration(Duration::from_seconds(stay_s))))
+}
+
+/// Returns the vehicle's position and the line in the arguments `FROM TO TIME` from index `first` on; `None` if a position is not known.
+fn start_of_line(
+    limits: &Limits,
+    arguments: &[Value],
+    first: usize,
+) -> Result<Option<(Request, PlannedStart)>, String> {
+    let Some(request) = start_of(arguments)? else { return Ok(None) };
+    let [from, to, time] = arguments.get(first..).unwrap_or_default() else {
+        return Err("a line and the instant at which it begins are missing".to_string());
+    };
+    let ends = spot(limits, from).ok().zip(spot(limits, to).ok());
+    let Some(((from, from_m), (to, to_m))) = ends else { return Ok(None) };
+    let begin_s = match time.as_number() {
+        Some((seconds, Dimension::TIME | Dimension::NONE)) if seconds.is_finite() => seconds,
+        _ => return Err(format!("the time must be a duration since the mission's start; got {time}")),
+    };
+    let altitude_m = from_m.or(to_m).unwrap_or(request.from_altitude_m);
+    let known = geodesy::distance_m(from, to) >= 1.0;
+    Ok(known.then_some((request, PlannedStart { from, to, altitude_m, begin_s })))
 }
 
 /// Returns `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and the requirement that must be violated; nil for the straight

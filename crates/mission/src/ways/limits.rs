@@ -39,6 +39,8 @@ pub struct Limits {
     /// Height kept over ground away from both ends of a path.
     pub(super) ground_margin_m: f64,
     pub(super) true_airspeed_mps: f64,
+    /// Slowest indicated airspeed of a fixed wing; 0 for a rotorcraft.
+    pub(super) indicated_airspeed_mps_min: f64,
     /// Radius of planned turns through the air; 0 for a vehicle that turns on the spot.
     pub(super) turn_radius_m: f64,
     /// Radius of circles as a multiple of `turn_radius_m`.
@@ -137,6 +139,7 @@ impl Limits {
             rim_m: buffer.map_or(rim_m, |buffer| rim_m.max(buffer.horizontal_m)),
             ground_margin_m: ground_margin_m(mission, is_fixed_wing),
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
+            indicated_airspeed_mps_min: if is_fixed_wing { model.indicated_airspeed_m_s_min } else { 0.0 },
             turn_radius_m: turn_radius_m(model),
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,

@@ -13,10 +13,12 @@ mod limits;
 mod route;
 mod segment;
 mod straight;
+mod wait;
 
 pub(crate) use answers::register;
 pub use limits::Limits;
 pub(crate) use limits::lead_in_s;
+pub(crate) use route::time_error_s;
 pub(crate) use segment::Segment;
 
 use apex_model::problem::Position;

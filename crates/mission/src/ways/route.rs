@@ -233,10 +233,7 @@ impl Limits {
         let mut zones: Vec<AirspaceZone> = self.zones.iter().filter(counts).cloned().collect();
         for zone in &mut zones {
             // The time of passage is less certain the later it is.
-            let spread_s = |time_s: f64| {
-                let ahead_s = (time_s - request.at_s).max(0.0);
-                strict.margins * (EARLY_S + LATE_SHARE * ahead_s).min(LATE_S)
-            };
+            let spread_s = |time_s: f64| strict.margins * time_error_s(time_s - request.at_s);
             let TimeWindow { from_s, until_s } = zone.active;
             let (early_s, late_s) = (spread_s(from_s), spread_s(until_s));
             let permitted = zone.kind == ZoneKind::Permitted;
@@ -250,6 +247,11 @@ impl Limits {
         }
         zones
     }
+}
+
+/// Returns the error of the time at which a zone is passed that opens or closes `ahead_s` from now.
+pub(crate) fn time_error_s(ahead_s: f64) -> f64 {
+    (EARLY_S + LATE_SHARE * ahead_s.max(0.0)).min(LATE_S)
 }
 
 fn cost_s(way: &Way) -> f64 {

@@ -139,6 +139,7 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
                 from_s: pose.time_s,
                 ground_speed_mps: pose.ground_speed_mps,
                 crab_deg: wrap_180(pose.attitude.heading_deg - pose.track_deg),
+                pitch_deg: pose.attitude.pitch_deg,
                 on_ground_s,
             }),
         }

@@ -2,7 +2,7 @@
 
 use crate::answer::{ApiError, ApiResult};
 use apex_mission::Mission;
-use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve};
+use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve_for_landing};
 use apex_mission::export::json;
 use apex_mission::export::table::PlanFacts;
 use apex_mission::plan::input::PlanInput;
@@ -21,14 +21,13 @@ pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningR
     let input = PlanInput::of_mission(mission)?;
     let budget = budget.unwrap_or(input.budget);
     let wish = SolveOptions { means, solver: None, budget, seed: input.seed, previous: None };
-    let mut solved =
-        solve(input.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new()).map_err(|reason| {
-            ApiError {
-                status: StatusCode::UNPROCESSABLE_ENTITY,
-                error: format!("no plan was found: {reason}"),
-                help: "check the mission's data, or give more time with `budget_s`".into(),
-            }
-        })?;
+    let (mut invocations, cancel) = (Invocations::new(), CancelToken::new());
+    let solved = solve_for_landing(input.mission(), input.problem.clone(), wish, &mut invocations, &cancel);
+    let mut solved = solved.map_err(|reason| ApiError {
+        status: StatusCode::UNPROCESSABLE_ENTITY,
+        error: format!("no plan was found: {reason}"),
+        help: "check the mission's data, or give more time with `budget_s`".into(),
+    })?;
     if let Some(mission) = input.mission() {
         name_obstacles(mission, &mut solved);
     }

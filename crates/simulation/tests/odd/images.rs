@@ -41,10 +41,43 @@ fn an_image_that_is_read_after_the_landing_is_late_as_planned() {
     let flown = mapped("", &[]);
     let (as_flown, predicted, remarks) = timing(&flown);
     let landed_s = flown.said("landed")[0].0;
-    let seen_s = flown.observed_s("ridge").unwrap();
+    let visit = &flown.outcome.report.visits[0];
+    let seen_s = 0.5 * (visit.begin.seconds() + visit.end.unwrap().seconds());
     let expected = 1.0 - ((landed_s - seen_s) / 60.0 - 10.0).max(0.0) / 50.0;
     assert!((as_flown - expected.max(0.0)).abs() < 0.05, "{as_flown}, by hand {expected}:\n{}", flown.text());
     assert!((predicted - as_flown).abs() < 0.15, "{as_flown}, the plan reckons with the way home: {predicted}");
     assert!(predicted < 0.95, "the test must have something to lose: {predicted}");
     assert!(!remarks.contains("Arrival"), "{remarks}");
+}
+
+/// Images of both fires are read after the landing, so the one that is seen first waits for the other. Plans took each for as late as its own
+/// way home, and saw the valuable one first.
+#[test]
+fn images_wait_for_the_landing_of_the_plan() {
+    let fire = |id: &str, value: i32, at: String| {
+        let properties = format!(
+            r#""id": "{id}", "kind": "fire", "elevation_m": 900, "acres": 4000, "value": {value}, "resolution_m": 20, "latency_min": [30, 150]"#
+        );
+        feature(&properties, &at)
+    };
+    let base = feature(r#""id": "home", "kind": "base", "elevation_m": 700"#, &point(-117.9, 34.9));
+    let targets =
+        collection(&[base, fire("valuable", 100, point(-118.9, 35.0)), fire("other", 30, point(-116.9, 35.0))]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-08-01T18:00:00Z\" :duration 5h \
+                   :targets \"t.geojson\"";
+    let flown = fly(&program(options, "6000m"), &[("t.geojson", &targets)]);
+    let order: Vec<&str> = flown.outcome.report.visits.iter().map(|visit| visit.target.as_str()).collect();
+    assert_eq!(order, ["other", "valuable"], "{}", flown.text());
+    let MissionValue::Score(score) = &flown.outcome.report.value else { panic!("{}", flown.text()) };
+    for look in &score.looks {
+        let (predicted, flown_factor) = (look.predicted.as_ref().unwrap().timing, look.flown.factors.timing);
+        assert!(
+            (predicted - flown_factor).abs() < 0.1,
+            "{}: {predicted}, flown {flown_factor}\n{}",
+            look.id,
+            flown.text()
+        );
+    }
+    let first = score.looks.iter().find(|look| look.id.starts_with("other")).unwrap();
+    assert!(first.flown.factors.timing < 0.7, "the test must have something to lose\n{}", flown.text());
 }

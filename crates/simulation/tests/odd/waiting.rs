@@ -21,6 +21,28 @@ fn what_becomes_known_during_a_wait_is_planned_at_once() {
     assert!((3.0..3.6).contains(&(late_s / 3_600.0)), "{late_s}");
 }
 
+/// A fixed wing circles until the window opens and leaves the circle so that it crosses the beginning of the first line then. It left when
+/// the window opened, wherever it was on the circle, and began 4.5 minutes late in still air.
+#[test]
+fn a_line_that_is_waited_for_begins_at_its_instant() {
+    let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
+    for (wind, bearing_deg) in [(0, 0.0), (0, 100.0), (15, 200.0), (15, 300.0)] {
+        let base = feature(r#""id": "home", "kind": "base", "elevation_m": 700"#, &point(-117.9, 34.9));
+        let fire = r#""id": "fire", "kind": "fire", "elevation_m": 900, "acres": 4000, "value": 60, "resolution_m": 10, "windows_h": [[2, 2.6]]"#;
+        let (north, east) = (0.35 * f64::to_radians(bearing_deg).cos(), 0.4 * f64::to_radians(bearing_deg).sin());
+        let targets = collection(&[base, feature(fire, &point(-117.9 + east, 34.9 + north))]);
+        let winds = format!("{header}\n0,20000,250,{wind},0.05,,\n");
+        let options = ":vehicle (sim :model predator-b :at home) :start \"2026-08-01T18:00:00Z\" :duration 6h \
+                       :targets \"t.geojson\" :forecast \"w.csv\" :weather \"w.csv\"";
+        let flown = fly(&program(options, "6000m"), &[("t.geojson", &targets), ("w.csv", &winds)]);
+        let visit = &flown.outcome.report.visits[0];
+        let planned_s = visit.predicted.as_ref().unwrap().begin_s;
+        let late_s = visit.begin.seconds() - planned_s;
+        assert!((2.0 * 3_600.0..2.05 * 3_600.0).contains(&planned_s), "{planned_s}");
+        assert!(late_s.abs() <= 15.0, "wind {wind}, bearing {bearing_deg}: {late_s:.0} s late\n{}", flown.text());
+    }
+}
+
 /// The far target has no window, and was left out because its "last time window closes".
 #[test]
 fn a_target_without_windows_is_not_left_out_for_a_window() {
