@@ -2,7 +2,7 @@
 
 /**
  * Colours have roles: words, marks, grounds, and one hue for attention. States differ by shape and lightness, never by hue, so that
- * they are told apart on paper and by everyone.
+ * they differ on paper and for everyone.
  */
 const DARK = {
   ground: '#14171a',
@@ -26,7 +26,7 @@ const DARK = {
   graticule: '#23282d',
   /** The planned way. */
   track: '#a9b1b8',
-  /** As words, but told apart from them in pictures. */
+  /** As words, but of another value, so that pictures show which is which. */
   flown: '#eceef0',
   /** The flown way of the record in the comparison. */
   other: '#8f979f',
