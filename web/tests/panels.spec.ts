@@ -4,7 +4,16 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { expect, type Page, test } from '@playwright/test';
 import { parquetReadObjects } from 'hyparquet';
-import type { Footprints, Holdings, Mission, PlanInForce, Plans, Targets, Tasks } from '../src/record/types';
+import type {
+  Footprints,
+  Holdings,
+  Mission,
+  MissionFacts,
+  PlanInForce,
+  Plans,
+  Targets,
+  Tasks,
+} from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
 import { countColours } from './pixels';
@@ -83,7 +92,8 @@ test('every target has a row with the times of all plans, and none before it is 
   const box = await page.getByTestId('timeline').boundingBox();
   const x = (await circle.boundingBox()) ?? { x: 0, width: 0 };
   const room = (box?.width ?? 0) - 168;
-  const expected = (box?.x ?? 0) + 168 + (planned.begin_ns / mission.end_ns) * room;
+  const { duration_ns } = await ask<MissionFacts>('facts');
+  const expected = (box?.x ?? 0) + 168 + (planned.begin_ns / duration_ns) * room;
   expect(Math.abs(x.x + x.width / 2 - expected)).toBeLessThan(1.5);
   // The trace of the executive is the second source of the adopted plans.
   const trace = execFileSync(

@@ -17,7 +17,7 @@ const TARGET_GONE = 'no longer a target';
 
 /**
  * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
- * that in words and marks. So the number of observed targets is the same everywhere.
+ * so by text and marks. The number of observed targets is the same everywhere.
  */
 export function shownState(target: Pick<Target, 'state' | 'detail' | 'observed_ns'>): string {
   if (target.detail === TARGET_GONE) return 'skipped';
@@ -56,7 +56,7 @@ export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
         else own.push({ id, name, fromNs: t_ns, toNs: t_ns, state });
         open = undefined;
       }
-      // A plan made during the visit plans it again; the visit goes on.
+      // A plan made during the visit plans it again; the visit continues.
     }
     return own;
   });

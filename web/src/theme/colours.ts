@@ -2,7 +2,7 @@
 
 /**
  * Colours have roles: words, marks, grounds, and one hue for attention. States differ by shape and lightness, never by hue, so that
- * they are told apart on paper and by everyone.
+ * they differ on paper and for everyone.
  */
 const DARK = {
   ground: '#14171a',
@@ -26,8 +26,8 @@ const DARK = {
   graticule: '#23282d',
   /** The planned way. */
   track: '#a9b1b8',
-  /** As words, but told apart from them in pictures. */
-  flown: '#eceef0',
+  /** Beyond the value of words, so that tests of pictures find it. */
+  flown: '#ffffff',
   /** The flown way of the record in the comparison. */
   other: '#8f979f',
   pending: '#989fa7',
@@ -49,11 +49,11 @@ const DARK = {
   /** Hairlines without information. */
   rule: '#484f56',
   /** Ground that was seen. */
-  seen: '#343b42',
+  seen: '#5c636a',
   /** Layers of the user. */
   user: '#b48ead',
   halo: '#111417d0',
-  craft: '#ffffff',
+  craft: '#e8eaec',
 };
 
 /** The name of a colour. */
@@ -77,7 +77,7 @@ const LIGHT: Record<ColourName, string> = {
   coast: '#a5a096',
   graticule: '#dad6cc',
   track: '#4d5358',
-  flown: '#16181a',
+  flown: '#000000',
   other: '#6a7076',
   pending: '#5b6065',
   enabled: '#3a3f44',
@@ -95,7 +95,7 @@ const LIGHT: Record<ColourName, string> = {
   band: '#e3e0d8',
   ghost: '#7b7e81',
   rule: '#b9b4a9',
-  seen: '#d3cfc5',
+  seen: '#c4c0b7',
   user: '#7a4f86',
   halo: '#fcfbf8d0',
   craft: '#1a1c1e',

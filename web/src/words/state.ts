@@ -1,4 +1,4 @@
-/** Signs of the states of tasks, so that states are told apart without colours; pure. */
+/** Signs of the states of tasks, so that states differ without colours; pure. */
 
 /** The parts of a task that its sign depends on. */
 export interface StatedTask {

@@ -90,7 +90,7 @@ describe('the now line', () => {
     const observed = [change('observing', 120), change('observed', 130)];
     expect(next(125, observed)).toBe('Lick, planned 9:35');
     expect(next(200, observed, [change('observing', 190)])).toBe('Zaca, planned 10:00');
-    // The visit that goes on when the plan is adopted is its first one, and is not counted twice.
+    // The visit under way when the plan is adopted is its first one, and is not counted twice.
     const going = [change('observing', 90), change('planned', 100), change('observing', 105)];
     expect(next(106, going)).toBe('Lick, planned 9:35');
     expect(next(200, [...going, change('observed', 140), change('observing', 190)])).toBe('');

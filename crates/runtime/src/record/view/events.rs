@@ -159,7 +159,7 @@ impl RecordView {
         let effects = self.reader.effects()?;
         let place = |id: i64| effects.table.place_after(id);
         let newest = (place(seen)..effects.table.place_later(Time(wanted.to_ns))).rev();
-        // An answer mostly ends after a few blocks: the index is read in turns, so that its other blocks are not looked at.
+        // An answer mostly ends after a few blocks: the index is read in turns, so that the other blocks are left alone.
         let mut below = i64::MAX;
         let mut ended = false;
         let turns = std::iter::from_fn(|| {
