@@ -98,30 +98,49 @@ fn draft(
         |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
     let mut entry = wish.approach;
     let (mut lines, mut along) = (Vec::new(), false);
-    for ground in grounds(&fire.wanted) {
-        let swept = sweep_lines(&ground, &settings, entry)?;
+    // The flight of the last ground's lines, if it was compared with another.
+    let mut compared = None;
+    let grounds = grounds(&fire.wanted);
+    for ground in &grounds {
+        let swept = sweep_lines(ground, &settings, entry)?;
         // If only the outline is wanted, flying along it may be faster than sweeping its inside.
-        let around = match (&fire.wanted.area, &ground) {
+        let around = match (&fire.wanted.area, ground) {
             (TargetArea::Perimeter { .. }, CoverageArea::Polygon(corners)) => {
                 perimeter_lines(corners, swath_m, entry).ok()
             }
             _ => None,
         };
-        let around = around.filter(|around| {
-            let time_s = |lines: &[(Position, Position)]| flown(lines).map_or(f64::INFINITY, |flown| flown.duration_s);
-            time_s(around) < time_s(&swept)
-        });
-        along |= around.is_some();
-        lines.extend(around.unwrap_or(swept));
+        let (chosen, is_around, flight) = faster(around, swept, flown);
+        compared = flight;
+        along |= is_around;
+        lines.extend(chosen);
         entry = lines.last().map_or(entry, |(_, exit)| *exit);
     }
-    let flown = flown(&lines)?;
+    let flown = match compared {
+        Some(flight) if grounds.len() == 1 => flight?,
+        _ => flown(&lines)?,
+    };
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
     let promise = clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
+}
+
+/// Lines of a ground, true if they follow its outline, and their flight if both kinds were compared.
+type ChosenLines = (Vec<(Position, Position)>, bool, Option<Result<FlownLines, String>>);
+
+/// Returns the lines along the outline if they take less time than the swept ones, and the swept ones otherwise.
+fn faster(
+    around: Option<Vec<(Position, Position)>>,
+    swept: Vec<(Position, Position)>,
+    flown: impl Fn(&[(Position, Position)]) -> Result<FlownLines, String>,
+) -> ChosenLines {
+    let Some(around) = around else { return (swept, false, None) };
+    let (along, across) = (flown(&around), flown(&swept));
+    let time_s = |flight: &Result<FlownLines, String>| flight.as_ref().map_or(f64::INFINITY, |flown| flown.duration_s);
+    if time_s(&along) < time_s(&across) { (around, true, Some(along)) } else { (swept, false, Some(across)) }
 }
 
 /// Returns the grounds of a target in order.
