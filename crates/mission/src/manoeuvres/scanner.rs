@@ -101,21 +101,18 @@ fn draft(
         |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
     let mut entry = wish.approach;
     let (mut lines, mut along) = (Vec::new(), false);
-    for ground in grounds(&fire.wanted) {
-        let swept = sweep_lines(&ground, &settings, entry)?;
+    for ground in &grounds(&fire.wanted) {
+        let swept = sweep_lines(ground, &settings, entry)?;
         // If only the outline is wanted, flying along it may be faster than sweeping its inside.
-        let around = match (&fire.wanted.area, &ground) {
+        let around = match (&fire.wanted.area, ground) {
             (TargetArea::Perimeter { .. }, CoverageArea::Polygon(corners)) => {
                 perimeter_lines(corners, swath_m, entry).ok()
             }
             _ => None,
         };
-        let around = around.filter(|around| {
-            let time_s = |lines: &[(Position, Position)]| flown(lines).map_or(f64::INFINITY, |flown| flown.duration_s);
-            time_s(around) < time_s(&swept)
-        });
-        along |= around.is_some();
-        lines.extend(around.unwrap_or(swept));
+        let (chosen, is_around) = faster(around, swept, flown);
+        along |= is_around;
+        lines.extend(chosen);
         entry = lines.last().map_or(entry, |(_, exit)| *exit);
     }
     let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
@@ -128,6 +125,17 @@ fn draft(
     let promise = clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
+}
+
+/// Returns the lines along the outline and true if they take less time than the swept ones; the swept ones and false otherwise.
+fn faster(
+    around: Option<Vec<(Position, Position)>>,
+    swept: Vec<(Position, Position)>,
+    flown: impl Fn(&[(Position, Position)]) -> Result<FlownLines, String>,
+) -> (Vec<(Position, Position)>, bool) {
+    let Some(around) = around else { return (swept, false) };
+    let time_s = |lines: &[(Position, Position)]| flown(lines).map_or(f64::INFINITY, |flown| flown.duration_s);
+    if time_s(&around) < time_s(&swept) { (around, true) } else { (swept, false) }
 }
 
 /// Returns a line that begins and ends earlier by what the scanner looks ahead, since the nose is up, and begins earlier by what is flown

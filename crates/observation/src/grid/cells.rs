@@ -254,7 +254,9 @@ impl TargetGrid {
     /// Returns the first cell of a row whose centre is not west of `x`. Centres are a cell or more apart, mostly exactly one.
     fn first_from(&self, cells: &[f64], x: f64) -> usize {
         let Some(west) = cells.first() else { return 0 };
-        let guess = libm::ceil((x - west) / self.cell_m).clamp(0.0, cells.len() as f64) as usize;
+        let share = (x - west) / self.cell_m;
+        let whole = if share >= cells.len() as f64 { cells.len() } else { share as usize };
+        let guess = (whole + usize::from((whole as f64) < share)).min(cells.len());
         let is_before = |index: usize| cells.get(index).is_some_and(|middle| *middle < x);
         if (guess == 0 || is_before(guess - 1)) && !is_before(guess) {
             return guess;

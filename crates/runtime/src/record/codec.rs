@@ -236,6 +236,29 @@ mod tests {
     }
 
     #[test]
+    fn variables_in_any_order_have_the_numbers_of_their_names() {
+        let (mut variables, mut bytes) = (Variables::default(), Vec::new());
+        let mut generator = ChaCha8Rng::seed_from_u64(2);
+        for round in 0..2_000 {
+            // Two orders in turn, and any order from time to time. Names that differ in case only are two variables.
+            let names = ["roll", "Roll", "pitch", "heading", "speed"];
+            let order: Vec<usize> = (0..5)
+                .map(|place| match round % 3 {
+                    0 => place,
+                    1 => 4 - place,
+                    _ => (generator.next_u64() % 5) as usize,
+                })
+                .collect();
+            let events = order.iter().map(|index| samples::sample(names[*index], samples::quantity(1.0, "deg")));
+            let batch = samples::batch(f64::from(round), 1, events.collect());
+            encode(&batch, &mut variables, &mut bytes).unwrap();
+            let back = decode(batch.now, &bytes, &variables).unwrap();
+            assert_eq!(postcard::to_stdvec(&back).unwrap(), postcard::to_stdvec(&batch).unwrap());
+        }
+        assert_eq!(variables.len(), 5);
+    }
+
+    #[test]
     fn random_bytes_are_refused_without_panic() {
         let mut variables = Variables::default();
         let mut bytes = Vec::new();
