@@ -65,6 +65,23 @@ fn ten_times_as_many_competitors_cost_much_less_than_ten_times_as_much() {
     }
 }
 
+/// Tasks with separate durations that fill the gaps in two resources: the claims before a gap exceed the resources after few turns.
+#[test]
+fn gaps_in_two_resources_cost_much_less_than_their_number() {
+    let program = |count: usize| {
+        let step = |number: usize| {
+            let (first, second, span) = (1 + number % 3, 1 + number / 3 % 3, 1_000 + number * 7_919 % 5_000);
+            format!("  (step s{number} (use {span}ms) (profile (r {first}) (q {second})))\n")
+        };
+        let steps: String = (0..count).map(step).collect();
+        let declared = "(resource r :capacity 3) (resource q :capacity 3)";
+        format!("{declared}\n(procedure (index (do-domain))\n{steps})\n(primitive (index (use ?d)) (duration ?d))\n")
+    };
+    let (few, many) = (least(&program(100)), least(&program(1_000)));
+    println!("gaps in two resources: {few:?} among 100, {many:?} among 1,000");
+    assert!(many < few * 8, "{few:?} among 100, {many:?} among 1,000");
+}
+
 /// Ranked procedures of ten steps that compete with one another; numbers of their steps differ.
 fn families(profile: &str, count: usize) -> String {
     let step = |number: usize| {

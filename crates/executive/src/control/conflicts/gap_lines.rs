@@ -5,7 +5,8 @@
 //! PDL: `expected-duration`, section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 //!
 //! A task behind a refused one of the same group is refused, too: it needs the same resources for at least as long, and beats no further
-//! task. Its claims count against later claimants, until the claims of the group alone exceed the whole of each resource.
+//! task. Its claims count against later claimants, until the claims that cannot begin later exceed the whole of each resource. Once they do
+//! so at the first instant at which anything becomes free, all tasks that end after this instant are refused, whatever they need.
 
 use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Rival};
 use crate::control::conflicts::claim_queue;
@@ -16,7 +17,7 @@ use crate::control::conflicts::queues::{group_in_turn, rank_below};
 use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
 use crate::control::cycle::Cycle;
 use crate::state::orders::Group;
-use crate::state::queue_place::{QueueKey, QueuePlace, TurnOrder};
+use crate::state::queue_place::{QueueKey, QueuePlace, RisingKey, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::TurnSource;
@@ -37,6 +38,8 @@ struct Line<'a> {
     refused: Vec<TaskId>,
     /// If further claims of the group change nothing: the uses at that moment, and the expected duration from which on this holds.
     quiet: Option<(UseCounts, Option<Duration>)>,
+    /// True while all claimants of the group are refused, and their claims change nothing.
+    idles: bool,
 }
 
 /// State of the resources of a line: the number of uses of each, and the number of displaced tasks.
@@ -92,6 +95,7 @@ impl<'a, 'c> GapLines<'a, 'c> {
     pub(super) fn next(&mut self) -> Option<(QueueKey, Option<usize>)> {
         loop {
             self.wake();
+            self.idle();
             if !self.visits_all && self.losers.is_empty() && !self.can_one_get() {
                 return None;
             }
@@ -129,17 +133,52 @@ impl<'a, 'c> GapLines<'a, 'c> {
         }
     }
 
+    /// Skips the claimants of lines while these are refused in any case, and continues the other lines.
+    fn idle(&mut self) {
+        if self.visits_all {
+            return;
+        }
+        let exhausted: BTreeMap<ResourceId, Exhaustion> =
+            self.resources.keys().map(|id| (*id, Exhaustion::of(&self.field, *id))).collect();
+        let (now, position, cycle) = (self.cycle.now, self.position, self.cycle);
+        for line in &mut self.lines {
+            let needs = line.needs.iter().map(|(id, _)| exhausted.get(id));
+            let until = line.shortest.map(|shortest| now + shortest);
+            let idles = Exhaustion::refuses(needs, until);
+            if line.idles
+                && !idles
+                && let Some(position) = position
+            {
+                line.skip_to(cycle, position);
+            }
+            line.idles = idles;
+        }
+    }
+
     /// Notes that a claimant of the line was refused.
     pub(super) fn was_refused(&mut self, line: Option<usize>, task: TaskId, claim: UseKind) {
         let Some(line) = line.and_then(|index| self.lines.get_mut(index)) else { return };
         line.refused.push(task);
         let field = &self.field;
+        let UseKind::Awaited(earliest) = claim else { return };
+        let expected = self.cycle.task(task).and_then(|task| task.selection.as_ref()?.expected);
+        let until = expected.map(|expected| self.cycle.now + expected);
+        // Claims that count wherever this one does.
+        let counts = |kind: UseKind| match kind {
+            UseKind::Awaited(at) => at <= earliest,
+            UseKind::Held | UseKind::Granted => false,
+        };
+        // A longer task also waits for claims that leave this one a gap.
+        let leaves_gap = |kind: UseKind| match (kind, earliest, until) {
+            (UseKind::Awaited(Some(at)), Some(earliest), Some(until)) => until <= at && at < earliest,
+            _ => false,
+        };
         let claims_all = |(id, _): &(ResourceId, f64)| {
-            let claimed = field.uses_of(*id).iter().filter(|each| each.kind == claim).map(|each| each.amount);
-            claimed.sum::<f64>() > field.total(*id) + TOLERANCE
+            let uses = field.uses_of(*id);
+            let claimed = uses.iter().filter(|each| counts(each.kind)).map(|each| each.amount);
+            claimed.sum::<f64>() > field.total(*id) + TOLERANCE && !uses.iter().any(|each| leaves_gap(each.kind))
         };
         if line.needs.iter().all(claims_all) {
-            let expected = self.cycle.task(task).and_then(|task| task.selection.as_ref()?.expected);
             line.quiet = Some((mark_of(field, &line.needs, self.losses), expected));
         }
     }
@@ -173,12 +212,16 @@ impl<'a, 'c> GapLines<'a, 'c> {
         tasks.sort_unstable();
         tasks.dedup();
         let worth: Vec<Option<Cow<'_, QueuePlace>>> = tasks.iter().map(|task| self.worth(*task)).collect();
+        let rise_alike = rise_alike(&worth);
         let number = |task: &TaskId| tasks.binary_search(task).ok();
         let mut rivals: BTreeMap<Vec<ResourceId>, Vec<(usize, bool)>> = BTreeMap::new();
         let mut watched = Vec::new();
         for (line, front) in self.lines.iter().zip(&fronts) {
             let needs: Vec<ResourceId> = line.needs.iter().map(|need| need.0).collect();
-            let rivals = rivals.entry(needs).or_insert_with_key(|needs| self.rivals(needs, &fronts, number));
+            let rivals = rivals.entry(needs).or_insert_with_key(|needs| match rise_alike {
+                true => Vec::new(),
+                false => self.rivals(needs, &fronts, number),
+            });
             for task in front.iter().filter(|task| !result.granted.contains(task)) {
                 let own = number(task).and_then(|number| worth.get(number)?.as_deref());
                 let may_overtake = |(other, _): &&(usize, bool)| {
@@ -231,7 +274,7 @@ impl<'a> Line<'a> {
     fn of(cycle: &'a Cycle<'_>, needs: Vec<(ResourceId, f64)>, group: &'a Group, order: TurnOrder) -> Line<'a> {
         let turns: Box<dyn TurnSource + 'a> = Box::new(group_in_turn(cycle, group, order));
         let (shortest, refused) = (group.shortest(), Vec::new());
-        let mut line = Line { needs, shortest, turns, head: None, refused, quiet: None };
+        let mut line = Line { needs, shortest, turns, head: None, refused, quiet: None, idles: false };
         line.advance(cycle);
         line
     }
@@ -255,13 +298,52 @@ impl<'a> Line<'a> {
 
     /// Returns true if no claim of the line changes the result.
     fn is_asleep(&self) -> bool {
-        self.quiet.as_ref().is_some_and(|(_, least)| takes_as_long(self.shortest, *least))
+        self.idles || self.quiet.as_ref().is_some_and(|(_, least)| takes_as_long(self.shortest, *least))
     }
 
     /// Returns the refused claimants and the next ones.
     fn front(&self) -> Vec<TaskId> {
         let next = self.head.into_iter().chain(self.turns.heads()).map(|key| key.task());
         self.refused.iter().copied().chain(next).collect()
+    }
+}
+
+/// The instant from which on claims exceed a resource. Unknown instants count as the earliest.
+struct Exhaustion {
+    /// Claims that cannot begin before this instant, and those before it, exceed the whole; `None` if all claims do not.
+    from: Option<Option<Time>>,
+    /// The first instant at which a use may end or a claimant may begin.
+    first: Option<Option<Time>>,
+}
+
+impl Exhaustion {
+    fn of(field: &Field<'_, '_>, id: ResourceId) -> Exhaustion {
+        let (mut claims, mut first) = (Vec::new(), None);
+        for each in field.uses_of(id) {
+            let end = field.expected_end(each);
+            first = Some(first.map_or(end, |known: Option<Time>| known.min(end)));
+            if let UseKind::Awaited(at) = each.kind {
+                claims.push((at, each.amount));
+            }
+        }
+        claims.sort_by_key(|claim| claim.0);
+        let (total, mut sum) = (field.total(id), 0.0);
+        let from = claims.iter().find_map(|(at, amount)| {
+            sum += amount;
+            (sum > total + TOLERANCE).then_some(*at)
+        });
+        Exhaustion { from, first }
+    }
+
+    /// Returns true if a task that ends at `until` is refused, and its claims change nothing: at the first instant at which anything it
+    /// needs becomes free, claims exceed all that it needs.
+    fn refuses<'e>(mut needs: impl Iterator<Item = Option<&'e Exhaustion>>, until: Option<Time>) -> bool {
+        let mut common = None;
+        needs.all(|need| {
+            let Some(Exhaustion { from: Some(from), first: Some(first) }) = need else { return false };
+            let ends_later = from.zip(until).is_none_or(|(from, until)| until > from);
+            from == first && *common.get_or_insert(*from) == *from && ends_later
+        })
     }
 }
 
@@ -317,6 +399,19 @@ impl Room {
         let claimed: f64 = self.claims.iter().map(|claim| claim.1).sum();
         amount + claimed <= self.free + lost + TOLERANCE
     }
+}
+
+/// Returns true if the priorities of all these tasks rise in the same way, so that none of them overtakes another one.
+fn rise_alike(places: &[Option<Cow<'_, QueuePlace>>]) -> bool {
+    let mut first = None;
+    places.iter().all(|place| {
+        let keys = place.as_deref().map_or(&[][..], |place| place.rising.as_slice());
+        let mut alike = |key: &RisingKey| {
+            let (importance, due) = *first.get_or_insert((key.importance, key.due));
+            key.importance == importance && key.due == due
+        };
+        !keys.is_empty() && keys.iter().all(&mut alike)
+    })
 }
 
 fn mark_of(field: &Field<'_, '_>, needs: &[(ResourceId, f64)], losses: usize) -> UseCounts {
