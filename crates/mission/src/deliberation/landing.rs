@@ -71,11 +71,11 @@ fn landing_s(mission: &Mission, problem: &Problem, plan: &Plan) -> Option<f64> {
     let target = problem.targets.iter().find(|target| target.name == last.target)?;
     let altitude_m = target.manoeuvres.get(last.manoeuvre)?.altitude_m;
     let (model, cruise_m) = (&mission.model, mission.cruise_altitude_m());
-    let legs = plan.return_route.iter().zip(plan.return_route.iter().skip(1));
-    let home_s = legs.fold(Some(0.0), |flown_s: Option<f64>, (from, to)| {
-        let at_s = plan.return_depart_s + flown_s?;
+    let mut legs = plan.return_route.iter().zip(plan.return_route.iter().skip(1));
+    let home_s = legs.try_fold(0.0, |flown_s, (from, to)| {
+        let at_s = plan.return_depart_s + flown_s;
         let leg_s = wind::leg_time_s(*from, *to, cruise_m, model.true_airspeed_m_s_cruise, &mission.forecast, at_s);
-        Some(flown_s? + leg_s?)
+        Some(flown_s + leg_s?)
     });
     let planned_s = plan.end_s - plan.return_depart_s;
     let down_s = (altitude_m - cruise_m).max(0.0) / model.descent_rate_m_s_max;

@@ -91,7 +91,7 @@ impl Trade {
 /// Returns points with a decimal, and with as many as show two digits of a small number, at most five: gain and price are compared.
 fn points(points: f64) -> String {
     let size = points.abs();
-    let decimals = if size >= 0.95 || size < 5e-6 { 1 } else { (1.0 - libm::floor(libm::log10(size))) as usize };
+    let decimals = if (5e-6..0.95).contains(&size) { (1.0 - libm::floor(libm::log10(size))) as usize } else { 1 };
     format!("{points:.*}", decimals.min(5))
 }
 
