@@ -49,7 +49,7 @@ const DARK = {
   /** Hairlines without information. */
   rule: '#484f56',
   /** Ground that was seen. */
-  seen: '#5c636a',
+  seen: '#3f3a30',
   /** Layers of the user. */
   user: '#b48ead',
   halo: '#111417d0',
@@ -95,7 +95,7 @@ const LIGHT: Record<ColourName, string> = {
   band: '#e3e0d8',
   ghost: '#7b7e81',
   rule: '#b9b4a9',
-  seen: '#c4c0b7',
+  seen: '#e0dbd0',
   user: '#7a4f86',
   halo: '#fcfbf8d0',
   craft: '#1a1c1e',
