@@ -95,7 +95,11 @@ pub(crate) fn single_visits(
         start_altitude_m: situation.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
-        end_s: Some(latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)),
+        // Plans end over the base at cruise altitude.
+        end_s: Some(
+            latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)
+                - landing_s(mission),
+        ),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.iter().map(|zone| timed(&grown(zone, mission), now_s)).collect(),
@@ -107,6 +111,13 @@ pub(crate) fn single_visits(
         failure: mission.failure,
         travel: None,
     })
+}
+
+/// Returns the time from the arrival over the base at cruise altitude to the landing, at the rate of descent of plans: the last turns and
+/// the final approach take time, too.
+pub(crate) fn landing_s(mission: &Mission) -> f64 {
+    let descent_mps = mission.model.descent_rate_m_s_max * mission.model.planning.descent_share;
+    (mission.cruise_altitude_m() - mission.start_altitude_m).max(0.0) / descent_mps
 }
 
 /// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and shrinks with

@@ -17,6 +17,7 @@ use apex_mission::recording;
 use apex_mission::verification::{CheckResult, FlightCheck, verify};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
+use apex_runtime::EndReason;
 use apex_runtime::ports::Observer;
 use apex_simulation::{create_record, world};
 use random_mission::RandomMission;
@@ -45,7 +46,7 @@ impl Observer for Failures {
     }
 }
 
-fn fly(mission: &Arc<Mission>, seed: u64) -> CheckResult {
+fn fly(mission: &Arc<Mission>, seed: u64) -> (EndReason, CheckResult) {
     let mut check = FlightCheck::new(mission);
     let mut vehicle = world(mission, Some(seed)).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
@@ -61,7 +62,7 @@ fn fly(mission: &Arc<Mission>, seed: u64) -> CheckResult {
         println!("{:?}", flown.end);
         flown.report.notes.iter().for_each(|note| println!("{note:?}"));
     }
-    check.result().clone()
+    (flown.end.reason, check.result().clone())
 }
 
 fn shown(name: &str, result: &CheckResult) -> Option<String> {
@@ -85,9 +86,12 @@ fn western_states_keeps_its_requirements() {
     let mut positions = 0;
     let first = number("APEX_GUARDED_FIRST", 1);
     for seed in first..first + number("APEX_GUARDED_SEEDS", 10) {
-        let result = fly(&mission, seed);
+        let (end, result) = fly(&mission, seed);
         positions += result.positions;
         wrong.extend(shown(&format!("seed {seed}"), &result));
+        if !end.is_success() {
+            wrong.push(format!("seed {seed}: it has not landed, because {}", end.text()));
+        }
     }
     assert!(positions > 1_000, "{positions} positions are too few to say anything");
     assert!(wrong.is_empty(), "{} flights:\n{}", wrong.len(), wrong.join("\n"));
@@ -118,7 +122,7 @@ fn a_wait_keeps_out_of_zones_at_every_altitude_that_it_is_flown_at() {
     let folder = tempfile::tempdir().unwrap();
     RandomMission::new(266).write(folder.path());
     let mission = Arc::new(Mission::load(folder.path()).unwrap());
-    let result = fly(&mission, 266);
+    let (_, result) = fly(&mission, 266);
     assert!(result.positions > 1_000 && result.unsaid().next().is_none(), "{result}");
 }
 
@@ -130,7 +134,7 @@ fn random_missions_keep_their_requirements() {
         let folder = tempfile::tempdir().unwrap();
         RandomMission::new(seed).write(folder.path());
         let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("mission {seed}: {error}")));
-        let result = fly(&mission, seed);
+        let (_, result) = fly(&mission, seed);
         positions += result.positions;
         broken += result.said_broken.len();
         for (t_s, what) in &result.said_broken {

@@ -80,8 +80,7 @@ fn landing_s(mission: &Mission, problem: &Problem, plan: &Plan) -> Option<f64> {
     let planned_s = plan.end_s - plan.return_depart_s;
     let down_s = (altitude_m - cruise_m).max(0.0) / model.descent_rate_m_s_max;
     let home_s = home_s.map_or(planned_s, |home_s| home_s.max(down_s).min(planned_s));
-    let descent_mps = model.descent_rate_m_s_max * model.planning.descent_share;
-    Some(plan.return_depart_s + home_s + (cruise_m - mission.start_altitude_m).max(0.0) / descent_mps)
+    Some(plan.return_depart_s + home_s + crate::problem::landing_s(mission))
 }
 
 fn posed(mission: &Mission, problem: &Problem, arrival: &dyn Fn(&str) -> GroundArrival) -> Problem {
