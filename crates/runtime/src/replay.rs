@@ -36,6 +36,9 @@ pub struct ReplayReport {
     pub gap: Option<RecordGap>,
 }
 
+/// Maximum number of characters of one side of a difference in a text for people.
+const SIDE_CHARS_MAX: usize = 600;
+
 /// The first difference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
@@ -98,14 +101,27 @@ impl fmt::Display for ReplayReport {
             };
         };
         let Difference { at, batch, what, recorded, replayed } = difference;
-        let words = |side: &Option<String>| side.clone().unwrap_or_else(|| "nothing".into());
         write!(
             f,
             "The replay differs at {at}, batch {batch}, {what}:\n  recorded: {}\n  replayed: {}",
-            words(recorded),
-            words(replayed)
+            excerpt(recorded.as_deref(), replayed.as_deref()),
+            excerpt(replayed.as_deref(), recorded.as_deref())
         )
     }
+}
+
+/// Returns a side of a difference for people: the whole text if it is short, and the surroundings of the first difference otherwise,
+/// because a planning problem has a hundred thousand characters.
+fn excerpt(side: Option<&str>, other: Option<&str>) -> String {
+    let text = side.unwrap_or("nothing");
+    let length = text.chars().count();
+    if length <= SIDE_CHARS_MAX {
+        return text.to_owned();
+    }
+    let equal = text.chars().zip(other.unwrap_or_default().chars()).take_while(|(one, two)| one == two).count();
+    let from = equal.saturating_sub(SIDE_CHARS_MAX / 2);
+    let part: String = text.chars().skip(from).take(SIDE_CHARS_MAX).collect();
+    format!("characters {} to {} of {length}: {part}", from + 1, length.min(from + SIDE_CHARS_MAX))
 }
 
 /// Executes all recorded batches of all agents again, up to the first difference.
@@ -341,4 +357,21 @@ fn words(told: &EffectRow) -> String {
         words.push_str(&format!("; from {place}"));
     }
     words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_sides_of_a_difference_are_cut_around_its_first_character() {
+        let (recorded, replayed) = (format!("{}A{}", "é".repeat(5_000), "x".repeat(9)), "é".repeat(9_000));
+        let shown = excerpt(Some(&recorded), Some(&replayed));
+        assert!(shown.starts_with("characters 4701 to 5010 of 5010: é") && shown.ends_with("éAxxxxxxxxx"), "{shown}");
+        let shown = excerpt(Some(&replayed), Some(&recorded));
+        assert!(shown.starts_with("characters 4701 to 5300 of 9000: é"), "{shown}");
+        assert_eq!(shown.chars().filter(|char| *char == 'é').count(), SIDE_CHARS_MAX);
+        assert!(excerpt(Some(&recorded), None).starts_with("characters 1 to 600 of 5010: "));
+        assert_eq!((&*excerpt(Some("short"), None), &*excerpt(None, Some(&recorded))), ("short", "nothing"));
+    }
 }
