@@ -36,7 +36,7 @@ pub struct ReplayReport {
     pub gap: Option<RecordGap>,
 }
 
-/// Maximum number of characters of one side of a difference in a text for people.
+/// Maximum number of printed characters of one side of a difference.
 const SIDE_CHARS_MAX: usize = 600;
 
 /// The first difference.
@@ -110,7 +110,7 @@ impl fmt::Display for ReplayReport {
     }
 }
 
-/// Returns a side of a difference for people: the whole text if it is short, and the surroundings of the first difference otherwise,
+/// Returns a side of a difference as it is printed: the whole text if it is short, and the surroundings of the first difference otherwise,
 /// because a planning problem has a hundred thousand characters.
 fn excerpt(side: Option<&str>, other: Option<&str>) -> String {
     let text = side.unwrap_or("nothing");
