@@ -45,6 +45,8 @@ CI_APEX := $(TARGET)/ci/apex
 # In the profile of all else: `cargo xtask` would compile its packages for development, too.
 CI_XTASK := $(TARGET)/ci/xtask
 FLIGHTS := $(TARGET)/flights
+# Tests that write rows of the quality page.
+MEASURED = APEX_QUALITY_FOLDER=$(abspath $(TARGET)/quality)
 RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
@@ -208,7 +210,9 @@ quality: coverage audit sbom ## Measure coverage, packages and bills of material
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
-	APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
+	mkdir -p $(TARGET)/quality && rm -f $(TARGET)/quality/crashes.tsv
+	$(MEASURED) APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
+	$(MEASURED) APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
 	$(MAKE) fuzz fuzz-planted
@@ -224,7 +228,6 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
 	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 cargo test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
-	APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench

@@ -124,12 +124,13 @@ fn fly_in(folder: &Path, seed: u64, (replayed, recorded): (bool, bool), rules: R
 #[test]
 fn flights_with_failures_end_well_or_say_why_not() {
     let (first, wanted) = (number("APEX_FAULT_SEED", 1), number("APEX_FAULT_HOURS", 200) as f64);
-    let (mut hours, mut wrong) = (0.0, Vec::new());
+    let (mut hours, mut faults, mut wrong) = (0.0, 0, Vec::new());
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut seed = first;
     while hours < wanted {
         let flown = fly(seed, seed.is_multiple_of(REPLAYED_EVERY));
         hours += flown.hours;
+        faults += flown.story.faults.len();
         let kinds: BTreeSet<&str> = flown.story.faults.iter().map(|span| span.kind.as_str()).collect();
         for kind in kinds {
             *seen.entry(kind.to_string()).or_default() += 1;
@@ -141,6 +142,10 @@ fn flights_with_failures_end_well_or_say_why_not() {
         seed += 1;
     }
     println!("{hours:.0} flight hours in {} flights: {seen:?}", seed - first);
+    if let Some(folder) = std::env::var_os("APEX_QUALITY_FOLDER") {
+        let row = format!("seeds {first} to {}\t{hours:.0}\t{faults}\t{}\n", seed - 1, wrong.len());
+        std::fs::write(Path::new(&folder).join("faults.tsv"), row).unwrap();
+    }
     assert!(wrong.is_empty(), "{} of {} flights:\n{}", wrong.len(), seed - first, wrong.join("\n"));
     // If the simulated failures do not occur, nothing is tested.
     if wanted >= 200.0 {

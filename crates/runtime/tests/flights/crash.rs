@@ -21,7 +21,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
@@ -231,19 +231,32 @@ fn count(variable: &str, usual: usize) -> usize {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
+/// Demands that no crash lost anything, and adds a row to the quality page if `APEX_QUALITY_FOLDER` is set.
+fn survived(what: &str, points: usize, fault: Option<String>) {
+    if let Some(folder) = std::env::var_os("APEX_QUALITY_FOLDER") {
+        let path = Path::new(&folder).join("crashes.tsv");
+        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).unwrap();
+        file.write_all(format!("{what}\t{points}\t{}\n", usize::from(fault.is_some())).as_bytes()).unwrap();
+    }
+    assert_eq!(fault, None);
+}
+
 #[test]
 fn no_kill_loses_what_is_acknowledged() {
-    assert_eq!(Logged::fly("program").kill(count("APEX_KILL_POINTS", 300), 1), None);
+    let points = count("APEX_KILL_POINTS", 300);
+    survived("process killed", points, Logged::fly("program").kill(points, 1));
 }
 
 #[test]
 fn no_power_cut_loses_what_a_power_safe_record_acknowledged() {
-    assert_eq!(Logged::fly("power").cut(count("APEX_POWER_CUTS", 1_000) / 2, 2, true), None);
+    let points = count("APEX_POWER_CUTS", 1_000) / 2;
+    survived("power cut, power-safe record", points, Logged::fly("power").cut(points, 2, true));
 }
 
 #[test]
 fn a_power_cut_takes_the_last_groups_only_and_never_the_order() {
-    assert_eq!(Logged::fly("program").cut(count("APEX_POWER_CUTS", 1_000) / 2, 3, false), None);
+    let points = count("APEX_POWER_CUTS", 1_000) / 2;
+    survived("power cut, fast record: order kept", points, Logged::fly("program").cut(points, 3, false));
 }
 
 #[test]
