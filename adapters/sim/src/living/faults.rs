@@ -1,6 +1,7 @@
 //! Failures over time: stated times, and Poisson processes drawn by seed before the flight.
 //!
-//! Bound: O(spans) for each question; at most [`SPANS_MAX`] spans of one failure.
+//! Bound: O(active failures and those that began since the last query of changes) for each question; at most [`SPANS_MAX`] spans of one
+//! failure.
 
 use super::{FaultKind, FaultSpec};
 use crate::instants;
@@ -32,12 +33,14 @@ impl FaultSpan {
     }
 }
 
-/// All failures of a flight, by their beginnings.
+/// All failures of a flight, by their beginnings. The time of the questions never goes back behind the last [`Faults::changes`].
 #[derive(Clone, Debug)]
 pub(crate) struct Faults {
     spans: Vec<FaultSpan>,
-    /// For each span, whether it was active at the last query.
-    known: Vec<bool>,
+    /// The number of spans that had begun at the last query of changes: those before it are over, or are in `open`.
+    begun: usize,
+    /// The spans that were active at the last query of changes, by ascending index.
+    open: Vec<usize>,
 }
 
 /// A failure that has begun or is over.
@@ -54,13 +57,18 @@ impl Faults {
             .flat_map(|(spec, index)| spans_of(spec, Random::new(seed, STREAM + index)))
             .collect();
         spans.sort_by_key(|span| (span.from, span.kind));
-        let known = vec![false; spans.len()];
-        Faults { spans, known }
+        Faults { spans, begun: 0, open: Vec::new() }
     }
 
-    /// Returns the failures that hold now.
+    /// Returns the failures that hold now, by their beginnings.
     pub(crate) fn active(&self, now: Time) -> impl Iterator<Item = &FaultSpan> {
-        self.spans.iter().take_while(move |span| span.from <= now).filter(move |span| span.holds(now))
+        let open = self.open.iter().filter_map(|index| self.spans.get(*index));
+        open.chain(self.since_changes(now)).filter(move |span| span.holds(now))
+    }
+
+    /// The spans that began after the last query of changes, and not later than `now`.
+    fn since_changes(&self, now: Time) -> impl Iterator<Item = &FaultSpan> {
+        self.spans.iter().skip(self.begun).take_while(move |span| span.from <= now)
     }
 
     /// Returns the first failure of a kind that is active now and concerns this object, or concerns no particular object.
@@ -70,23 +78,32 @@ impl Faults {
 
     /// Returns the next beginning or end that [`Faults::changes`] has not reported; `now` if one is already due.
     pub(crate) fn next_change(&self, now: Time) -> Option<Time> {
-        if self.spans.iter().zip(&self.known).any(|(span, known)| span.holds(now) != *known) {
+        let mut open = self.open.iter().filter_map(|index| self.spans.get(*index));
+        if open.any(|span| !span.holds(now)) || self.since_changes(now).any(|span| span.holds(now)) {
             return Some(now);
         }
-        let instants = self.spans.iter().flat_map(|span| [span.from, span.until]);
-        instants.filter(|at| *at > now && *at < Time::END).min()
+        let ends = self.open.iter().filter_map(|index| self.spans.get(*index)).map(|span| span.until);
+        let next = self.spans.iter().skip(self.begun).map(|span| span.from).find(|from| *from > now);
+        ends.chain(next).filter(|at| *at < Time::END).min()
     }
 
     /// Failures that began or ended since the last call, in order.
     pub(crate) fn changes(&mut self, now: Time) -> Vec<FaultChange> {
+        let new = self.since_changes(now).count();
         let mut changes = Vec::new();
-        for (span, known) in self.spans.iter().zip(&mut self.known) {
+        let before = std::mem::take(&mut self.open);
+        let known = before.len();
+        for (place, index) in before.into_iter().chain(self.begun..self.begun + new).enumerate() {
+            let Some(span) = self.spans.get(index) else { continue };
             let holds = span.holds(now);
-            if holds != *known {
-                *known = holds;
+            if holds != (place < known) {
                 changes.push(FaultChange { span: span.clone(), begins: holds });
             }
+            if holds {
+                self.open.push(index);
+            }
         }
+        self.begun += new;
         changes
     }
 }
@@ -152,5 +169,60 @@ mod tests {
         assert!((sigma / mean - 1.0).abs() < 0.05, "{sigma} for {mean}");
         let other = Faults::new(&[spec(None, Some(10.0), Some(0.001))], 8);
         assert_ne!(faults.spans[0], other.spans[0]);
+    }
+
+    /// The naive twin: every question looks at all spans.
+    struct Naive {
+        spans: Vec<FaultSpan>,
+        known: Vec<bool>,
+    }
+
+    impl Naive {
+        fn next_change(&self, now: Time) -> Option<Time> {
+            if self.spans.iter().zip(&self.known).any(|(span, known)| span.holds(now) != *known) {
+                return Some(now);
+            }
+            let instants = self.spans.iter().flat_map(|span| [span.from, span.until]);
+            instants.filter(|at| *at > now && *at < Time::END).min()
+        }
+
+        fn changes(&mut self, now: Time) -> Vec<(FaultSpan, bool)> {
+            let mut changes = Vec::new();
+            for (span, known) in self.spans.iter().zip(&mut self.known) {
+                if span.holds(now) != *known {
+                    *known = span.holds(now);
+                    changes.push((span.clone(), *known));
+                }
+            }
+            changes
+        }
+    }
+
+    /// Long and short failures, some without an end, are asked at irregular instants, at times without a query of changes between them.
+    #[test]
+    fn the_naive_twin_gives_the_same_answers() {
+        let mut random = Random::new(11, 5);
+        for seed in 0..40 {
+            let specs = [
+                spec(None, Some(30.0), Some(50.0)),
+                spec(None, Some(5.0), Some(2_000.0)),
+                spec(None, Some(100.0), Some(0.5)),
+                spec(Some(400.0 * f64::from(u32::try_from(seed).unwrap())), None, None),
+            ];
+            let mut faults = Faults::new(&specs, seed);
+            let mut naive = Naive { known: vec![false; faults.spans.len()], spans: faults.spans.clone() };
+            let mut now_s = 0.0;
+            for step in 0..600 {
+                now_s += 90.0 * random.uniform() * random.uniform();
+                let now = instants::not_before(Time::from_seconds(now_s));
+                assert_eq!(faults.next_change(now), naive.next_change(now), "seed {seed} at {now}");
+                let active: Vec<&FaultSpan> = naive.spans.iter().filter(|span| span.holds(now)).collect();
+                assert_eq!(faults.active(now).collect::<Vec<_>>(), active, "seed {seed} at {now}");
+                if step % 3 != 1 {
+                    let changes = faults.changes(now).into_iter().map(|change| (change.span, change.begins));
+                    assert_eq!(changes.collect::<Vec<_>>(), naive.changes(now), "seed {seed} at {now}");
+                }
+            }
+        }
     }
 }
