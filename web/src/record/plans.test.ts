@@ -69,10 +69,14 @@ it('what a target lacks fills the column that it is about, with the figures of t
   const time = { kind: 'time' as const, limit: 'the end of the mission', is_energy: false, alone: false };
   expect(column({ ...time, more_s: 33 })).toEqual([['time', '33 s more than the end of the mission']]);
   expect(column({ ...time, more_s: 720, alone: true })).toEqual([
-    ['time', '12 min 00 s more than the end of the mission, even alone'],
+    ['time', '12 min more than the end of the mission, even alone'],
+  ]);
+  expect(column({ ...time, more_s: 11_100 })).toEqual([['time', '3 h 5 min more than the end of the mission']]);
+  expect(column({ ...time, more_s: 101, limit: 'the horizon' })).toEqual([
+    ['time', '101 s more than the horizon'],
   ]);
   expect(column({ ...time, more_s: 7, limit: 'endurance', is_energy: true })).toEqual([
-    ['fuel', 'for 7.0 s more'],
+    ['fuel', 'for 7 s more'],
   ]);
   expect(column({ kind: 'value', more: 0.42 })).toEqual([['value', 'at least 0.42 more']]);
   expect(column({ kind: 'value', more: null })).toEqual([['value', 'more than 0']]);

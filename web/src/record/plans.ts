@@ -1,6 +1,5 @@
 /** The changes of a plan from the previous one; pure. */
 
-import { span } from '../time/format';
 import type { LeftOutTarget, PlanInForce } from './types';
 
 /** Visits whose begins differ by less count as the same. */
@@ -82,12 +81,19 @@ export interface Needs {
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
+/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. Whole minutes are rounded up, so seconds would be invented. */
+function neededTime(seconds: number): string {
+  const minutes = seconds / 60;
+  if (seconds < 60 || !Number.isInteger(minutes)) return `${Math.ceil(seconds)} s`;
+  return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
 /** What a target that is left out lacks, in the column that it is about. The figures are the planner's own. */
 export function needsOf({ needs, reason }: Pick<LeftOutTarget, 'needs' | 'reason'>): Needs {
   switch (needs?.kind) {
     case 'time': {
       const even = needs.alone ? ', even alone' : '';
-      const more = span(needs.more_s * 1e9);
+      const more = neededTime(needs.more_s);
       // Energy is stated as the time that it lasts.
       return needs.is_energy
         ? { ...NONE, fuel: `for ${more} more${even}` }

@@ -1,11 +1,16 @@
 import { describe, expect, it } from 'vitest';
-import { addable, commitForms, draftTable, movedVisit } from './view';
+import { addable, commitForms, draftTable, movedVisit, withoutVisit } from './view';
 
 describe('a draft', () => {
   it('moves visits within its ends', () => {
     expect(movedVisit(['a', 'b', 'c'], 2, -1)).toEqual(['a', 'c', 'b']);
     expect(movedVisit(['a', 'b'], 0, -1)).toEqual(['a', 'b']);
     expect(movedVisit(['a', 'b'], 9, 1)).toEqual(['a', 'b']);
+  });
+
+  it('keeps the other visits of a target when one of them is taken out', () => {
+    expect(withoutVisit(['a', 'b', 'a'], 0)).toEqual(['b', 'a']);
+    expect(withoutVisit(['a', 'b', 'a'], 2)).toEqual(['a', 'b']);
   });
 
   it('is committed by the messages that the mission plans by', () => {

@@ -11,6 +11,11 @@ export function movedVisit(visits: readonly string[], from: number, by: 1 | -1):
   return list;
 }
 
+/** `visits` without the one at `index`; other visits of the same target stay. */
+export function withoutVisit(visits: readonly string[], index: number): string[] {
+  return visits.filter((_, at) => at !== index);
+}
+
 /** The messages that make the flight plan exactly these visits, in this order. */
 export function commitForms(visits: readonly string[]): string[] {
   return [`(plan-imposed (${visits.join(' ')}))`, '(off-schedule imposed-plan)'];
