@@ -211,7 +211,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
 	mkdir -p $(TARGET)/quality && rm -f $(TARGET)/quality/crashes.tsv
-	$(MEASURED) APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
+	$(MEASURED) APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-simulation --test fault_simulator
 	$(MEASURED) APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny

@@ -78,7 +78,7 @@ const western = () => test.skip(mission.mission !== 'Western States Fire Mission
 
 test('every target has a row with the times of all plans, and none before it is known', async ({ page }) => {
   western();
-  const at = 46_000;
+  const at = 75_000;
   await open(page, `?t=${at}&rows=targets`);
   const { targets } = await ask<Targets>(`targets?at=${at}000000000`);
   await expect(page.locator('[data-target]')).toHaveCount(targets.length);
@@ -141,7 +141,7 @@ test('the map shows ground seen, wind, reach and the replaced plan, and only wha
   const seen = async (at: number) => (await ask<Footprints>(`footprints?at=${at}000000000`)).swaths.length;
   expect(await seen(1)).toBe(0);
   expect(await seen(20_000)).toBeGreaterThan(0);
-  const at = 46_000;
+  const at = 75_000;
   const colours = [COLOURS.seen, COLOURS.ghost];
   await open(page, '?t=1');
   const map = page.getByTestId('map');

@@ -5,6 +5,7 @@
 //! pages also run these pages.
 
 use crate::git::{self, Changes};
+use crate::testing;
 use crate::workspace::Workspace;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -42,6 +43,13 @@ pub(crate) fn run(root: &Path) -> Result<String, String> {
         }
         println!("  {:.1} s", begin.elapsed().as_secs_f64());
     }
+    let arguments = tests(&packages);
+    if !arguments.is_empty() {
+        println!("cargo xtask test {}", arguments.join(" "));
+        let begin = Instant::now();
+        println!("{}", testing::run(root, &arguments)?);
+        println!("  {:.1} s", begin.elapsed().as_secs_f64());
+    }
     let tested: Vec<&str> = packages.iter().map(String::as_str).collect();
     let tested = if tested.is_empty() { "no package".to_string() } else { tested.join(", ") };
     Ok(format!("quick: {:.1} s; tested {tested}", begin.elapsed().as_secs_f64()))
@@ -70,12 +78,24 @@ fn steps(packages: &BTreeSet<String>) -> Vec<Vec<&str>> {
         vec!["clippy", "--locked", "--quiet", "--workspace", "--lib", "--bins", "--", "-D", "warnings"],
     ];
     if !packages.is_empty() {
-        let chosen: Vec<&str> = packages.iter().flat_map(|name| ["--package", name.as_str()]).collect();
-        let with = |head: &[&'static str], tail: &[&'static str]| [head, &chosen, tail].concat();
-        steps.push(with(&["clippy", "--locked", "--quiet"], &["--all-targets", "--", "-D", "warnings"]));
-        steps.push(with(&["test", "--locked", "--quiet"], &["--lib", "--bins", "--tests"]));
+        steps.push(
+            [&["clippy", "--locked", "--quiet"], &*chosen(packages), &["--all-targets", "--", "-D", "warnings"]]
+                .concat(),
+        );
     }
     steps
+}
+
+/// The arguments for the tests of these packages; empty without packages.
+fn tests(packages: &BTreeSet<String>) -> Vec<&str> {
+    if packages.is_empty() {
+        return Vec::new();
+    }
+    [&["--locked", "--quiet"], &*chosen(packages), &["--lib", "--bins", "--tests"]].concat()
+}
+
+fn chosen(packages: &BTreeSet<String>) -> Vec<&str> {
+    packages.iter().flat_map(|name| ["--package", name.as_str()]).collect()
 }
 
 #[cfg(test)]
@@ -105,8 +125,9 @@ mod tests {
     #[test]
     fn without_changed_packages_nothing_is_tested() {
         assert_eq!(steps(&BTreeSet::new()).len(), 3);
+        assert!(tests(&BTreeSet::new()).is_empty());
         let packages = BTreeSet::from(["apex-geo".to_string()]);
-        let steps = steps(&packages);
-        assert_eq!(steps[4].join(" "), "test --locked --quiet --package apex-geo --lib --bins --tests");
+        assert_eq!(steps(&packages)[3].join(" "), "clippy --locked --quiet --package apex-geo --all-targets -- -D warnings");
+        assert_eq!(tests(&packages).join(" "), "--locked --quiet --package apex-geo --lib --bins --tests");
     }
 }

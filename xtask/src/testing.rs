@@ -42,6 +42,10 @@ const LONGEST: &[&str] = &[
     "explanations",
 ];
 
+/// Names of the programs whose tests mostly wait, such as paced flights. They run one after the other beside the others, since they
+/// need little of a processor.
+const WAITING: &[&str] = &["mission_simulators"];
+
 /// A program of tests.
 struct TestProgram {
     executable: String,
@@ -60,18 +64,13 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     programs.sort_by_key(|program| rank(&program.executable));
     let count = programs.len();
     let at_once = thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let (open, failed) = (Mutex::new(VecDeque::from(programs)), Mutex::new(Vec::new()));
+    let (waiting, working) = programs.into_iter().partition(|program| WAITING.contains(&target(&program.executable)));
+    let (waiting, working) = (Mutex::new(waiting), Mutex::new(working));
+    let failed = Mutex::new(Vec::new());
     thread::scope(|scope| {
+        scope.spawn(|| run_all(&waiting, &failed, &environment));
         for _ in 0..at_once {
-            scope.spawn(|| {
-                while let Some(program) = next(&open) {
-                    if !passes(&program, &environment)
-                        && let Ok(mut failed) = failed.lock()
-                    {
-                        failed.push(program.executable);
-                    }
-                }
-            });
+            scope.spawn(|| run_all(&working, &failed, &environment));
         }
     });
     let failed = failed.into_inner().map_err(|_| "a thread that ran tests panicked".to_string())?;
@@ -81,12 +80,27 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
+/// Runs programs until none is left, and collects those with failed tests.
+fn run_all(open: &Mutex<VecDeque<TestProgram>>, failed: &Mutex<Vec<String>>, environment: &[(String, String)]) {
+    while let Some(program) = next(open) {
+        if !passes(&program, environment)
+            && let Ok(mut failed) = failed.lock()
+        {
+            failed.push(program.executable);
+        }
+    }
+}
+
 /// The position of a program in [`LONGEST`]; all others come after these.
 fn rank(executable: &str) -> usize {
-    let file = Path::new(executable).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
-    // Cargo appends a hash to the name of the target.
-    let name = file.rsplit_once('-').map_or(file.as_ref(), |(name, _)| name);
+    let name = target(executable);
     LONGEST.iter().position(|long| *long == name).unwrap_or(LONGEST.len())
+}
+
+/// The name of a program's target; cargo appends a hash to it.
+fn target(executable: &str) -> &str {
+    let file = Path::new(executable).file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    file.rsplit_once('-').map_or(file, |(name, _)| name)
 }
 
 fn next(open: &Mutex<VecDeque<TestProgram>>) -> Option<TestProgram> {

@@ -183,7 +183,7 @@ fn shipped_missions_with_failures_end_well() {
         let seeds = 11..11 + number("APEX_FAULT_SHIPPED", 2);
         for seed in seeds {
             let folder = tempfile::tempdir().unwrap();
-            let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../missions").join(name);
+            let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
             for file in std::fs::read_dir(&shipped).unwrap() {
                 let file = file.unwrap();
                 std::fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
