@@ -103,7 +103,9 @@ impl Cause {
             Cause::StrayAnswer { to } => format!("an answer arrived for {to}, which was never asked"),
             Cause::LimitReached { limit, value } => format!("the limit {limit} = {value} was reached"),
             Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),
-            Cause::OperatorSilent { default, .. } => format!("the operator did not answer in time, and the default {default} is taken"),
+            Cause::OperatorSilent { default, .. } => {
+                format!("the operator did not answer in time, and the default {default} is taken")
+            }
             Cause::OperatorMute { .. } => "the operator did not answer in time, and there is no default".into(),
             Cause::ApplicationEnded { by } => format!("{by} ended the application"),
             Cause::Stopped { reason } => format!("the application ends: {reason}"),
@@ -153,7 +155,9 @@ fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Stre
         ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),
         ConflictRule::Incumbent => format!("{by} holds {resource} and defends it (priority {winner} against {loser})"),
         ConflictRule::Begun => format!("{by} has begun and continues with {resource} (both priority {winner})"),
-        ConflictRule::WrittenOrder => format!("{by} precedes it in the text and takes {resource} (both priority {winner})"),
+        ConflictRule::WrittenOrder => {
+            format!("{by} precedes it in the text and takes {resource} (both priority {winner})")
+        }
         ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
         ConflictRule::GoesBefore { whom: successor } => {
             format!(
