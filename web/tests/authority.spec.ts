@@ -47,7 +47,7 @@ test('authority is taken, offered to a station of the list, refused, and handed 
   await tower.getByTestId('take').click();
   await expect(tower.getByTestId('authority')).toContainText('authority: you');
   // With only one station there is no other to choose, and the page shows that.
-  await expect(tower.getByTestId('no-stations')).toHaveText('no other station is heard');
+  await expect(tower.getByTestId('no-stations')).toHaveText('no other station is connected');
 
   const van = await station(browser, 'van', 'operator');
   await station(browser, 'guest', 'observer');

@@ -58,7 +58,7 @@ pub enum Command {
     Verify(VerifyOptions),
     /// Save the intact part of a damaged or cut-off flight record to a new one.
     Recover(RecoverOptions),
-    /// Write a flight record of the version before in the present version.
+    /// Convert a flight record of the preceding format version to the present one.
     Convert(ConvertOptions),
     /// Print what a recorded flight achieved, computed again from its record alone.
     Score(ScoreOptions),
@@ -183,7 +183,7 @@ pub struct RunOptions {
     /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was sent.
     #[arg(long, requires = "record")]
     pub power_safe: bool,
-    /// Folder on another disk in which the record continues when its own disk takes nothing any longer.
+    /// Folder on another disk in which the record continues when its own disk accepts no more data.
     #[arg(long, value_name = "FOLDER", requires = "record")]
     pub spare_folder: Option<PathBuf>,
     /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
@@ -300,7 +300,7 @@ pub struct MonitorOptions {
     /// Leave out what was measured or happened later; verdicts are those of this instant.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
-    /// Print civil time (UTC) next to mission time, where the log says it.
+    /// Print civil time (UTC) in addition to mission time, if the log contains it.
     #[arg(long)]
     pub utc: bool,
     /// Draw the variables, their limits and the intervals of the results: an SVG file.

@@ -144,7 +144,7 @@ fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     let cause = cycle.agent.limits.reached(Limit::CascadeRounds);
     let place = task.and_then(|task| cycle.place_of(task));
     let because = Because::new(cause, place);
-    let message = "this instant does not come to rest: tasks keep causing one another without time passing".to_string();
+    let message = "this instant does not end: tasks keep causing one another without time passing".to_string();
     cycle.decide(task, DecisionKind::Trouble { message }, because.clone());
     match task {
         Some(task) if !everything => {

@@ -312,8 +312,8 @@ fn from(rate: &EventRate, now_s: f64) -> EventRate {
     EventRate { steps: now.chain(later).collect() }
 }
 
-/// Returns a zone extended by the distance that the flight must keep from its faces, so that plans that avoid it raise no alarm. A face
-/// at sea level is the ground.
+/// Returns a zone whose lower and upper faces are moved by the distance that the flight must keep from them, so that a plan that avoids it
+/// raises no alarm. A lower face at sea level is the ground, and stays.
 fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
     let height_m = mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
     let out_m = if zone.kind == ZoneKind::Restricted { height_m } else { -height_m };
@@ -322,9 +322,9 @@ fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
     AirspaceZone { altitude_m_min: low_m, altitude_m_max: (high_m + out_m).max(low_m), ..zone.clone() }
 }
 
-/// Returns a zone that closes the airspace earlier by the error of the times at which zones are passed, as ways in flight count it, and
-/// opens it later by the error that is left then, because a vehicle can wait: a visit planned to the last second would have no way. What
-/// closes soon closes after half of the time until then at the earliest.
+/// Returns a zone that closes the airspace earlier, and opens it later, by the error that paths in flight assume for the time at which a
+/// zone is passed: a visit planned to the last second would have no path. For the opening the least error counts, because a vehicle can
+/// wait. A closing is moved by at most half of the time until then.
 fn timed(zone: &AirspaceZone, now_s: f64) -> AirspaceZone {
     let TimeWindow { from_s, until_s } = zone.active;
     let closed_s = |time_s: f64| {
@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 0.0), (3_120.0, 7_320.0));
         assert_eq!(active(ZoneKind::Restricted, (36_000.0, 72_000.0), 0.0), (35_100.0, 72_120.0));
         assert_eq!(active(ZoneKind::Permitted, (3_600.0, 7_200.0), 0.0), (3_720.0, 6_360.0));
-        // The nearer, the less: what was planned before is possible later.
+        // The error shrinks as the closing approaches, so a visit that was planned before remains possible.
         assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 3_000.0), (3_420.0, 7_320.0));
         assert_eq!(active(ZoneKind::Restricted, (3_600.0, 7_200.0), 3_500.0), (3_550.0, 7_320.0));
         for always in [(0.0, FOREVER_S), (-FOREVER_S, FOREVER_S)] {

@@ -5,7 +5,7 @@ use crate::files::{read_bytes, unreadable};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// UTF-8's.
+/// Byte order mark of UTF-8.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
 /// Replaces the file that contained `before` by `text`. The text is written to a temporary file in the same folder, which is then

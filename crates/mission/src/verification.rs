@@ -282,7 +282,7 @@ impl fmt::Display for CheckResult {
             )?;
         }
         for (t_s, words) in &self.said_broken {
-            write!(f, "\n{}: said that it had to break {words}", Time::from_seconds(*t_s))?;
+            write!(f, "\n{}: the flight reported that it had to violate {words}", Time::from_seconds(*t_s))?;
         }
         Ok(())
     }

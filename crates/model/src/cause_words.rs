@@ -24,14 +24,14 @@ impl Cause {
             }
             Cause::HandlesFailure { of } => format!("{of} failed and this is its on-failure"),
             Cause::Responding { answered } => {
-                format!("{answered} answers the event before, and this waits for the next")
+                format!("{answered} answers the preceding event, and this task waits for the next one")
             }
             Cause::Repetition => "its step repeats".into(),
             Cause::NoPreconditions => "there is nothing to wait for".into(),
             Cause::PreconditionsSatisfied => "its preconditions hold".into(),
             Cause::PredecessorEnded { predecessor } => format!("{predecessor}, the step before it, ended"),
             Cause::ResultArrived { variable } => format!("the value of ?{variable} is there"),
-            Cause::IntervalElapsed => "its least interval is over".into(),
+            Cause::IntervalElapsed => "its minimum interval has passed".into(),
             Cause::StartsOver => "it starts over, and its preconditions held before".into(),
             Cause::RepeatedEnabled => "it repeats :enabled".into(),
             Cause::ConditionSatisfied { clause } => format!("the condition of {clause} holds"),
@@ -40,7 +40,7 @@ impl Cause {
                 outranked_text(*by, resource, *rule, *winner, *loser)
             }
             Cause::ResourceExhausted { resource, needed, left } => {
-                format!("{resource} cannot give the {needed} that it needs: there is {left}")
+                format!("{resource} does not suffice: the task needs {needed}, and {left} is left")
             }
             Cause::AncestorSuspended { ancestor } => format!("{ancestor} above it was suspended"),
             Cause::AncestorResumed { ancestor } => format!("{ancestor} above it was resumed"),
@@ -49,13 +49,13 @@ impl Cause {
             Cause::StepsEnded { last: None } => "it has no steps".into(),
             Cause::BuiltInDone { activity } => format!("({activity} ..) is done at once"),
             Cause::CompletedAtOnce => "its primitive takes no time".into(),
-            Cause::CompletedByForm => "its primitive said (complete)".into(),
+            Cause::CompletedByForm => "its primitive executed (complete)".into(),
             Cause::DurationElapsed { duration } => format!("its duration of {duration} is over"),
             _ => self.text_of_the_rest(),
         }
     }
 
-    /// Returns ends from outside, choices, bindings, faults.
+    /// Returns the texts of ends from outside, choices, bindings and faults.
     fn text_of_the_rest(&self) -> String {
         match self {
             Cause::ItemsEnded { items, last } => items_text(*items, *last),
@@ -74,12 +74,12 @@ impl Cause {
             Cause::MostSpecific { candidates } => format!("it is the most specific of {candidates} matches"),
             Cause::FirstOfEquals { candidates, equals, rule } => {
                 let of = match equals == candidates {
-                    true => format!("of {candidates} matches, all as specific, it is"),
+                    true => format!("of {candidates} equally specific matches it is"),
                     false => format!("of {candidates} matches {equals} are the most specific, and it is"),
                 };
                 let rule = match rule {
                     EqualsRule::MadeInFlight => "the plan made in flight",
-                    EqualsRule::Procedure => "a procedure, which goes before primitives",
+                    EqualsRule::Procedure => "a procedure, which precedes primitives",
                     EqualsRule::FirstInLibrary => "the first in the library",
                 };
                 format!("{of} {rule}")
@@ -94,17 +94,19 @@ impl Cause {
             }
             Cause::SolverFailed { request, reason } => format!("solver request {} failed: {reason}", request.0),
             Cause::Binding { clause } => format!("{clause} gave it"),
-            Cause::FormRan { clause } => format!("a form of its {clause} said so"),
-            Cause::SentAgain => "it was taken back at the interruption, and the task continues".into(),
+            Cause::FormRan { clause } => format!("a form of its {clause} caused this"),
+            Cause::SentAgain => "it was withdrawn at the interruption, and the task continues".into(),
             Cause::ExpressionFailed { message } => format!("an expression failed: {message}"),
             Cause::ResultDoesNotFit { value } => format!("the result {value} does not fit the pattern after =>"),
             Cause::InputRefused { message } => message.clone(),
             Cause::RecordingLost { reason } => format!("the flight is not being recorded: {reason}"),
-            Cause::StrayAnswer { to } => format!("an answer came to {to}, which was never asked"),
+            Cause::StrayAnswer { to } => format!("an answer arrived for {to}, which was never asked"),
             Cause::LimitReached { limit, value } => format!("the limit {limit} = {value} was reached"),
             Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),
-            Cause::OperatorSilent { default, .. } => format!("the operator's time is over and {default} is taken"),
-            Cause::OperatorMute { .. } => "the operator's time is over and there is no default".into(),
+            Cause::OperatorSilent { default, .. } => {
+                format!("the operator did not answer in time, and the default {default} is taken")
+            }
+            Cause::OperatorMute { .. } => "the operator did not answer in time, and there is no default".into(),
             Cause::ApplicationEnded { by } => format!("{by} ended the application"),
             Cause::Stopped { reason } => format!("the application ends: {reason}"),
             Cause::NobodyHears { message } => message.clone(),
@@ -119,10 +121,10 @@ impl Cause {
             Cause::ResourceBusy { resource, holder } => {
                 format!("{holder} has {resource}, and its profile says :refuse-if-busy")
             }
-            Cause::CommandMoved { command } => format!("this is how far command {} is", command.0),
-            Cause::LevelChanged { resource } => format!("this is how much there is of {resource} now"),
+            Cause::CommandMoved { command } => format!("this is the state of command {}", command.0),
+            Cause::LevelChanged { resource } => format!("this is the remaining amount of {resource}"),
             Cause::ExecutiveFault { message } => format!("{message}: this is a fault of the executive"),
-            // The others have their words above.
+            // `text` has the texts of the others.
             _ => String::new(),
         }
     }
@@ -153,13 +155,15 @@ fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Stre
         ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),
         ConflictRule::Incumbent => format!("{by} holds {resource} and defends it (priority {winner} against {loser})"),
         ConflictRule::Begun => format!("{by} has begun and continues with {resource} (both priority {winner})"),
-        ConflictRule::WrittenOrder => format!("{by} is written first and takes {resource} (both priority {winner})"),
+        ConflictRule::WrittenOrder => {
+            format!("{by} precedes it in the text and takes {resource} (both priority {winner})")
+        }
         ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
         ConflictRule::GoesBefore { whom: successor } => {
             format!(
-                "{by} outranks it on {resource} (priority {winner} of {successor}, which it goes before by rank, > {loser})"
+                "{by} outranks it on {resource} (priority {winner} of {successor}, which it precedes by rank, > {loser})"
             )
         }
-        ConflictRule::Capacity => format!("not enough of {resource} is left, {by} has it"),
+        ConflictRule::Capacity => format!("too little of {resource} is left, because {by} holds it"),
     }
 }

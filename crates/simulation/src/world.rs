@@ -61,7 +61,7 @@ fn living(world: &WorldText) -> MissionResult<LivingWorld> {
     })
 }
 
-/// Returns the structures, with the rates that the mission believes in at its start: in simulation they are the truth.
+/// Returns the structures with the rates that the mission assumes at its start, which are the true rates in simulation.
 fn sites(mission: &Mission) -> Vec<BurnableSite> {
     let site = |target: &Target| match &target.kind {
         TargetKind::Site(site) => Some(BurnableSite {

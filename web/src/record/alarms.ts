@@ -22,7 +22,7 @@ export interface Alarm {
   signal: string | null;
 }
 
-/** Entries of the rail that call for an operator; interruptions are the executive's daily work. */
+/** Entries of the rail that require an operator, with their words; interruptions are normal and require none. */
 const CALLS: Record<Trouble['kind'], string | null> = {
   failed: 'failed',
   fault: 'fault',
@@ -77,7 +77,7 @@ export function alarmsOf(
         command.t_ns <= atNs &&
         command.words.includes(`${ACKNOWLEDGE}${alarm.id}`),
     );
-    // An alarm that was raised again calls again.
+    // An alarm that was raised again needs another acknowledgement.
     alarm.acknowledgedNs = said && said.t_ns >= alarm.lastNs ? said.t_ns : null;
   }
   return [...alarms.values()].sort((a, b) => b.lastNs - a.lastNs);
@@ -132,7 +132,7 @@ export function groupsOf(alarms: readonly Alarm[]): AlarmGroup[] {
   return [...groups.values()];
 }
 
-/** `▲` not acknowledged, `△` acknowledged and going on, `·` over. */
+/** `▲` not acknowledged, `△` acknowledged and continuing, `·` over. */
 export function alarmGlyph(alarm: Alarm): string {
   if (alarm.acknowledgedNs === null) return '▲';
   return alarm.open ? '△' : '·';

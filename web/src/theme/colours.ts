@@ -26,7 +26,7 @@ const DARK = {
   graticule: '#23282d',
   /** The planned way. */
   track: '#a9b1b8',
-  /** Beyond the value of words, so that tests of pictures find it. */
+  /** Lighter than all words, so that tests of pictures recognise it. */
   flown: '#ffffff',
   /** The flown way of the record in the comparison. */
   other: '#8f979f',

@@ -148,7 +148,7 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
     if let Some(text) = &options.solver_timeout {
         let time = sources::parse_time(text, "--solver-timeout")? - Time::ZERO;
         if time <= Duration::ZERO {
-            return Err(CliError::user(format!("`--solver-timeout {text}` leaves solvers no time"))
+            return Err(CliError::user(format!("`--solver-timeout {text}` is not above zero"))
                 .help("write a time above 0, for example `30s`"));
         }
         means.timeout = std::time::Duration::from_secs_f64(time.seconds());

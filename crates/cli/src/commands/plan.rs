@@ -70,7 +70,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
         PlanFormat::Qgc => qgc::write(&charted(&question, &solved)?, height_m).map_err(|reason| {
             CliError::user(format!("{}: the plan cannot be a plan file of QGroundControl", question.name))
                 .because(reason)
-                .help("add `--height 60m` to fly all of it so high above the start")
+                .help("add `--height 60m` for a flight at 60 m above the start")
         })?,
     };
     output::put(out, &text)

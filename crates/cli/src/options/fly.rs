@@ -15,7 +15,7 @@ pub struct FlyOptions {
     /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was acknowledged.
     #[arg(long, conflicts_with = "runs")]
     pub power_safe: bool,
-    /// Folder on another disk in which the record continues when its own disk takes nothing any longer.
+    /// Folder on another disk in which the record continues when its own disk accepts no more data.
     #[arg(long, value_name = "FOLDER", conflicts_with = "runs")]
     pub spare_folder: Option<PathBuf>,
     /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
@@ -41,7 +41,7 @@ pub struct FlyOptions {
     pub solver_memory: Option<u32>,
     #[command(flatten)]
     pub programs: SolverProgramOptions,
-    /// Number of flights, each in the world of the next seed, and print a summary; no record is written.
+    /// Fly this many flights, each in a world with the next seed, and print a summary; no record is written.
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace"])]
     pub runs: Option<usize>,
     /// Flights at the same time; default is one for each processor. The results do not depend on it.

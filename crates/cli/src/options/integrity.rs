@@ -19,7 +19,7 @@ pub struct VerifyOptions {
 /// `apex recover`
 #[derive(Args)]
 pub struct RecoverOptions {
-    /// The flight record; it stays as it is.
+    /// The flight record; it is not changed.
     pub record: PathBuf,
     /// The new record; default is the old name with `-recovered`.
     #[arg(long, value_name = "FILE")]
@@ -29,7 +29,7 @@ pub struct RecoverOptions {
 /// `apex convert`
 #[derive(Args)]
 pub struct ConvertOptions {
-    /// The flight record of the version before; it stays as it is.
+    /// The flight record of the preceding format version; it is not changed.
     pub record: PathBuf,
     /// The new record.
     pub out: PathBuf,

@@ -24,9 +24,9 @@ pub struct PlanOptions {
     /// Time limit of the solver, in the time of a flight; default is the mission's own, or 10 s.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,
-    /// Time limit of proofs (upper bounds on any plan), in the time of a flight; default is 10 s, enough for all that
-    /// is known of up to 24 targets of surveillance. With `--budget` it is what planning left of that and a twentieth more, at
-    /// least 0.5 s.
+    /// Time limit of proofs (upper bounds on any plan), in the time of a flight. Default is 10 s, which suffices for every known
+    /// proof of up to 24 targets of surveillance; with `--budget` it is the time that planning did not use plus a twentieth of
+    /// the budget or 0.5 s, whichever is longer.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub bound_budget: Option<String>,
     /// Seed of the solver's random numbers; default is the mission's own, or 1.

@@ -66,7 +66,7 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[IndexCandidate]) -> Vec<Met
                     Some((first, before)) if first == own => {
                         if let Some(option) = options.iter_mut().find(|option| option.matches) {
                             option.because =
-                                "no match is more specific, and it goes first among those as specific".into();
+                                "no match is more specific, and it is the first of the equally specific ones".into();
                         }
                         as_specific(before, *candidate).into()
                     }
@@ -85,12 +85,12 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[IndexCandidate]) -> Vec<Met
 fn as_specific(first: IndexCandidate, other: IndexCandidate) -> &'static str {
     match (first, other) {
         (IndexCandidate::Generated(_), IndexCandidate::Procedure(_) | IndexCandidate::Primitive(_)) => {
-            "it is as specific, and a plan made in flight goes before what is stored"
+            "it is equally specific, and a plan made in flight precedes stored procedures"
         }
         (IndexCandidate::Procedure(_), IndexCandidate::Primitive(_)) => {
-            "it is as specific, and procedures go before primitives"
+            "it is equally specific, and procedures precede primitives"
         }
-        _ => "it is as specific, and comes later in the library",
+        _ => "it is equally specific, and comes later in the library",
     }
 }
 

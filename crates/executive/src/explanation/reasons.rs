@@ -99,7 +99,7 @@ pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
 /// Returns the circle of tasks that wait for each other's resources, if the task is part of one.
 fn circle(agent: &Agent, task: &Task) -> Option<Reason> {
     let links = deadlock::circle_at(agent, task.id)?;
-    let text = "an end of the circle in which tasks wait for each other's resources".to_string();
+    let text = "the end of one of the tasks that wait for each other's resources in a circle".to_string();
     let now = Some(deadlock::circle_text(agent, &links));
     Some(Reason { now, place: place(agent, task), ..Reason::new(ReasonKind::Circle, text) })
 }
@@ -127,8 +127,8 @@ fn preconditions(agent: &Agent, task: &Task) -> Vec<Reason> {
     if task.held_back.by_interval {
         let wake = task.extras.as_ref().and_then(|extras| extras.wake);
         let text = match wake {
-            Some(wake) => format!("its least interval is over at {}", wake.at),
-            None => "its least interval is not over".to_string(),
+            Some(wake) => format!("the end of its minimum interval at {}", wake.at),
+            None => "the end of its minimum interval".to_string(),
         };
         let until = wake.map(|wake| wake.at);
         reasons.push(Reason { until, place: place(agent, task), ..Reason::new(ReasonKind::Time, text) });
@@ -234,7 +234,7 @@ fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
             now: Some(format!("it is {}", parent.state)),
             since: Some(parent.since),
             task: Some(parent.id),
-            ..Reason::new(ReasonKind::Suspended, format!("its parent {} does not work", name(agent, parent.id)))
+            ..Reason::new(ReasonKind::Suspended, format!("its parent {} is not ongoing", name(agent, parent.id)))
         });
     }
     reasons
@@ -266,7 +266,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let lifted = |id: TaskId, own: f64| precedence.as_ref().map_or(own, |precedence| precedence.lifted(id, own));
     let instead = |id: TaskId| {
         let whom = precedence.as_ref().and_then(|precedence| precedence.instead_of_own(id));
-        whom.map_or_else(String::new, |whom| format!(" of {}, which it goes before by rank", name(agent, whom)))
+        whom.map_or_else(String::new, |whom| format!(" of {}, which it precedes by rank", name(agent, whom)))
     };
     let own = format!("{}{}", lifted(task.id, priority(agent, task.id, agent.now)), instead(task.id));
     let refused = task.extras.as_ref().and_then(|extras| extras.refused);
@@ -357,7 +357,7 @@ fn primitive(agent: &Agent, task: &Task, state: &PrimitiveController) -> Vec<Rea
         });
     }
     if let Some(update) = state.update.filter(|_| reasons.is_empty()) {
-        let text = format!("its own (complete), looked for at {}", update.at);
+        let text = format!("its form (complete), evaluated next at {}", update.at);
         reasons.push(Reason { since: Some(task.since), place, ..Reason::new(ReasonKind::Time, text) });
     }
     reasons

@@ -93,7 +93,7 @@ fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
             'a' | 's' | 'd' | 'f' => {
                 let argument = arguments
                     .next()
-                    .ok_or_else(|| format!("the control string {control:?} wants more arguments than there are"))?;
+                    .ok_or_else(|| format!("the control string {control:?} needs more arguments than it is given"))?;
                 let (width, decimals) = widths(&parameters)?;
                 let part = directive(letter, argument, decimals)?;
                 // Text is padded on the right and numbers on the left, so that columns align.

@@ -47,7 +47,7 @@ pub(crate) fn why_before(first: Specificity, other: Specificity) -> String {
     if first.segments != other.segments {
         return "it is less specific: it has more segments than the first".into();
     }
-    "it is as specific, and comes later in the library".into()
+    "it is equally specific, and comes later in the library".into()
 }
 
 /// Returns the variables that `pattern` can bind, in order of name.

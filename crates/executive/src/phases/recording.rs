@@ -177,8 +177,8 @@ fn hear(cycle: &mut Cycle<'_>, message: Occurrence) {
 fn forgets(cycle: &mut Cycle<'_>) {
     let most = cycle.agent.limits.of(Limit::EventHistory);
     let message = format!(
-        "more than {most} messages at this instant: the oldest of them are forgotten, tasks made now do not \
-         hear them; look for tasks that keep causing one another without time passing, or send fewer messages at once"
+        "more than {most} messages at this instant: the oldest of them are forgotten, tasks created now do not \
+         receive them; look for tasks that keep causing one another without time passing, or send fewer messages at once"
     );
     overflow(cycle, Limit::EventHistory, message);
 }

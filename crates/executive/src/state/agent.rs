@@ -333,7 +333,7 @@ impl Agent {
         match wake {
             Wake::Duration(task) => format!("the duration of {} ends", name(task)),
             Wake::Update(task) => format!("{} updates", name(task)),
-            Wake::MinimumInterval(task) => format!("the least interval of {} is over", name(task)),
+            Wake::MinimumInterval(task) => format!("the minimum interval of {} is over", name(task)),
             Wake::Probing(monitor) => match self.watches.get(monitor.0) {
                 Some(watch) => {
                     format!("{} probes for its {}, or its time for that is over", name(watch.task), watch.clause.word())

@@ -1,4 +1,5 @@
-//! Undecided plain episodes of one state variable, in arrays, so that a sample costs each of them one comparison.
+//! Episode index, also called bank: the undecided plain episodes of one state variable, in arrays, so that a sample costs each of them one
+//! comparison.
 //!
 //! A plain episode compares a number with fixed bounds, and has at most a greatest gap and a least duration. Until it is decided a sample
 //! can change its truth, end its run by a gap, or complete its duration. The bank watches for these in arrays; the monitor itself is

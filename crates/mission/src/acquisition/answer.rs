@@ -74,7 +74,7 @@ fn procedure(
     synthesis: &Synthesis,
     (start, number): (Start, u32),
 ) -> Result<PlannedProcedure, String> {
-    let chosen = synthesis.front.first().ok_or("no manoeuvre is left")?;
+    let chosen = synthesis.front.first().ok_or("no manoeuvre meets the goal")?;
     let activity = activity(wanted, chosen, start)?;
     let tag = Symbol::new("acquire");
     let PrintedPlan { text, step_lines } = apex_pdl::print_plan(goal, &[(tag.clone(), activity.goal())], false);

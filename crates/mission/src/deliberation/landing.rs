@@ -14,7 +14,7 @@ use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::brought;
 
-/// Like [`solve`] for the problem of a mission; like it for a problem without one.
+/// Like [`solve`], but a plan of a mission whose images are read after the landing is judged by its own landing.
 ///
 /// # Errors
 /// Like [`solve`].

@@ -49,7 +49,7 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
 
 /// Returns the plan of a mission in progress for which nothing more can be planned: the mission ends, and the return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
-    let summary = format!("nothing more to visit. {reason}");
+    let summary = format!("no further target can be visited. {reason}");
     let head = format!("; {summary}\n");
     PlannedProcedure {
         solver: Symbol::new("single-visit"),

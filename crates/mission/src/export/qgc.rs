@@ -10,14 +10,14 @@ use serde_json::{Value, json};
 
 /// Seconds of waiting that get a separate item.
 const WAIT_S_MIN: f64 = 1.0;
-/// `MAV_CMD`.
+/// Commands of MAVLink (`MAV_CMD`).
 const WAYPOINT: u16 = 16;
 const LOITER_TIME: u16 = 19;
 const RETURN_TO_LAUNCH: u16 = 20;
 const LAND: u16 = 21;
 const TAKEOFF: u16 = 22;
 const DO_JUMP: u16 = 177;
-/// `MAV_FRAME`: above mean sea level, above home, and of no place.
+/// Frames of MAVLink (`MAV_FRAME`): above mean sea level, above home, and for items without a place.
 const GLOBAL: u8 = 0;
 const GLOBAL_RELATIVE: u8 = 3;
 const MISSION: u8 = 2;
@@ -100,7 +100,7 @@ impl Items {
         let altitude_m = self.relative_m.or(place.altitude_m).unwrap_or(0.0);
         let altitude_m = if command == LAND && self.relative_m.is_some() { 0.0 } else { altitude_m };
         let (latitude_deg, longitude_deg) = (digits(place.position.latitude_deg), digits(place.position.longitude_deg));
-        // `null` is "as the autopilot likes" of the heading; for loitering the fourth parameter is where the circle is left.
+        // The fourth parameter is the heading, which `null` leaves to the autopilot; of loitering it states where the circle is left.
         let fourth = if command == LOITER_TIME { json!(0) } else { Value::Null };
         let item = json!({
             "type": "SimpleItem",

@@ -138,14 +138,14 @@ fn faster(
     if time_s(&around) < time_s(&swept) { (around, true) } else { (swept, false) }
 }
 
-/// Returns a line that begins and ends earlier by what the scanner looks ahead, since the nose is up, and begins earlier by what is flown
-/// until the scanner is on.
+/// Returns the line moved back by `ahead_m`, the distance that the scanner of an aircraft with its nose up looks ahead, and extended at
+/// its beginning by `start_m`, which is flown until the scanner is on.
 fn earlier((from, to): (Position, Position), (ahead_m, start_m): (f64, f64)) -> (Position, Position) {
     let (begin_deg, end_deg) = (geodesy::azimuth_deg(from, to) + 180.0, geodesy::azimuth_deg(to, from));
     (geodesy::destination(from, begin_deg, ahead_m + start_m), geodesy::destination(to, end_deg, ahead_m))
 }
 
-/// Returns the grounds of a target in order.
+/// Returns the areas of a target's ground in their order; empty for a point or a line.
 pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<CoverageArea> {
     match &wanted.area {
         TargetArea::Circle { centre, radius_m } => vec![CoverageArea::Circle { centre: *centre, radius_m: *radius_m }],
@@ -156,7 +156,7 @@ pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<CoverageArea> {
     }
 }
 
-/// Drafts that none beats in promise and time at once: the rest need no prediction.
+/// Returns the drafts that no other draft exceeds in estimated value and time at once; the others need no prediction.
 fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
     let beaten = |draft: &SweepDraft| {
         drafts.iter().any(|other| {

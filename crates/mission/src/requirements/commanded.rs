@@ -126,7 +126,7 @@ impl Commanded {
         let order = match name.folded() {
             "take-off" => FlightOrder::TakeOff,
             "fly-to" => FlightOrder::FlyBy(points),
-            // A joined line is flown on along.
+            // After a join the vehicle continues along the line.
             "fly-line" | "join-line" => FlightOrder::Line(points),
             "loiter" => FlightOrder::Circle(points),
             "hover" => FlightOrder::Stay(points),

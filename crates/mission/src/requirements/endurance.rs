@@ -29,7 +29,8 @@ impl<'a> Scene<'a> {
         {
             (site, margin) = (better, left_s);
         }
-        // Every second flown costs one, and the way home may grow as fast: before half of the margin nothing can be violated.
+        // A second of flight uses a second of endurance, and the way home may get longer by a second: no violation within half of the
+        // margin.
         let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
             None
         } else {

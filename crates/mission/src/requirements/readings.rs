@@ -47,7 +47,7 @@ pub(super) const DISTANCE_M_MAX: f64 = 50_000.0;
 const SPEED_ERROR: f64 = 0.05;
 /// Time from the command to the full bank.
 const ROLL_IN_S: f64 = 3.0;
-/// Steps along the route for what changes slowly.
+/// Interval between samples of the route for quantities that change slowly.
 const COARSE_S: f64 = 30.0;
 /// A site that is this factor farther on the chart than the nearest one is also farther in truth ..
 const CHART_FACTOR: f64 = 1.3;

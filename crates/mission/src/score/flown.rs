@@ -63,7 +63,7 @@ fn of_site(target: &Target, site: &Site) -> ObservedTarget {
 pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownScore, &str> {
     match flown {
         Ok(Some(flown)) => Ok(flown),
-        Ok(None) => Err("the mission wants no observations"),
+        Ok(None) => Err("the mission has no target with a wanted observation"),
         Err(why) => Err(why),
     }
 }

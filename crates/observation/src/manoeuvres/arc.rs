@@ -165,8 +165,8 @@ impl Arc {
         positive(Self::NAME, "a yaw rate", "deg/s", self.yaw_rate_deg_s)?;
         let elevation = limit("an elevation angle", "degrees");
         let low = || "30 degrees works".to_string();
-        elevation.at_least(self.from_elevation_deg, 5.0, "the target is seen too flat", low)?;
-        elevation.at_most(self.from_elevation_deg, 85.0, "nothing is left of the arc", low)?;
+        elevation.at_least(self.from_elevation_deg, 5.0, "the camera would see the target at too low an angle", low)?;
+        elevation.at_most(self.from_elevation_deg, 85.0, "the arc would have almost no length", low)?;
         if !craft.can_hover {
             let because = format!("{} cannot turn in place and fly tail first", craft.name);
             let nearest = "fly straight over in two passes, or orbit".to_string();
@@ -178,12 +178,12 @@ impl Arc {
             ));
         }
         let most = craft.acceleration_mps2.min(craft.braking_mps2);
-        let because = format!("{} changes its speed no faster", craft.name);
+        let because = format!("{} cannot change its speed faster", craft.name);
         limit("an acceleration", "m/s2")
             .at_most(self.acceleration_mps2, most, &because, || format!("{most:.1} m/s2 works"))?;
         let yaw = limit("a yaw rate", "deg/s");
         let most = craft.yaw_rate_deg_s;
-        yaw.at_most(self.yaw_rate_deg_s, most, &format!("{} turns no faster", craft.name), || {
+        yaw.at_most(self.yaw_rate_deg_s, most, &format!("{} cannot turn its nose faster", craft.name), || {
             format!("{most:.0} deg/s works")
         })?;
         self.check_climb(craft)?;
@@ -196,7 +196,7 @@ impl Arc {
         let share = libm::cos(self.from_elevation_deg * RAD_PER_DEG);
         let most = craft.climb_mps_max.min(craft.descent_mps_max);
         let limit = Limit { manoeuvre: Self::NAME, figure: "a climb", unit: "m/s" };
-        limit.at_most(self.speed_mps * share, most, &format!("{} climbs or sinks no faster", craft.name), || {
+        limit.at_most(self.speed_mps * share, most, &format!("{} cannot climb or descend faster", craft.name), || {
             format!("a speed of {:.1} m/s works, or a level pass", most / share)
         })
     }
@@ -228,7 +228,7 @@ impl Arc {
         let tail = scene.wind.east_mps * axis.x + scene.wind.north_mps * axis.y;
         let across = (scene.wind.east_mps * axis.y - scene.wind.north_mps * axis.x).abs();
         let rearward = Limit { manoeuvre: Self::NAME, figure: "an airspeed tail first", unit: "m/s" };
-        let because = format!("{} flies no faster tail first", craft.name);
+        let because = format!("{} cannot fly faster tail first", craft.name);
         rearward.at_most((self.speed_mps - tail).abs(), craft.rearward_mps_max, &because, || {
             match scene.wind_from_deg() {
                 Some(from) => format!(
@@ -240,7 +240,7 @@ impl Arc {
             }
         })?;
         let sideways = Limit { manoeuvre: Self::NAME, figure: "a crosswind", unit: "m/s" };
-        let because = format!("{} holds no more from the side", craft.name);
+        let because = format!("{} cannot hold its position in a stronger crosswind", craft.name);
         sideways
             .at_most(across, craft.sideways_mps_max, &because, || "turn the plane of the arc into the wind".to_string())
     }

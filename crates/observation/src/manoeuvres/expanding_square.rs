@@ -55,9 +55,11 @@ impl ExpandingSquare {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a spacing", "m", self.spacing_m)?;
         let rounds = Limit { manoeuvre: Self::NAME, figure: "a number of rounds", unit: "" };
-        rounds.at_least(f64::from(self.rounds), 1.0, "a square has two legs", || "1 works".to_string())?;
+        rounds.at_least(f64::from(self.rounds), 1.0, "the smallest expanding square has one round", || {
+            "1 works".to_string()
+        })?;
         let most = f64::from(Self::ROUNDS_MAX);
-        rounds.at_most(f64::from(self.rounds), most, "it would take days", || "sweep the area".to_string())?;
+        rounds.at_most(f64::from(self.rounds), most, "the flight would take days", || "sweep the area".to_string())?;
         let least_m = 2.0 * tangent_m(90.0, fillet_m(airspeed_mps, craft, scene));
         let limit = Limit { manoeuvre: Self::NAME, figure: "a spacing", unit: "m" };
         let because = format!("{} needs two turn radii between corners", craft.name);

@@ -98,7 +98,9 @@ impl DataHandling {
             DataHandling::Process { link_bit_s, .. } => (f64::MIN_POSITIVE, *link_bit_s),
         };
         let limit = Limit { manoeuvre, figure: "a data rate", unit: "bit/s" };
-        limit.at_most(rate, link, "the link carries no more", || "store the data, or process it on board".to_string())
+        limit.at_most(rate, link, "the link cannot carry more data", || {
+            "store the data, or process it on board".to_string()
+        })
     }
 }
 
@@ -128,7 +130,7 @@ impl AttitudeMode {
             return Ok(());
         }
         let limit = Limit { manoeuvre, figure: "a pan range", unit: "degrees" };
-        let because = format!("{} cannot turn its nose off its way, and its sensor does not pan", craft.name);
+        let because = format!("{} cannot turn its nose away from its course, and its sensor does not pan", craft.name);
         Err(limit.refusal(0.0, 90.0, &because, "fly it coordinated, or with a camera that pans".to_string()))
     }
 }
@@ -191,8 +193,8 @@ fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft
     let limit = Limit { manoeuvre, figure: "a true airspeed", unit: "m/s" };
     let (low, high) = (craft.true_airspeed_mps_min, craft.true_airspeed_mps_max);
     let near = |airspeed: f64| move || format!("{airspeed:.1} m/s works");
-    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} flies no slower", craft.name), near(low))?;
-    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} flies no faster", craft.name), near(high))
+    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} cannot fly slower", craft.name), near(low))?;
+    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} cannot fly faster", craft.name), near(high))
 }
 
 /// Returns the true airspeed of a ground speed along a track.

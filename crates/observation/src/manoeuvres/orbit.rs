@@ -67,14 +67,16 @@ impl Orbit {
         positive(Self::NAME, "a radius", "m", self.radius_m)?;
         positive(Self::NAME, "a number of turns", "", self.turns)?;
         let turns = Limit { manoeuvre: Self::NAME, figure: "a number of turns", unit: "" };
-        turns.at_most(self.turns, Self::TURNS_MAX, "an orbit has no more", || "repeat the orbit".to_string())?;
+        turns.at_most(self.turns, Self::TURNS_MAX, "an orbit may have at most this many turns", || {
+            "repeat the orbit".to_string()
+        })?;
         if craft.can_hover {
             return Ok(());
         }
         let least_m = craft.circle_radius_m_min(airspeed_mps, scene.wind_mps());
         let limit = Limit { manoeuvre: Self::NAME, figure: "a radius", unit: "m" };
         let because =
-            format!("{} turns no tighter with {:.0} degrees of bank in this wind", craft.name, craft.bank_deg);
+            format!("{} cannot turn more tightly with {:.0} degrees of bank in this wind", craft.name, craft.bank_deg);
         limit.at_least(self.radius_m, least_m, &because, || format!("{least_m:.0} m works"))
     }
 

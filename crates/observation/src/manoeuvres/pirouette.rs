@@ -63,7 +63,7 @@ impl Pirouette {
         overlap.at_least(self.overlap, 0.0, "pictures would leave gaps", || "0.3 works".to_string())?;
         overlap.at_most(self.overlap, 0.9, "it would take too many pictures", || "0.9 works".to_string())?;
         if !craft.can_hover {
-            let because = format!("{} cannot stand still", craft.name);
+            let because = format!("{} cannot hover", craft.name);
             let nearest = "orbit with a camera that looks outwards, or sweep".to_string();
             return Err(limit("a slowest airspeed", "m/s").refusal(
                 craft.true_airspeed_mps_min,
@@ -74,7 +74,7 @@ impl Pirouette {
         }
         let wind = limit("a wind", "m/s");
         let most = craft.wind_mps_max;
-        wind.at_most(scene.wind_mps(), most, &format!("{} hovers in no more", craft.name), || {
+        wind.at_most(scene.wind_mps(), most, &format!("{} cannot hover in stronger wind", craft.name), || {
             "wait for less wind, or fly lower".to_string()
         })?;
         let Instrument::Camera(camera) = instrument else {

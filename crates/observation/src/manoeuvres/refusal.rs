@@ -100,5 +100,5 @@ pub(crate) fn positive(manoeuvre: &str, figure: &str, unit: &str, value: f64) ->
         return Ok(());
     }
     let limit = Limit { manoeuvre, figure, unit };
-    Err(limit.refusal(value, 0.0, "it has to be positive", "give a positive number".to_string()))
+    Err(limit.refusal(value, 0.0, "the value must be positive", "give a positive number".to_string()))
 }

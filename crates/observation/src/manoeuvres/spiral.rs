@@ -75,7 +75,7 @@ impl Spiral {
         positive(Self::NAME, "a width", "m", self.outer_radius_m - self.inner_radius_m)?;
         let least_m = if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) };
         let limit = Limit { manoeuvre: Self::NAME, figure: "an inner radius", unit: "m" };
-        let because = format!("{} turns no tighter at {airspeed_mps:.0} m/s in this wind", craft.name);
+        let because = format!("{} cannot turn more tightly at {airspeed_mps:.0} m/s in this wind", craft.name);
         limit.at_least(self.inner_radius_m, least_m, &because, || format!("{least_m:.0} m works"))
     }
 

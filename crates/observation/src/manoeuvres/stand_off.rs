@@ -55,10 +55,10 @@ impl StandOff {
         positive(Self::NAME, "a look angle", "degrees", self.look_angle_deg)?;
         let (most_deg, because) = match instrument {
             Instrument::Scanner(scanner) => {
-                (scanner.setting.mode.half_field_rad() / RAD_PER_DEG, "the scanner sees no farther aside")
+                (scanner.setting.mode.half_field_rad() / RAD_PER_DEG, "the field of view of the scanner ends there")
             }
             Instrument::Camera(_) => {
-                (crate::footprint::OFF_NADIR_DEG_MAX, "pictures count no farther off the vertical")
+                (crate::footprint::OFF_NADIR_DEG_MAX, "pictures at a greater angle from the vertical have no value")
             }
         };
         let limit = Limit { manoeuvre: Self::NAME, figure: "a look angle", unit: "degrees" };

@@ -62,7 +62,7 @@ impl Strafe {
         let axis = along(self.track_deg, 1.0);
         let tail = scene.wind.east_mps * axis.x + scene.wind.north_mps * axis.y;
         let most = craft.sideways_mps_max;
-        let because = format!("{} flies no faster sideways", craft.name);
+        let because = format!("{} cannot fly faster sideways", craft.name);
         limit("an airspeed sideways", "m/s").at_most((self.speed_mps - tail).abs(), most, &because, || {
             format!("a speed of {:.1} m/s works", (most + tail).max(0.0))
         })

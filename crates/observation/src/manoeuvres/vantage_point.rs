@@ -101,10 +101,14 @@ impl VantagePoint {
         let limit = |figure, unit| Limit { manoeuvre: Self::NAME, figure, unit };
         positive(Self::NAME, "a distance", "m", self.slant_m)?;
         let angle = limit("a look angle", "degrees");
-        angle.at_least(self.look_angle_deg, 0.0, "angles are counted off the vertical", || "0 works".to_string())?;
-        angle.at_most(self.look_angle_deg, 85.0, "the target is seen too flat", || "85 degrees works".to_string())?;
+        angle.at_least(self.look_angle_deg, 0.0, "look angles are measured from the vertical", || {
+            "0 works".to_string()
+        })?;
+        angle.at_most(self.look_angle_deg, 85.0, "the camera would see the target at too low an angle", || {
+            "85 degrees works".to_string()
+        })?;
         if !craft.can_hover {
-            let because = format!("{} cannot stand still", craft.name);
+            let because = format!("{} cannot hover", craft.name);
             let least_m = craft.circle_radius_m_min(craft.true_airspeed_mps, scene.wind_mps());
             let nearest = format!("an orbit of {least_m:.0} m works");
             return Err(limit("a slowest airspeed", "m/s").refusal(
@@ -114,7 +118,7 @@ impl VantagePoint {
                 nearest,
             ));
         }
-        let because = format!("{} hovers in no more", craft.name);
+        let because = format!("{} cannot hover in stronger wind", craft.name);
         let most = craft.wind_mps_max;
         limit("a wind", "m/s").at_most(scene.wind_mps(), most, &because, || "wait for less wind".to_string())
     }

@@ -321,11 +321,11 @@ fn limits(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<
     let flight_s = plan.end_s - problem.start_s;
     let spare_s = vehicle.endurance_s - vehicle.endurance_reserve_s - flight_s;
     if spare_s.is_nan() || spare_s < -1e-6 {
-        found.push(format!("flies {:.0} s into the endurance reserve", -spare_s));
+        found.push(format!("uses {:.0} s of the endurance reserve", -spare_s));
     }
     let burnt_kg = vehicle.fuel_flow_kg_per_s * flight_s;
     if vehicle.fuel_flow_kg_per_s > 0.0 && vehicle.fuel_kg - burnt_kg < vehicle.fuel_reserve_kg - 1e-6 {
-        found.push(format!("burns {burnt_kg:.0} kg and eats into the fuel reserve"));
+        found.push(format!("burns {burnt_kg:.0} kg and thereby uses fuel of the reserve"));
     }
     if (burnt_kg - plan.fuel_used_kg).abs() > 1e-3 {
         found.push(format!("claims to burn {:.1} kg, but burns {burnt_kg:.1} kg", plan.fuel_used_kg));

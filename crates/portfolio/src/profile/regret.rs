@@ -110,7 +110,7 @@ impl Summary {
         let always: Vec<String> =
             self.always_percent.iter().map(|(name, percent)| format!(" {name} {percent:.2} %")).collect();
         format!(
-            "{} targets at {}, {} missions: regret {:.2} % (worst {:.1} %), the best was chosen in {}\n  always the same one:{}",
+            "{} targets at {}, {} missions: regret {:.2} % (worst {:.1} %), the best was chosen in {}\n  regret of a single planner in all missions:{}",
             self.targets,
             self.budget,
             self.missions,

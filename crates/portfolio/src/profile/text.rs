@@ -99,7 +99,7 @@ fn map(out: &mut String, profile: &Profile, budget: usize) -> std::fmt::Result {
     let bests = verdict::best(profile, budget);
     writeln!(
         out,
-        "\nbest planner at {}: strong letters alone, = no other is 1 % worse, ? not certain",
+        "\nbest planner at {}: = if another planner is less than 1 % worse, ? if not certain",
         words(profile, budget)
     )?;
     for (at, planner) in profile.planners.iter().enumerate() {

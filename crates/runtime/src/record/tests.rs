@@ -109,7 +109,7 @@ fn effect_rows_say_what_the_reference_promises() {
         "refused|1||||flight-path|T3 outranks it on flight-path (priority 7 > 3 + interrupt cost 0.1)|camera.pdl:7:3",
         "command|3||||(switch camera-1)|command 1|camera.pdl:8:3",
         "inform|3||||(powering camera-1)||",
-        "publish|3||||(pictures camera-1) = 4|a form of its on-start said so|camera.pdl:9:3",
+        "publish|3||||(pictures camera-1) = 4|a form of its on-start caused this|camera.pdl:9:3",
         "print|3|||||two\nlines|",
         "withdraw|||||command 2|its task ended|",
         "cancel-solve|||||request 2|no task waits for it any longer|",

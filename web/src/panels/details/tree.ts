@@ -65,7 +65,7 @@ export function whyTree(why: Why, names: Names): Node[] {
         },
       ),
     );
-    branches.push(node('choices', '▸', 'what could pursue its goal', { children }));
+    branches.push(node('choices', '▸', 'methods for its goal', { children }));
   }
   return branches;
 }
@@ -139,7 +139,7 @@ function evidenceNode(one: Observation, id: string, names: Names): Node {
     case 'task-end':
       return leaf(id, `${one.task} ended`, one.at);
     case 'instant':
-      return leaf(id, 'the time came', one.at);
+      return leaf(id, 'an instant was reached', one.at);
     case 'function':
       return leaf(id, `${brief(one.expression, names)} = ${one.value}`, one.at, null, 0, 0, one.expression);
     case 'absence':

@@ -44,7 +44,7 @@ export const KEYS: { keys: string[]; does: string }[] = [
   { keys: ['+', '−', '0'], does: 'zoom the timeline around the cursor; show all of it' },
   { keys: ['↑', '↓'], does: 'previous, next task, when the agenda has the focus' },
   { keys: ['Enter'], does: 'open or close the chosen task in the agenda' },
-  { keys: ['n', 'N'], does: 'next trouble, previous trouble' },
+  { keys: ['n', 'N'], does: 'next failure or fault, previous one' },
   { keys: ['c'], does: 'copy a link to this view' },
   { keys: ['t'], does: 'light or dark' },
   { keys: ['/'], does: 'filter the agenda' },

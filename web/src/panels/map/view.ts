@@ -155,7 +155,7 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
 export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
   if (here.length === 0) return null;
-  return here.map(zone => `${zone.label} (${zone.active ? 'holds now' : 'does not hold now'})`).join('; ');
+  return here.map(zone => `${zone.label} (${zone.active ? 'active now' : 'not active now'})`).join('; ');
 }
 
 /** True if a place lies inside of an outline: an odd number of crossings to the east. */

@@ -22,7 +22,9 @@ pub(super) fn each<T: Send>(
     let done = apex_portfolio::parallel::each(threads, count, task, || bar.inc(1));
     bar.finish_and_clear();
     done.map_err(|why| {
-        CliError::failure("the measurement was abandoned").because(why).help("this is a planner's fault")
+        CliError::failure("the measurement was abandoned")
+            .because(why)
+            .help("the planner made no valid plan: correct it, or measure without it")
     })
 }
 

@@ -125,7 +125,7 @@ fn positive(interval: Duration, expr: &Expr) -> Result<Duration, Because> {
     if interval > Duration::ZERO {
         return Ok(interval);
     }
-    let message = format!("an update every {interval} would never let time pass; write an interval above zero");
+    let message = format!("time would not pass with an update every {interval}; write an interval above zero");
     Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
 }
 

@@ -130,7 +130,7 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     }
 }
 
-/// Returns a reason in which a target that speaks of itself does not name itself.
+/// Returns the reason for a target without the target's name if the reason is its closed time window.
 fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
     let Some(target) = schedule.problem.targets.get(target) else { return trouble };
     if trouble == closed_window(&target.name) { Obstacle::Window.to_string() } else { trouble }

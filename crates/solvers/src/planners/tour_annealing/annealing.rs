@@ -6,7 +6,7 @@ use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 use apex_planning::surveillance::scenario::Scenario;
 
-/// Letters beyond the flown ones: they are used when the tour becomes faster.
+/// Number of spare visits at the end of a tour: they are too late now, and are flown when a change makes the tour faster.
 const SPARE_LETTERS: usize = 12;
 /// Number of targets that count as near to a target.
 const NEAR_MAX: usize = 6;
@@ -116,7 +116,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
         longer
     }
 
-    /// Keeps the number of spare letters within limits.
+    /// Keeps the number of spare visits within limits.
     fn keep_spares(&mut self, flight: &mut TourEvaluation<'_, '_>, budget: &mut dyn Budget) {
         let spare = flight.tour().len().saturating_sub(flight.flown());
         if (SPARE_LETTERS / 3..=SPARE_LETTERS * 3).contains(&spare) {

@@ -3,7 +3,7 @@
 //! For every position in the tour two rows are kept, with one number per target: the time since each target was last observed when the
 //! position is left, and the time until each is next observed. The cost of a change then consists of its inserted visits and two
 //! intervals per target: the one across the change and the open one at the end.
-//! Bound: O(targets + letters) to price a change, O(visits x targets) to carry it out.
+//! Bound: O(targets + inserted visits) to price a change, O(visits x targets) to carry it out.
 
 use super::change::Change;
 use super::interval::{Closing, Intervals, LANES};
@@ -15,8 +15,8 @@ use wide::f64x4;
 /// Numbers that the rows of one tour may have: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
-/// Work in nanoseconds: of computing the cost of a change, for each letter and for each four targets of it; of applying one, for each row
-/// and for each four targets of it.
+/// Work in nanoseconds: of computing the cost of a change, for each inserted visit and for each four targets; of applying a change, for
+/// each row and for each four targets of a row.
 const PRICE_NS: u64 = 170;
 const LETTER_NS: u64 = 25;
 const LANE_NS: u64 = 25;

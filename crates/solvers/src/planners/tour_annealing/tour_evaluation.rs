@@ -15,7 +15,7 @@ pub(super) enum TourEvaluation<'s, 'p> {
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,
-        /// The tour with its spare letters.
+        /// The tour with its spare visits.
         tour: Vec<usize>,
         /// Visits that are flown.
         flown: usize,
@@ -45,7 +45,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Returns the tour with its spare letters.
+    /// Returns the tour with its spare visits.
     pub(super) fn tour(&self) -> &[usize] {
         match self {
             TourEvaluation::Quick(table) => table.tour(),
