@@ -42,7 +42,7 @@ const LONGEST: &[&str] = &[
     "explanations",
 ];
 
-/// Names of the programs whose tests mostly wait, such as paced flights. They run one after the other beside the others, since they
+/// Names of the programs whose tests mostly wait, such as paced flights. They run in sequence while the others run, since they
 /// need little of a processor.
 const WAITING: &[&str] = &["mission_simulators"];
 

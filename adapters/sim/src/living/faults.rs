@@ -171,7 +171,7 @@ mod tests {
         assert_ne!(faults.spans[0], other.spans[0]);
     }
 
-    /// The naive twin: every question looks at all spans.
+    /// The naive twin: every question reads all spans.
     struct Naive {
         spans: Vec<FaultSpan>,
         known: Vec<bool>,
