@@ -127,7 +127,10 @@ mod tests {
         assert_eq!(steps(&BTreeSet::new()).len(), 3);
         assert!(tests(&BTreeSet::new()).is_empty());
         let packages = BTreeSet::from(["apex-geo".to_string()]);
-        assert_eq!(steps(&packages)[3].join(" "), "clippy --locked --quiet --package apex-geo --all-targets -- -D warnings");
+        assert_eq!(
+            steps(&packages)[3].join(" "),
+            "clippy --locked --quiet --package apex-geo --all-targets -- -D warnings"
+        );
         assert_eq!(tests(&packages).join(" "), "--locked --quiet --package apex-geo --lib --bins --tests");
     }
 }

@@ -152,6 +152,10 @@ fn figures_that_follow_from_a_vehicle_are_printed() {
     ]);
     desk.apex(&["vehicle", "quadrotr"]).complained(2, &["did you mean `quadrotor`?"]);
     desk.apex(&["vehicle", "none.json"]).complained(2, &["cannot read none.json"]);
+    for path in ["vehicles/rmax.toml", "rmax.toml", "vehicles/rmax"] {
+        let names = format!("`{path}` names no vehicle");
+        desk.apex(&["vehicle", path]).complained(2, &[&names, "ends in .json", "`apex vehicle` lists them"]);
+    }
 }
 
 #[test]

@@ -31,10 +31,15 @@ pub enum ModelSource {
 /// Reads a vehicle model with its sensors: a shipped one by name, or a vehicle file, whose name ends in `.json`.
 ///
 /// # Errors
-/// An unknown model, a file that cannot be read or is invalid.
+/// An unknown model, a path to something else than a vehicle file, a file that cannot be read or is invalid.
 pub fn read(name: &str) -> MissionResult<VehicleModel> {
     let path = Path::new(name);
     let is_file = path.extension().is_some_and(|extension| extension == "json");
+    if !is_file && (path.extension().is_some() || name.contains('/')) {
+        return Err(MissionError::setting(format!("`{name}` names no vehicle"))
+            .because("a vehicle file is a JSON file whose name ends in .json")
+            .help("write the name of such a file, or of a shipped model; `apex vehicle` lists them"));
+    }
     let file = path.file_name().filter(|_| is_file).map(|file| file.to_string_lossy().into_owned());
     let source = file.map_or_else(|| ModelSource::Shipped(name.to_string()), ModelSource::File);
     let sources = Sources::Folder(path.parent().unwrap_or(Path::new("")).to_path_buf());
@@ -54,10 +59,10 @@ pub(crate) fn load(source: &ModelSource, files: &mut Files<'_>) -> MissionResult
                 Some(bytes) => (format!("library/vehicles/{name}.json"), text_of(name, bytes.to_vec())?),
                 None => {
                     let shipped = ShippedVehicle::find(name).map_err(|reason| {
-                        MissionError::setting("the mission's vehicle is unknown")
+                        MissionError::setting("the vehicle model is unknown")
                             .at((files.place_of)("vehicle"))
                             .because(reason)
-                            .help("write a known `:model` in :vehicle, or the name of a vehicle file in quotes")
+                            .help("write the name of a shipped model, or the name of a vehicle file: in quotes, with its ending .json")
                     })?;
                     (shipped.file.to_string(), shipped.text.to_string())
                 }
