@@ -143,6 +143,14 @@ pub enum RecordError {
         /// Place and kind of the damage.
         what: String,
     },
+    /// A recovery that finds nothing to save.
+    #[error("nothing can be recovered of the flight record {}: {what}", path.display())]
+    Unrecoverable {
+        /// The file.
+        path: PathBuf,
+        /// Place and kind of the damage.
+        what: String,
+    },
     /// The mission in the record cannot be loaded by this Apex.
     #[error("the mission inside {} cannot be loaded: {message}", path.display())]
     Load {

@@ -6,6 +6,7 @@ use crate::error::RecordError;
 use rusqlite::config::DbConfig;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,7 +32,7 @@ pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordE
     let mut copy = None;
     let connection = match (seal, log || journal) {
         (FileSeal::Intact, _) => immutable(path),
-        (_, false) => plain(path, path).or_else(|_| immutable(path)),
+        (_, false) => plain(path, path).or_else(|_| immutable(path)).or_else(|error| extended(path, &mut copy, error)),
         // The contents of a log or journal can only be read where SQLite can create files next to it.
         (_, true) if journal => copied(path, &mut copy),
         (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
@@ -95,6 +96,38 @@ fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, Rec
     let connection = plain(&made.record, path);
     drop(writable);
     connection
+}
+
+/// A connection to a copy of a file that lacks its end, such as a download that broke off. SQLite refuses a file that is shorter than its
+/// header states, so the copy has empty pages in place of the missing ones; tables are read up to the first of them. Returns `error` if the
+/// file is not too short.
+fn extended(path: &Path, copy: &mut Option<Arc<Copied>>, error: RecordError) -> Result<Connection, RecordError> {
+    let Ok(Some(length)) = length_before_cut(path) else { return Err(error) };
+    let made = Copied::make(path).and_then(|made| {
+        File::options().write(true).open(&made.record)?.set_len(length)?;
+        Ok(made)
+    });
+    let made = made.map_err(|error| RecordError::Damaged {
+        path: path.to_path_buf(),
+        what: format!("its end is missing, and it cannot be copied to be read ({error})"),
+    })?;
+    immutable(&copy.insert(Arc::new(made)).record)
+}
+
+/// Returns the length in bytes that the header of a database states, if the file is shorter; `None` if it is not, or if the header does not
+/// state it. Source: "Database File Format" of SQLite, sections 1.3.2 and 1.3.7.
+fn length_before_cut(path: &Path) -> std::io::Result<Option<u64>> {
+    let mut file = File::open(path)?;
+    let mut header = [0; 100];
+    file.read_exact(&mut header)?;
+    let number = |at: usize| header.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()).map(u32::from_be_bytes);
+    let (change, pages, of_change) = (number(24), number(28), number(92));
+    let page_bytes = match u16::from_be_bytes([header[16], header[17]]) {
+        1 => 65_536,
+        bytes => u64::from(bytes),
+    };
+    let length = u64::from(pages.filter(|_| change == of_change).unwrap_or(0)) * page_bytes;
+    Ok(Some(length).filter(|length| file.metadata().is_ok_and(|found| found.len() < *length)))
 }
 
 /// Prevents a connection from executing code of the file, such as triggers.

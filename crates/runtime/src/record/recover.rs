@@ -32,7 +32,8 @@ pub struct Recovered {
 /// Writes the valid part of the record at `from` into a new record at `to`.
 ///
 /// # Errors
-/// [`RecordError`] if `from` is not a record of this version or has no trustworthy group, and if `to` cannot be written.
+/// [`RecordError`] if `from` is not a record of this version, or `to` cannot be written; [`RecordError::Unrecoverable`] if `from` has no
+/// group that can be trusted.
 pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     let same =
         std::fs::canonicalize(from).ok().zip(std::fs::canonicalize(to).ok()).is_some_and(|(from, to)| from == to);
@@ -43,9 +44,12 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     if let Ok(Some(chain)) = SegmentChain::open(from) {
         return recover_segments(&chain, from, to);
     }
-    let (source, _, _copy) = connect(from)?;
-    let damaged = |what| RecordError::Damaged { path: from.to_path_buf(), what };
-    check_schema(&source).map_err(damaged)?;
+    let lost = |what| RecordError::Unrecoverable { path: from.to_path_buf(), what };
+    let (source, _, _copy) = connect(from).map_err(|error| match error {
+        RecordError::Damaged { what, .. } => lost(what),
+        other => other,
+    })?;
+    check_schema(&source).map_err(lost)?;
     let target = schema::create(to)?;
     let fail = |error| write_error(to, "recovering", error);
     let mut copier = Copier { target: &target, inserts: ALL.map(Table::insert), failure: None };
@@ -65,7 +69,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
         drop(target);
         remove(to);
         let reason = damage.map_or_else(|| "it holds nothing".to_owned(), |damage| damage.to_string());
-        return Err(damaged(reason));
+        return Err(lost(reason));
     }
     closing::close(target, to)?;
     Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })

@@ -10,7 +10,7 @@ use apex_runtime::mission_loop::FlyOptions;
 use apex_runtime::ports::{Deliberator, Input, Observer, Posed};
 use apex_runtime::program::run_with;
 use apex_runtime::record::view::{EventsQuery, RecordView, TasksQuery, TimelineQuery, TrackQuery};
-use apex_runtime::record::{RecordOptions, RecordReader, Recorder, TargetRow};
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder, TargetRow, check_integrity, recover};
 use apex_runtime::replay::replay;
 use apex_runtime::target_state::{TargetChange, TargetState};
 use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
@@ -178,6 +178,34 @@ fn no_damage_changes_an_answer_unsaid() {
         }
     }
     assert!(silent.is_empty(), "{} of {count} damages change answers without a word: {silent:?}", silent.len());
+}
+
+/// A download that broke off: the steps before the missing end are saved, more of them the longer the file is.
+#[test]
+fn a_record_without_its_end_is_recovered_up_to_there() {
+    let (folder, path) = place();
+    honest(&path);
+    let steps = check_integrity(&path).unwrap().steps;
+    let whole = std::fs::read(&path).unwrap();
+    let mut saved = Vec::new();
+    for percent in [50, 70, 80, 90, 95] {
+        std::fs::write(&path, &whole[..whole.len() * percent / 100]).unwrap();
+        let error = RecordReader::open(&path).err().expect("a record without its end is not opened").to_string();
+        assert!(error.contains("can be trusted"), "{percent} %: {error}");
+        let to = folder.path().join(format!("{percent}.apex"));
+        match recover(&path, &to) {
+            Ok(recovered) => {
+                assert!(recovered.damage.is_some() && recovered.steps < steps, "{percent} %: {recovered:?}");
+                let reader = RecordReader::open(&to).unwrap();
+                assert!(replay(&reader, &load).unwrap().difference.is_none(), "{percent} %");
+                saved.push(recovered.steps);
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("No step before it can be trusted"), "{percent} %: {error}")
+            }
+        }
+    }
+    assert!(saved.is_sorted() && saved.last() >= Some(&(steps / 2)), "{saved:?} of {steps}");
 }
 
 const FORGERIES: [&str; 24] = [
