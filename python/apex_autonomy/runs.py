@@ -52,7 +52,7 @@ def fly_runs(
     solver_memory_mib: int | None = None,
     on_progress: Callable[[int], object] | None = None,
 ) -> Runs:
-    """Fly a mission many times in the built-in simulator, each in the world of the next seed. No record is written.
+    """Fly a mission many times in the built-in simulator, each in a world with the next seed. No record is written.
 
     Ctrl-C or an exception of `on_progress` ends the series after the flights under way, and is raised then.
 

@@ -15,7 +15,7 @@ const WAITING_MAX: usize = 100;
 /// Reads standard input, or `port`, and handles Ctrl-C; inputs arrive through the sources, control messages through the receiver.
 ///
 /// # Errors
-/// The port cannot be had, or the system gives no signal handler.
+/// The port is in use, or the system refuses a signal handler.
 pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult<(LiveSources, Receiver<Control>)> {
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
@@ -53,7 +53,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
 /// Binds a port of this machine and prints its number.
 ///
 /// # Errors
-/// Another program has it.
+/// Another program uses the port.
 pub fn bind(port: u16) -> CliResult<TcpListener> {
     let refused = |error| {
         CliError::failure(format!("cannot listen on 127.0.0.1:{port}"))

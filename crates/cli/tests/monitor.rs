@@ -278,7 +278,7 @@ fn several_logs_are_watched_into_one_table() {
     let last = lines.iter().rfind(|line| line["telling"] == "closed").unwrap(); // english: allow
     assert_eq!((&last["input"], &last["start_ns"]), (&"b,c.csv".into(), &100_250_000.into()));
     assert_eq!((&last["duration_ns"], &lines.last().unwrap()["until_ns"]), (&99_750_000.into(), &300_000_000.into()));
-    // A verdict about any of the inputs can fail.
+    // The command fails if one of several inputs does not meet `--expect`.
     desk.write("calm.csv", "t,roll\n0,0\n1,0\n");
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--inputs", "calm.csv", "--expect", "satisfied"]);
     assert_eq!(said.code, Some(1), "{}", said.err);

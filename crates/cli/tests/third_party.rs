@@ -152,7 +152,7 @@ impl Solver for Bad {
     }
 }
 
-/// Flies the watch of structures with a bad planner, to which the mission has an answer.
+/// Flies the watch of structures with a bad planner; the mission continues after its failure.
 fn fly_with(name: &'static str, more: &[&str]) -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));

@@ -152,7 +152,7 @@ impl<'a> LogMonitor<'a> {
     fn watch(&mut self, condition: &Condition, created_at: Time) -> MissionResult<MonitorId> {
         self.session.watch(condition.clone(), created_at).map_err(|error| {
             MissionError::data(placed(&error.message, error.place, self.session.library()))
-                .because("it must be known when the condition begins to be watched")
+                .because("the values in a condition must be known when it begins to be watched")
         })
     }
 

@@ -43,7 +43,7 @@ pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64)
     let points = straightened(&asked, near);
     if points.len() > POINTS_MAX {
         return Err(format!(
-            "the cost takes {} points and may have {POINTS_MAX}; allow a relative error above {relative_error}",
+            "the table of the cost needs {} points and may have {POINTS_MAX}; allow a relative error above {relative_error}",
             points.len()
         ));
     }
@@ -81,7 +81,7 @@ fn asked(
         }
         if done.len() + ahead.len() >= ASKED_MAX {
             return Err(format!(
-                "the cost takes more than {ASKED_MAX} calls, up to {} s of age; allow a greater relative error",
+                "the table of the cost takes more than {ASKED_MAX} calls and reaches {} s of age; allow a greater relative error",
                 last.0
             ));
         }

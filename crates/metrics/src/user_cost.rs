@@ -107,7 +107,8 @@ fn target_cost_of(
             return f64::NAN;
         }
         if asked.len() >= CALLS_MAX {
-            trouble = Some(format!("the cost takes more than {CALLS_MAX} calls; name the ages of its jumps"));
+            trouble =
+                Some(format!("integrating the cost takes more than {CALLS_MAX} calls; name the ages of its jumps"));
             return f64::NAN;
         }
         match ask(function.as_mut(), age_s) {

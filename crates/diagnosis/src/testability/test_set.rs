@@ -46,7 +46,7 @@ pub(super) fn smallest(rows: &[Bits], tests: usize) -> TestSet {
     }
 }
 
-/// Takes the test that tells the most pairs apart, again and again.
+/// Repeatedly takes the test that distinguishes the most pairs.
 fn greedy(pairs: &[Bits], tests: usize) -> Vec<usize> {
     let mut open: Vec<&Bits> = pairs.iter().filter(|pair| !pair.is_empty()).collect();
     let mut taken = BTreeSet::new();

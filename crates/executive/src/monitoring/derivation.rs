@@ -169,8 +169,9 @@ fn input_histories<'h>(
     derivation.inputs.iter().map(of_input).collect()
 }
 
-/// Notes the instants whose derived sample depends on the sample of `own`, an input among `all`, at `at`: its own; for a late sample, or
-/// on a line, also those of other inputs up to its neighbours.
+/// Notes the instants whose derived sample depends on the sample at `at` of `own`, an input among `all`: `at` itself, and the instants of
+/// other inputs from there (with interpolation from its predecessor in `own`) to its successor. Without a successor, these are all later
+/// instants if values are held, and none if they are interpolated.
 fn affected(join: Join, all: &[&History], own: &History, at: Time, note: &mut dyn FnMut(Time)) {
     note(at);
     let is_newest = own.newest().is_none_or(|newest| newest.at <= at);

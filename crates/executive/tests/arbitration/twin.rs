@@ -373,7 +373,7 @@ impl Twin {
                     && by_rank.unwrap_or(weight(best) > defence(*holder))
             };
             let weakest_first = self.weakest_first(held.iter().copied().filter(loses).collect(), &defence);
-            // A set of holders is a number: the stronger its strongest member, the greater.
+            // Bit `i` of a number selects holder `i`, the weakest first: a set with a stronger strongest member has a greater number.
             let sets = 0..1_u32 << weakest_first.len();
             let members = |set: u32| {
                 let list = weakest_first.iter().enumerate();

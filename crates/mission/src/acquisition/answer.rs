@@ -140,7 +140,7 @@ fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Resul
         let items = head.into_iter().chain(how).chain([word("due"), Value::Duration(due)]);
         return Ok(PlannedActivity::from_goal(&Value::list(items)));
     }
-    let form = form_of(&candidate.manoeuvre.path).ok_or("the manoeuvre has no form")?;
+    let form = form_of(&candidate.manoeuvre.path).ok_or("the manoeuvre cannot be written as a form of PDL")?;
     let speed = Value::measured(candidate.speed_mps, Dimension::SPEED);
     let every = Value::measured(candidate.every_m, Dimension::LENGTH);
     let head = [word("perform"), form, word("at"), target, word("with"), word(&candidate.sensor)];

@@ -47,7 +47,7 @@ pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Fo
     let payload = if scans { manoeuvre.payload } else { PayloadUse::StillsEvery(wanted.every_m) };
     let manoeuvre = Manoeuvre { payload, ..manoeuvre };
     let TargetKind::Fire(fire) = &target.kind else {
-        return Err(format!("nothing is wanted of `{}`: give it a value and a resolution", target.id));
+        return Err(format!("the mission states no observation of `{}`: give it a value and a resolution", target.id));
     };
     let told = |refusal: Refusal| refusal.to_string();
     forecast_of(mission, &manoeuvre, (&craft, &instrument, &scene), (&fire.wanted, &fire.grid), false).map_err(told)

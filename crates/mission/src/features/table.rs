@@ -23,7 +23,7 @@ pub(super) fn read(file: &DataFile) -> MissionResult<Vec<PlacedFeature>> {
         return Err(MissionError::data("a table of places needs the columns `latitude_deg` and `longitude_deg`")
             .at(place)
             .because(format!("its first line names {}", header.join(", ")))
-            .help("name the columns so; the other columns are properties of docs/reference/mission-data.md"));
+            .help("give the columns these names; other columns are properties (docs/reference/mission-data.md)"));
     };
     rows.iter()
         .map(|(line, cells)| {

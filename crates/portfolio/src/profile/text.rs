@@ -60,7 +60,7 @@ fn one_cell(out: &mut String, profile: &Profile, row: &Row, budget: usize) -> st
             writeln!(out, "  {:<20} {}", planner.name, verdict_words(best.verdict))?;
             continue;
         }
-        // The family is that of the map: every cell.
+        // Holm's correction is over all cells, as in the map.
         let Some(one) = place.and_then(|place| verdict::pair(profile, budget, at, best.planner).get(place).copied())
         else {
             continue;
@@ -94,7 +94,7 @@ fn verdict_words(verdict: Verdict) -> &'static str {
     }
 }
 
-/// The best planners in the layout of Figure 4, and how often each is.
+/// Writes the best planner of each cell in the layout of Figure 4, and the number of cells in which each planner is best.
 fn map(out: &mut String, profile: &Profile, budget: usize) -> std::fmt::Result {
     let bests = verdict::best(profile, budget);
     writeln!(

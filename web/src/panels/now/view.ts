@@ -49,8 +49,8 @@ function wordsOf(goal: string): Set<string> {
 }
 
 /**
- * Why the task is at work: where it only was granted what it needs, the condition that enabled it, else the plan in force that has its
- * target, or that of a task above it.
+ * Why the task is at work. If the cause is only that its resources were granted, this is the condition that enabled it, or else the plan in
+ * force that has the target of the task or of a task above it.
  */
 export function reasonWords(
   answer: Pick<TaskExplanation, 'now' | 'task' | 'explanation'>,

@@ -105,7 +105,7 @@ pub(crate) fn advance(
 /// which it was recognised.
 fn note(part: &mut AllenPart, site: PartContext, chains: Vec<(Chain, bool)>, troubles: &mut ConditionFaults) {
     let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
-    // By where they start, the first of several last.
+    // The map is keyed by starts. Of several with equal starts the first remains, because it is inserted last.
     let passing = std::mem::take(&mut part.passing);
     let known: BTreeMap<_, _> = passing.iter().rev().map(|known| (starts(known), known.result.recognised_at)).collect();
     for (mut chain, settled) in chains {

@@ -40,7 +40,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
         let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
         let truth = match &each.kind {
             _ if own.is_some() => Truth::True,
-            // Messages that came after this instant are there already.
+            // Messages later than this instant may already be stored, so a stored message does not make this part true now.
             PartKind::Event(leaf) => Truth::of(false, leaf.blind),
             _ => logic::truth(each, query),
         };

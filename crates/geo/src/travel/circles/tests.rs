@@ -22,8 +22,8 @@ fn near(a: f64, b: f64, by: f64) -> bool {
 
 #[test]
 fn a_passage_by_hand() {
-    // A left circle around the origin, at the point that heads away from the other circle: half a circle more, then the distance of the
-    // places. A quarter earlier, three quarters are needed on the same circle, so the opposite turn by a quarter is faster.
+    // On a left circle around the origin, headed away from the other circle: half a circle, then the distance of the places. A quarter of
+    // a circle earlier, the same circle needs three quarters of a circle, so an opposite turn by a quarter is faster.
     let on = |track_rad: f64| On { centre: p(0.0, 0.0), sense: 1.0, track_rad };
     let there = End::Circle(p(100.0, 0.0));
     let s = |track_rad: f64, opposite: bool| calm().passage(on(track_rad), there, opposite).unwrap().time_s;
@@ -139,7 +139,7 @@ proptest! {
             None => End::Circle(p(distance, 0.0)),
         };
         let worst_s = rounds.worst(p(0.0, 0.0), end, opposite).unwrap();
-        // Evaluated at the beginnings of flights, and just past them; then more closely around the worst of these.
+        // Tries 32 points of the circle and points just past each, then points at a smaller distance around the worst of these.
         let (mut tried_s, mut worst_at) = (0.0_f64, (1.0, 0.0));
         let mut attempt = |sense: f64, turned_rad: f64| {
             let on = On { centre: p(0.0, 0.0), sense, track_rad: sense * turned_rad };
@@ -161,7 +161,7 @@ proptest! {
             attempt(sense, turned_rad + TAU * f64::from(step) / (32.0 * 12.0));
         }
         prop_assert!(worst_s >= tried_s - 1e-9, "{worst_s} {tried_s}");
-        // Near a pose it may be better to continue to a point that was not evaluated.
+        // Near a pose the fastest flight may leave the circle at a point that `worst` does not evaluate: its result may then be too long.
         let share = if track.is_none() { 0.04 } else { 0.15 };
         let is_far = distance >= 8.0 || track.is_none();
         prop_assert!(!is_far || worst_s <= tried_s + share * rounds.circle_s(), "{worst_s} {tried_s}");
