@@ -1,6 +1,7 @@
 //! Streams of results: each result once and at its instant, in whatever portions the stimuli arrive.
 
 mod combinations;
+mod conjunctions;
 mod derived;
 mod point_orders;
 

@@ -5,6 +5,9 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
+/// Variables and their values, without tags.
+pub(crate) type PlainBindings = Vec<(Symbol, Value)>;
+
 /// Variables (named without `?`) and their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bindings(SmallVec<[(Symbol, Value); 1]>);
@@ -36,6 +39,12 @@ impl Bindings {
     /// Pairs in order of first binding.
     pub fn iter(&self) -> impl Iterator<Item = (&Symbol, &Value)> {
         self.0.iter().map(|(name, value)| (name, value))
+    }
+
+    /// Returns the variables with their values, without tags, whose values are intervals.
+    pub(crate) fn plain(&self) -> PlainBindings {
+        let values = self.iter().filter(|(_, value)| !matches!(value, Value::Interval(..)));
+        values.map(|(name, value)| (name.clone(), value.clone())).collect()
     }
 
     /// Returns the number of bound variables.

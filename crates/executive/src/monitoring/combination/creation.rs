@@ -11,7 +11,7 @@ use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::basic::{event, measurement, task_state};
-use crate::monitoring::combination::{absence, point_order, replay};
+use crate::monitoring::combination::{absence, conjunction_firsts, point_order, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
@@ -41,6 +41,8 @@ struct Role {
     standing: bool,
     /// Whole runs are required: a run that later samples may invalidate is judged when it is over.
     whole_runs: bool,
+    /// Only the first result for each set of bindings is asked.
+    first_only: bool,
 }
 
 /// Returns the tree for `condition`, before it has looked back. With `standing`, ends and states that tasks have already reached count.
@@ -53,14 +55,7 @@ pub(crate) fn tree(
     (keep, standing): (Keep, bool),
     context: &dyn EvalContext,
 ) -> Result<Part, EvaluationError> {
-    let mut root = part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, context)?;
-    if let PartKind::InOrder(composite) = &mut root.kind {
-        let mut names = BTreeSet::new();
-        collect(condition, &mut names);
-        let binds = names.iter().any(|name| context.variable(name).is_none());
-        composite.order = point_order::create(composite, binds, context);
-    }
-    Ok(root)
+    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false, first_only: true }, context)
 }
 
 fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<Part, EvaluationError> {
@@ -112,7 +107,7 @@ fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<
         ConditionKind::InOrder(parts, constraints) => {
             PartKind::InOrder(Box::new(composite(parts, constraints, role, true, context)?))
         }
-        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, context)?)),
+        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, Role { first_only: false, ..role }, context)?)),
         ConditionKind::Timestamp(from, to) => {
             PartKind::Timestamp(time_part((from, to.as_ref()), TimeForm::Timestamp, window.start, context)?)
         }
@@ -138,7 +133,7 @@ fn absent(
     role: Role,
     context: &dyn EvalContext,
 ) -> Result<AbsentPart, EvaluationError> {
-    let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, first_only: false, ..role };
     absence::create(part(inner, whole, context)?, length, role.window.start, context)
 }
 
@@ -153,7 +148,7 @@ fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result
         }
         None => Duration::ZERO,
     };
-    let inner = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    let inner = Role { keep: Keep::Every, any_pair: false, whole_runs: true, first_only: false, ..role };
     Ok(AllenPart {
         relation: *relation,
         tolerance,
@@ -212,9 +207,20 @@ fn composite(
     let combines = ordered || !constraints.is_empty() || !shared.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
     let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
-    let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
-    let parts = parts.iter().map(|each| part(each, role, context)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared, order: None })
+    let mut names = BTreeSet::new();
+    parts.iter().for_each(|part| collect(part, &mut names));
+    let first_only = role.first_only && constraints.is_empty() && conjunction_firsts::tags_are_distinct(parts, &names);
+    let within = Role { keep, any_pair: role.any_pair || delayed, first_only: first_only && !ordered, ..role };
+    let made = parts.iter().map(|each| part(each, within, context)).collect::<Result<_, _>>()?;
+    let mut composite =
+        Composite { parts: made, constraints: constraints.to_vec(), combines, shared, order: None, sweep_at: None };
+    if first_only && ordered {
+        let binds = names.iter().any(|name| context.variable(name).is_none());
+        composite.order = point_order::create(&composite, binds, context);
+    } else if first_only {
+        composite.sweep_at = Some(conjunction_firsts::SWEEP_AT_LEAST);
+    }
+    Ok(composite)
 }
 
 fn alternatives(
@@ -225,8 +231,10 @@ fn alternatives(
 ) -> Result<Composite, EvaluationError> {
     let combines = !constraints.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
-    let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, context)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new(), order: None })
+    let role = Role { keep, first_only: role.first_only && constraints.is_empty(), ..role };
+    let parts = parts.iter().map(|each| part(each, role, context)).collect::<Result<_, _>>()?;
+    let constraints = constraints.to_vec();
+    Ok(Composite { parts, constraints, combines, shared: Vec::new(), order: None, sweep_at: None })
 }
 
 /// Returns the unbound variables that occur in more than one part.

@@ -10,9 +10,8 @@
 use crate::monitoring::combination::relation::{Edge, KnownInterval, PointComparison, links};
 use crate::state::monitors::monitor::Satisfaction;
 use apex_model::condition::AllenRelation;
-use apex_model::symbol::Symbol;
 use apex_model::time::Time;
-use apex_model::value::Value;
+use std::collections::BTreeSet;
 
 /// Returns true if the relation only orders end points; then one result can represent others. If end points must be equal, few results
 /// can still be related, and none is pruned.
@@ -99,9 +98,11 @@ pub(crate) fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction,
 
 /// Returns true if both have equal bindings, except for tags, which are intervals.
 fn binds_alike(left: &Satisfaction, right: &Satisfaction) -> bool {
-    let bound = |result: &Satisfaction| {
-        let free = |(_, value): &(&Symbol, &Value)| !matches!(value, Value::Interval(..));
-        result.bindings.iter().filter(free).map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
-    };
-    bound(left) == bound(right)
+    left.bindings.plain() == right.bindings.plain()
+}
+
+/// Keeps, of results with equal bindings (except for tags), the first.
+pub(crate) fn one_for_each_binding(results: &mut Vec<Satisfaction>) {
+    let mut seen = BTreeSet::new();
+    results.retain(|result| seen.insert(result.bindings.plain()));
 }

@@ -10,7 +10,7 @@
 use crate::expression::{WithBindings, evaluate};
 use crate::monitoring::basic::time_conditions::{self, TimeForm, delays};
 use crate::monitoring::basic::{measurement, task_state};
-use crate::monitoring::combination::{absence, allen, point_order};
+use crate::monitoring::combination::{absence, allen, dominance, point_order};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Truth;
@@ -275,11 +275,14 @@ impl<'a> Combination<'a> {
                     }
                     Truth::True | Truth::Unknown => return Vec::new(),
                 },
-                kind => steps.push(SequencePart {
-                    results: results(part, query),
-                    delay: delay.take(),
-                    stands: matches!(kind, PartKind::Not(_)),
-                }),
+                kind => {
+                    let mut results = results(part, query);
+                    if self.composite.sweep_at.is_some() {
+                        dominance::one_for_each_binding(&mut results);
+                    }
+                    let stands = matches!(kind, PartKind::Not(_));
+                    steps.push(SequencePart { results, delay: delay.take(), stands });
+                }
             }
         }
         let start = Partial {

@@ -3,6 +3,7 @@
 pub(crate) mod absence;
 pub(crate) mod allen;
 pub(crate) mod condition_tree;
+pub(crate) mod conjunction_firsts;
 pub(crate) mod conjunction_span;
 pub(crate) mod creation;
 pub(crate) mod dispatch;
@@ -14,6 +15,7 @@ pub(crate) mod numbers_unmet;
 pub(crate) mod part_results;
 pub(crate) mod parts;
 pub(crate) mod point_order;
+pub(crate) mod point_steps;
 pub(crate) mod relation;
 pub(crate) mod replay;
 pub(crate) mod result_report;

@@ -11,7 +11,7 @@ use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::basic::event;
 use crate::monitoring::combination::condition_tree;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
-use crate::monitoring::combination::{creation, logic, point_order, unmet as unmet_parts};
+use crate::monitoring::combination::{conjunction_firsts, creation, logic, unmet as unmet_parts};
 use crate::monitoring::part::{ConditionFaults, Truth, site};
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::verdict_query::VerdictQuery;
@@ -111,7 +111,7 @@ pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
 pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdict {
     let mut query = VerdictQuery::new(context);
     advance(&mut monitor.root, context, &mut query.troubles);
-    point_order::sweep(&mut monitor.root, None, context);
+    conjunction_firsts::sweep(&mut monitor.root, None, context);
     let truth = logic::truth(&monitor.root, &mut query);
     let best = match truth {
         Truth::True => logic::first_result(&monitor.root, &mut query),

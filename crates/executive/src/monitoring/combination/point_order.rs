@@ -12,32 +12,32 @@
 //!
 //! - a point without a preceding point is dropped once every earlier part has received samples up to the time of a possible one;
 //! - a point is dropped if samples of the next part are later than its greatest delay, and no kept point follows it;
-//! - without a greatest delay, only the first point with equal bindings is kept.
+//! - without a greatest delay, a point is dropped if the chains that end in it have the bindings of chains that end earlier.
+//!
+//! A delay at the end lets a chain be recognised later, and does not change which one is first.
 
 use crate::expression::EvalContext;
-use crate::monitoring::basic::measurement;
-use crate::monitoring::basic::time_conditions::delays;
 use crate::monitoring::combination::logic::joined;
+use crate::monitoring::combination::point_steps::{OrderedPart, following, preceding, settled, steps};
 use crate::monitoring::memory::retention;
 use crate::monitoring::reported_results::Used;
-use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
-use crate::state::bindings::Bindings;
+use crate::state::bindings::{Bindings, PlainBindings};
 use crate::state::monitors::monitor::{Composite, Part, PartKind, PointOrder, Satisfaction};
 use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::pattern::Pattern;
-use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of kept results from which on a sweep is worthwhile. It is small, so that short tests also sweep. A sweep is linear in the kept
 /// results, and the next one follows when their number has doubled.
 const SWEEP_AT_LEAST: usize = 8;
 
 /// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness`, and
-/// messages, with delays but without constraints between them. `binds` is true if it contains a pattern variable.
+/// messages, with delays but without constraints between them or after them. `binds` is true if it contains a pattern variable.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -51,108 +51,9 @@ pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalConte
     };
     let mut tags = BTreeSet::new();
     let distinct = composite.parts.iter().filter_map(|part| part.tag.as_ref()).all(|tag| tags.insert(tag));
-    let ends_in_point = composite.parts.last().is_some_and(|part| !matches!(part.kind, PartKind::Delay(_)));
-    let fits = distinct && ends_in_point && composite.constraints.is_empty() && composite.parts.iter().all(is_point);
+    let any_point = composite.parts.iter().any(|part| !matches!(part.kind, PartKind::Delay(_)));
+    let fits = distinct && any_point && composite.constraints.is_empty() && composite.parts.iter().all(is_point);
     fits.then(|| Box::new(PointOrder { sweep_at: SWEEP_AT_LEAST, checked: vec![0; composite.parts.len()], binds }))
-}
-
-/// The limits of the time from the end of the part before to a point.
-#[derive(Clone, Copy)]
-struct Gap {
-    least: Duration,
-    most: Duration,
-}
-
-/// A part of the order that is not a delay.
-struct OrderedPart<'a> {
-    part: &'a Part,
-    /// Its place among the parts.
-    index: usize,
-    /// Results that the part keeps, in the order in which they became final.
-    kept: &'a [Satisfaction],
-    /// The earlier ones of all results in order of time.
-    first: &'a [Satisfaction],
-    /// The later ones, which follow `first`.
-    rest: Vec<&'a Satisfaction>,
-    gap: Gap,
-}
-
-/// Returns the parts except for the delays; `None` if a delay has no value.
-fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<Vec<OrderedPart<'a>>> {
-    let mut steps: Vec<OrderedPart<'a>> = Vec::with_capacity(composite.parts.len());
-    let mut delay: Option<Gap> = None;
-    for (index, part) in composite.parts.iter().enumerate() {
-        let (first, rest) = match &part.kind {
-            PartKind::Delay(leaf) => {
-                let (least, most) = match delays(leaf, query.context) {
-                    Ok(delays) => delays,
-                    Err(error) => {
-                        query.troubles.add(error);
-                        return None;
-                    }
-                };
-                let before = delay.unwrap_or(Gap { least: Duration::ZERO, most: Duration::ZERO });
-                delay = Some(Gap { least: before.least + least, most: before.most + most });
-                continue;
-            }
-            PartKind::Measurement(leaf) if leaf.variable.is_some() => {
-                let newest = leaf.seen.iter().flat_map(|seen| seen.newest.samples());
-                (settled(part), newest.filter_map(|newest| newest.result.as_ref()).collect())
-            }
-            PartKind::Measurement(leaf) => (&[][..], measurement::ordered(leaf)),
-            PartKind::Event(leaf) if leaf.settled.is_sorted_by_key(|each| each.interval.0) => {
-                (settled(part), Vec::new())
-            }
-            PartKind::Event(leaf) => {
-                let mut rest: Vec<&Satisfaction> = leaf.settled.iter().collect();
-                rest.sort_by_key(|each| each.interval.0);
-                (&[][..], rest)
-            }
-            _ => return None,
-        };
-        // The first part may come at any time; without a stated delay the next one must come later than the preceding one.
-        let least = if steps.is_empty() { Duration(i64::MIN) } else { TICK };
-        let gap = delay.take().unwrap_or(Gap { least, most: Duration::MAX });
-        steps.push(OrderedPart { part, index, kept: settled(part), first, rest, gap });
-    }
-    Some(steps)
-}
-
-/// Returns the first and last instant at which a point may follow one that ends at `end`.
-fn following(end: Time, gap: Gap) -> (Time, Time) {
-    (Time(end.0.saturating_add(gap.least.0)), Time(end.0.saturating_add(gap.most.0)))
-}
-
-/// Returns the first and last instant at which a point may precede one at `start`.
-fn preceding(start: Time, gap: Gap) -> (Time, Time) {
-    (Time(start.0.saturating_sub(gap.most.0)), Time(start.0.saturating_sub(gap.least.0)))
-}
-
-impl<'a> OrderedPart<'a> {
-    /// Results within the closed span, in order.
-    fn within(&self, (from, to): (Time, Time)) -> impl Iterator<Item = &Satisfaction> {
-        let first = self.first.get(self.first.partition_point(|each| each.interval.0 < from)..).unwrap_or_default();
-        let rest = self.rest.get(self.rest.partition_point(|each| each.interval.0 < from)..).unwrap_or_default();
-        first.iter().chain(rest.iter().copied()).take_while(move |each| each.interval.0 <= to)
-    }
-
-    /// Returns the first and last instant of its results.
-    fn extent(&self) -> Option<(Time, Time)> {
-        let first = self.first.first().or(self.rest.first().copied())?;
-        let last = self.rest.last().copied().or(self.first.last())?;
-        Some((first.interval.0, last.interval.0))
-    }
-
-    /// Returns an instant before which no further result with these bindings comes; `None` if one may come at any time.
-    fn watermark(&self, bindings: &Bindings) -> Option<Time> {
-        let PartKind::Measurement(leaf) = &self.part.kind else { return None };
-        let newest = &leaf.seen.as_ref()?.newest;
-        if leaf.variable.is_some() {
-            return newest.samples().map(|sample| sample.at).max();
-        }
-        let Pattern::Variable(name) = &leaf.condition.variable.object else { return None };
-        newest.get(bindings.get(name)?).map(|sample| sample.at)
-    }
 }
 
 /// Returns the first chain for each set of bindings; the first chain of all if no part binds a variable.
@@ -162,7 +63,7 @@ pub(crate) fn results(
     order: &PointOrder,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<Satisfaction> {
-    let Some(steps) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
     let extents: Vec<_> = steps.iter().map(OrderedPart::extent).collect();
     if extents.iter().any(Option::is_none) {
         return Vec::new();
@@ -182,8 +83,26 @@ pub(crate) fn results(
         query.troubles.reached(Limit::MonitorCombinations, query.context, part.place);
     }
     let mut found = search.found;
+    if let Some(delay) = delay {
+        found.retain_mut(|result| is_over(result, delay, query));
+    }
     found.sort_by_key(|result| result.recognised_at);
     found
+}
+
+/// Returns true if the time after the last point has passed, and adds that to the result; otherwise requests a wake. No other chain with
+/// these bindings ends earlier than the first.
+fn is_over(result: &mut Satisfaction, delay: Duration, query: &mut VerdictQuery<'_>) -> bool {
+    let end = result.interval.1;
+    let over = end + delay;
+    if over > query.now {
+        query.wake_at(over);
+        return false;
+    }
+    result.recognised_at = result.recognised_at.max(over);
+    let instant = EvidenceList::one(Evidence::Instant { since: Some(end), at: over });
+    result.evidence = result.evidence.joined(&instant);
+    true
 }
 
 /// Depth-first search for chains in order of their first points.
@@ -194,7 +113,7 @@ struct ChainSearch<'a> {
     looks: u64,
     chain: Vec<&'a Satisfaction>,
     found: Vec<Satisfaction>,
-    bound: BTreeSet<Vec<(Symbol, Value)>>,
+    bound: BTreeSet<PlainBindings>,
 }
 
 impl<'a> ChainSearch<'a> {
@@ -230,7 +149,7 @@ impl<'a> ChainSearch<'a> {
     }
 
     fn complete(&mut self, bindings: &Bindings) -> bool {
-        if !self.bound.insert(plain(bindings)) {
+        if !self.bound.insert(bindings.plain()) {
             return false;
         }
         let mut all = bindings.clone();
@@ -246,12 +165,6 @@ impl<'a> ChainSearch<'a> {
         self.found.push(Satisfaction { interval: (first, last), recognised_at, bindings: all, evidence });
         !self.binds
     }
-}
-
-/// Returns the bindings without tags.
-fn plain(bindings: &Bindings) -> Vec<(Symbol, Value)> {
-    let values = bindings.iter().filter(|(_, value)| !matches!(value, Value::Interval(..)));
-    values.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
 /// Drops results that no chain needs any longer. Points that arrived without a preceding point are checked at each call, the others when
@@ -281,14 +194,6 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
         order.sweep_at = kept.saturating_mul(2).max(SWEEP_AT_LEAST);
     }
     composite.order = Some(order);
-}
-
-fn settled(part: &Part) -> &[Satisfaction] {
-    match &part.kind {
-        PartKind::Measurement(leaf) => leaf.seen.as_ref().map(|seen| seen.settled.as_slice()).unwrap_or_default(),
-        PartKind::Event(leaf) => &leaf.settled,
-        _ => &[],
-    }
 }
 
 fn is_used(step: &OrderedPart<'_>, result: &Satisfaction, used: Option<&Used>) -> bool {
@@ -326,7 +231,7 @@ fn gone_without_predecessor(
     if from >= newest {
         return Vec::new();
     }
-    let Some(steps) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, _)) = steps(composite, query) else { return Vec::new() };
     let Some(number) = steps.iter().position(|step| step.index == index) else { return Vec::new() };
     let Some(step) = steps.get(number) else { return Vec::new() };
     let before = number.checked_sub(1).and_then(|before| steps.get(before));
@@ -340,7 +245,40 @@ fn gone_without_predecessor(
     unchecked.filter(|(_, result)| useless(result)).map(|(place, _)| place).collect()
 }
 
-/// Returns the indices of results of part `index` that no future point can follow, or that an earlier result represents.
+/// The chains that end in the points of one step: for each set of bindings the instants of these points, in order.
+type ChainEnds = Vec<(Bindings, Vec<Time>)>;
+
+/// Returns the places in `ends` of the chains that `result` of `step` can extend, with the bindings of the extended chains.
+fn extended(ends: &ChainEnds, step: &OrderedPart<'_>, result: &Satisfaction) -> Vec<Bindings> {
+    let (from, to) = preceding(result.interval.0, step.gap);
+    let any = |times: &[Time]| times.get(times.partition_point(|at| *at < from)).is_some_and(|at| *at <= to);
+    let together = |(bindings, times): &(Bindings, Vec<Time>)| {
+        if any(times) { joined(bindings, &result.bindings) } else { None }
+    };
+    ends.iter().filter_map(together).collect()
+}
+
+/// Returns the chains that end in points of step `number`.
+fn chain_ends(steps: &[OrderedPart<'_>], number: usize, start: Time, used: Option<&Used>) -> ChainEnds {
+    let mut ends: ChainEnds = vec![(Bindings::new(), vec![start])];
+    for step in steps.iter().take(number + 1) {
+        let mut next = ChainEnds::new();
+        let mut places: BTreeMap<PlainBindings, usize> = BTreeMap::new();
+        for result in step.within((Time::BEGINNING, Time(i64::MAX))).filter(|each| !is_used(step, each, used)) {
+            for bindings in extended(&ends, step, result) {
+                let place = *places.entry(bindings.plain()).or_insert(next.len());
+                match next.get_mut(place) {
+                    Some((_, times)) => times.push(result.interval.1),
+                    None => next.push((bindings, vec![result.interval.1])),
+                }
+            }
+        }
+        ends = next;
+    }
+    ends
+}
+
+/// Returns the indices of results of part `index` that no future point can follow, or that earlier results represent.
 fn gone_without_successor(
     composite: &Composite,
     index: usize,
@@ -348,17 +286,29 @@ fn gone_without_successor(
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
-    let Some(steps) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
     let Some(number) = steps.iter().position(|step| step.index == index) else { return Vec::new() };
-    let (Some(step), Some(next)) = (steps.get(number), steps.get(number + 1)) else { return Vec::new() };
-    let mut first_of: BTreeSet<Vec<(Symbol, Value)>> = BTreeSet::new();
+    let Some(step) = steps.get(number) else { return Vec::new() };
+    let next = steps.get(number + 1);
+    // Chains without a delay at the end are over with their last point.
+    if next.is_none() && delay.is_none() {
+        return Vec::new();
+    }
+    let ends = match (number.checked_sub(1), next) {
+        (_, Some(next)) if next.gap.most != Duration::MAX => ChainEnds::new(),
+        (Some(before), _) => chain_ends(&steps, before, start, used),
+        (None, _) => vec![(Bindings::new(), vec![start])],
+    };
+    let mut first_of: BTreeSet<PlainBindings> = BTreeSet::new();
     let mut useless = |result: &Satisfaction| {
         if is_used(step, result, used) {
             return false;
         }
-        if next.gap.most == Duration::MAX {
-            return is_preceded(&steps, number, result, start, used) && !first_of.insert(plain(&result.bindings));
-        }
+        let Some(next) = next.filter(|next| next.gap.most != Duration::MAX) else {
+            let chains = extended(&ends, step, result);
+            let known = chains.iter().filter(|bindings| !first_of.insert(bindings.plain())).count();
+            return known > 0 && known == chains.len() && !gains(&steps, number, result, query);
+        };
         let span = following(result.interval.1, next.gap);
         let over = next.watermark(&result.bindings).is_some_and(|watermark| watermark > span.1);
         over && !next.within(span).any(|each| joined(&result.bindings, &each.bindings).is_some())
@@ -366,6 +316,16 @@ fn gone_without_successor(
     let newest = step.kept.len().saturating_sub(1);
     let gone = step.kept.iter().enumerate().filter(|(place, result)| useless(result) && *place < newest);
     gone.map(|(place, _)| place).collect()
+}
+
+/// Returns true if a chain with other bindings may still be found that ends in this result.
+fn gains(steps: &[OrderedPart<'_>], number: usize, result: &Satisfaction, query: &VerdictQuery<'_>) -> bool {
+    let complete = |step: &OrderedPart<'_>| match &step.part.kind {
+        // Messages come in order of time.
+        PartKind::Event(_) => query.now > result.interval.0,
+        _ => step.watermark(&result.bindings).is_some_and(|watermark| watermark > result.interval.0),
+    };
+    !steps.iter().take(number).all(complete)
 }
 
 /// Removes the results at the sorted indices `gone`, and records that the remaining ones were checked.

@@ -9,19 +9,17 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::combination::dispatch::advance;
-use crate::monitoring::combination::{logic, point_order};
+use crate::monitoring::combination::{conjunction_firsts, dominance, logic, point_order};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::statistics;
 use crate::monitoring::part::{Truth, site};
 use crate::monitoring::reported_results::{Branch, Key, ReportedResults, Used};
 use crate::monitoring::verdict_query::VerdictQuery;
-use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Monitor, Part, PartKind, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use std::collections::BTreeSet;
 
 /// A report of one result.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +115,7 @@ impl ResultCollector<'_> {
     }
 
     fn branch(&mut self, part: &mut Part, branch: &mut Branch, query: &mut VerdictQuery<'_>) {
-        point_order::sweep(part, Some(&branch.used), query.context);
+        conjunction_firsts::sweep(part, Some(&branch.used), query.context);
         if logic::truth(part, query) != Truth::True {
             // An open result that is gone was withdrawn by a late sample.
             branch.open.clear();
@@ -145,7 +143,7 @@ impl ResultCollector<'_> {
             return;
         }
         if is_composite(part) {
-            one_for_each_binding(&mut fresh);
+            dominance::one_for_each_binding(&mut fresh);
         }
         branch.absence |= fresh.iter().any(is_absence);
         for result in fresh {
@@ -200,16 +198,6 @@ fn is_composite(part: &Part) -> bool {
     matches!(part.kind, PartKind::And(_) | PartKind::InOrder(_))
 }
 
-/// Keeps, of results with equal bindings (except for tags), the first.
-fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
-    let mut seen = BTreeSet::new();
-    let bound = |bindings: &Bindings| -> Vec<(Symbol, Value)> {
-        let plain = bindings.iter().filter(|(_, value)| !matches!(value, Value::Interval(..)));
-        plain.map(|(name, value)| (name.clone(), value.clone())).collect()
-    };
-    fresh.retain(|result| seen.insert(bound(&result.bindings)));
-}
-
 /// Returns the results of an open episode.
 fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     let open = match &part.kind {
@@ -228,6 +216,7 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter_mut().for_each(|part| take_out(part, lateness, used, query));
             point_order::begin_again(composite);
+            composite.sweep_at = composite.sweep_at.map(|_| conjunction_firsts::SWEEP_AT_LEAST);
             part.forgotten = composite.parts.iter().any(|part| part.forgotten);
             return;
         }

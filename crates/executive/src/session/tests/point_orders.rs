@@ -47,12 +47,12 @@ fn without_a_greatest_delay_one_sample_stands_for_all() {
 
 /// A sample of `a` or `b` of an object, or a message.
 #[derive(Clone, Debug)]
-enum Told {
+pub(super) enum Told {
     Sample(&'static str, &'static str, i64),
     Message(&'static str),
 }
 
-fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
+pub(super) fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
     let sample = (prop_oneof![Just("a"), Just("b")], prop_oneof![Just("uav"), Just("other")], 0i64..8)
         .prop_map(|(attribute, object, value)| Told::Sample(attribute, object, value));
     let message = prop_oneof![Just("go"), Just("stop")].prop_map(Told::Message);
@@ -67,7 +67,7 @@ fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
     })
 }
 
-const ORDERS: [&str; 9] = [
+const ORDERS: [&str; 16] = [
     "(:in-order (a uav > 4) (:delay 2s 4s) (a uav < 4)",
     "(:in-order (a uav > 4) (a uav < 4)",
     "(:in-order (a uav > 4) (:delay 0s 3s) (b uav > 4)",
@@ -77,10 +77,19 @@ const ORDERS: [&str; 9] = [
     "(:in-order (a ?who > 5) (b ?else > 5) (:delay 2s 5s) (a ?who < 3)",
     "(:in-order (go) (:delay 1s 6s) (a ?who < 4) (:delay 1s 6s) (stop)",
     "(:in-order (:measurement first (a uav) :value (> 4)) (:delay 3s) (b uav < 4) (:delay 1s 3s) (go)",
+    // Parts without a variable between parts that share one, and parts that arrive before what they follow.
+    "(:in-order (a ?who > 5) (b uav > 2) (:delay 3s) (a ?who < 3)",
+    "(:in-order (go) (a uav > 3) (b uav > 3) (:delay 3s) (stop)",
+    "(:in-order (b ?who > 5) (a ?else > 3) (b uav < 5) (:delay 2s) (a ?who < 3)",
+    // Delays at the end.
+    "(:in-order (a uav > 4) (b uav < 4) (:delay 5s)",
+    "(:in-order (a ?who > 4) (:delay 1s 3s) (b ?else > 3) (:delay 4s)",
+    "(:in-order (a uav > 4) (:delay 2s 4s) (b other > 2) (:delay 3s) (:delay 3s)",
+    "(:in-order (go) (:delay 1s) (a ?who < 4) (:delay 9s 12s)",
 ];
 
 /// Returns the results of `condition` over `story`; with `late`, the samples of each variable arrive after those of the preceding one.
-fn results_over(condition: &str, story: &[(i64, Told)], late: bool, log: bool) -> (Vec<String>, String) {
+pub(super) fn results_over(condition: &str, story: &[(i64, Told)], late: bool, log: bool) -> (Vec<String>, String) {
     let (plain, id) = session(condition, 0.0);
     let mut session = if log { plain.over_a_log() } else { plain };
     let mut story = story.to_vec();

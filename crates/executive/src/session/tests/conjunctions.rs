@@ -1,0 +1,87 @@
+//! Conjunctions of which only the first result for each set of bindings is asked: they keep few results, and agree with the definition.
+
+use super::point_orders::{results_over, stories};
+use super::*;
+use crate::state::monitors::monitor::PartKind;
+
+/// Samples every 100 ms that satisfy each part, up to `end_s`.
+fn waiting(condition: &str, end_s: i64) -> (MonitorSession, MonitorId) {
+    let (plain, id) = session(condition, 0.0);
+    let mut session = plain.over_a_log();
+    for number in 0..end_s * 10 {
+        session.sample(&of("speed"), Value::Real(5.0), Time(number * 100_000_000));
+        session.sample(&of("height"), Value::Integer(number), Time(number * 100_000_000));
+    }
+    session.advance(at(end_s as f64));
+    (session, id)
+}
+
+/// Returns the number of results that the samples of the parts keep.
+fn kept(session: &MonitorSession, id: MonitorId) -> usize {
+    let root = &session.watches.get(id.0).unwrap().monitor.as_ref().unwrap().root;
+    let (PartKind::And(composite) | PartKind::InOrder(composite)) = &root.kind else { panic!("{root:?}") };
+    let of_part = |part: &crate::state::monitors::monitor::Part| match &part.kind {
+        PartKind::Measurement(leaf) => leaf.seen.as_ref().map_or(0, |seen| seen.settled.len()),
+        _ => 0,
+    };
+    composite.parts.iter().map(of_part).sum()
+}
+
+#[test]
+fn waiting_for_a_delay_keeps_one_sample_of_each_part() {
+    for condition in [
+        "(:and (speed uav > 4) (height uav >= 0) (:delay 300s))",
+        "(:and (:delay 200s) (speed uav > 4) (height uav >= 0) (:delay 300s))",
+        "(:in-order (speed uav > 4) (height uav >= 0) (:delay 300s))",
+    ] {
+        let (mut session, id) = waiting(condition, 290);
+        assert!(kept(&session, id) <= 16, "{condition} keeps {}", kept(&session, id));
+        session.advance(at(301.0));
+        let found = told(&mut session);
+        assert_eq!(found.len(), 1, "{condition}: {found:?}");
+        assert!(found[0].ends_with("@300") || found[0].ends_with("@300.1"), "{condition}: {found:?}");
+        assert!(session.take_troubles().is_empty(), "{condition}");
+    }
+}
+
+#[test]
+fn after_the_delay_no_sample_is_kept_for_a_result_that_cannot_come_again() {
+    let (session, id) = waiting("(:and (speed uav > 4) (:delay 5s))", 100);
+    assert!(kept(&session, id) <= 16, "{}", kept(&session, id));
+}
+
+#[test]
+fn constraints_between_the_parts_need_every_sample() {
+    let (session, id) =
+        waiting("(:and (:measurement a (speed uav) :value (> 4)) (:delay 50s) :constraint (< 1 2))", 20);
+    assert_eq!(kept(&session, id), 199);
+}
+
+const CONJUNCTIONS: [&str; 12] = [
+    "(:and (a uav > 4) (b uav < 4) (:delay 9s)",
+    "(:and (a ?who > 4) (b ?who > 4)",
+    "(:and (a ?who > 4) (b ?else < 3) (:delay 5s)",
+    "(:and (a uav = ?x) (b uav = ?x) (:delay 4s)",
+    "(:and (:or (a uav > 5) (b uav < 2)) (a other > 3) (:delay 6s)",
+    "(:and (:and (a uav > 4) (b uav > 2)) (:delay 9s) (go)",
+    "(:and (:and (a ?who > 4) (b ?else > 2)) (a ?else < 4)",
+    "(:and (a uav > 4) (:not (b uav > 6)) (:delay 7s)",
+    "(:and (a ?who > 4) (:not (b ?who > 3)) (:delay 4s)",
+    "(:and (:measurement first (a uav) :value (> 4)) (stop) (:delay 3s) (:delay 8s)",
+    "(:and (:in-order (a ?who > 4) (b uav > 3) (:delay 3s)) (b ?who > 4)",
+    "(:and (go) (a ?who > 2) (:or (b ?who < 3) (stop))",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    /// A constraint that is always true keeps every result of the parts: every combination is tried at every look.
+    #[test]
+    fn first_results_are_those_of_all_combinations(
+        story in stories(), number in 0..CONJUNCTIONS.len(), late: bool, log: bool,
+    ) {
+        let swept = results_over(&format!("{})", CONJUNCTIONS[number]), &story, late, log);
+        let tried = results_over(&format!("{} :constraint (< 1 2))", CONJUNCTIONS[number]), &story, late, true);
+        prop_assert_eq!(swept, tried, "{}", CONJUNCTIONS[number]);
+    }
+}
