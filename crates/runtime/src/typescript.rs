@@ -6,11 +6,12 @@ use crate::explain::{
     Observation, PartValue, Subtask, TaskExplanation, TaskMonitor, Unmet, Why,
 };
 use crate::record::view::{
-    Band, Bar, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings, LandingPlace, Lane,
-    LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents, ProgramFile,
-    ProgramText, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section, Signal, SignalKind,
-    SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow, Surroundings, Target,
-    TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, VisitNeed, Zone,
+    AskedQuestion, Band, Bar, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings,
+    LandingPlace, Lane, LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents,
+    ProgramFile, ProgramText, Questions, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section,
+    Signal, SignalKind, SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow,
+    Surroundings, Target, TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles,
+    VisitNeed, Zone,
 };
 use apex_typescript::{check, declaration};
 
@@ -62,6 +63,8 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<SignalWindows>(),
         declaration::<RecordedCommand>(),
         declaration::<RecordedCommands>(),
+        declaration::<AskedQuestion>(),
+        declaration::<Questions>(),
         declaration::<StepRow>(),
         declaration::<ProcedureRow>(),
         declaration::<DeclaredName>(),

@@ -47,6 +47,8 @@ pub(crate) struct EventsParams {
     task: Option<u64>,
     find: Option<String>,
     limit: Option<usize>,
+    /// Only effects with lower numbers.
+    before: Option<i64>,
 }
 
 /// Parameters of `/api/why`.
@@ -142,9 +144,9 @@ impl From<SamplesParams> for SignalQuery {
 
 impl From<EventsParams> for EventsQuery {
     fn from(params: EventsParams) -> EventsQuery {
-        let EventsParams { from, to, kind, task, find, limit } = params;
+        let EventsParams { from, to, kind, task, find, limit, before } = params;
         let kinds = kind.filter(|kinds| !kinds.is_empty());
         let kinds = kinds.iter().flat_map(|kinds| kinds.split(',')).map(|kind| kind.trim().to_owned()).collect();
-        EventsQuery { from_ns: from, to_ns: to, kinds, task, find, limit }
+        EventsQuery { from_ns: from, to_ns: to, kinds, task, find, limit, before, searched_max: None }
     }
 }

@@ -39,6 +39,7 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/surroundings", get(surroundings))
         .route("/api/plan", get(plan))
         .route("/api/troubles", get(troubles)) // english: allow
+        .route("/api/questions", get(questions))
         .route("/api/signals", get(signals))
         .route("/api/samples", get(samples))
         .route("/api/report", get(report))
@@ -143,6 +144,11 @@ async fn plan(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<
 async fn troubles(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.troubles(at)?)).await
+}
+
+async fn questions(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.questions(at)?)).await
 }
 
 async fn report(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {

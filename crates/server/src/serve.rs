@@ -115,11 +115,11 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     let ServeOptions { record, agent, load, door, others, what_if, flights, access, ready, address, port } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
     let background = view.as_ref().map(RecordView::reopened).transpose()?;
+    let shelf = filled_shelf(view.as_ref(), agent, &others)?;
     let views = view.map(Views::new).transpose()?;
     if let Some(view) = background {
         std::thread::spawn(move || index_log(&view));
     }
-    let shelf = filled_shelf(record.as_ref(), agent, &others)?;
     let what_if = what_if.map(|(means, read)| WhatIf::new(means, read));
     let forks = what_if.as_ref().map(|what_if| Arc::clone(&what_if.forks));
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
@@ -186,10 +186,10 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
 }
 
 /// Returns the shelf with the record and the other records.
-fn filled_shelf(record: Option<&PathBuf>, agent: usize, others: &[PathBuf]) -> Result<Shelf, ServeError> {
+fn filled_shelf(record: Option<&RecordView>, agent: usize, others: &[PathBuf]) -> Result<Shelf, ServeError> {
     let shelf = Shelf::default();
     if let Some(record) = record {
-        shelf.stand(record, Some(agent))?;
+        shelf.stand_reader(record.reader(), Some(agent))?;
     }
     for other in others {
         shelf.stand(other, None)?;

@@ -57,7 +57,16 @@ impl Shelf {
     /// # Errors
     /// A record that cannot be read.
     pub(crate) fn stand(&self, path: &Path, except: Option<usize>) -> Result<Option<usize>, RecordError> {
-        let rows = rows(path)?;
+        self.stand_reader(&RecordReader::open(path)?, except)
+    }
+
+    /// As [`Shelf::stand`], for a record that is open: opening it again would check the whole file again.
+    pub(crate) fn stand_reader(
+        &self,
+        reader: &RecordReader,
+        except: Option<usize>,
+    ) -> Result<Option<usize>, RecordError> {
+        let (rows, path) = (rows_of(reader)?, reader.path());
         let mut entries = self.entries();
         let mut first = None;
         for (agent, row) in rows.into_iter().enumerate().filter(|(agent, _)| Some(*agent) != except) {
@@ -74,12 +83,11 @@ impl Shelf {
 }
 
 /// Returns one row for each agent of a record.
-pub(crate) fn rows(path: &Path) -> Result<Vec<ShelfRow>, RecordError> {
-    let reader = RecordReader::open(path)?;
+pub(crate) fn rows_of(reader: &RecordReader) -> Result<Vec<ShelfRow>, RecordError> {
     let at_ns = reader.meta("forked_at_ns")?.and_then(|text| text.parse().ok());
     let with = reader.meta("forked_with")?;
     let fork = at_ns.zip(with).map(|(at_ns, with)| ForkRow { at_ns, with });
-    let record = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let record = reader.path().file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let mission = reader.meta("mission")?;
     let row = |agent: &String| ShelfRow {
         id: 0,

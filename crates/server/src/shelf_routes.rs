@@ -3,8 +3,8 @@
 use crate::answer::{ApiError, ApiResult};
 use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
-use crate::shelf::{Shelf, rows};
-use crate::state::{AppState, Shared, Views, blocking, no_record};
+use crate::shelf::{Shelf, rows_of};
+use crate::state::{AppState, Shared, Views, blocking};
 use apex_runtime::record::view::RecordView;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{MatchedPath, Path as UrlPath, Request, State};
@@ -22,8 +22,8 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
 
 async fn list(State(state): Shared) -> ApiResult<Response> {
     let answer = blocking(move || {
-        let path = state.record.as_ref().ok_or_else(no_record)?;
-        let first = rows(path)?.into_iter().nth(state.agent);
+        // The reader is one of the open connections: a record is not checked again for each list.
+        let first = rows_of(&state.reader()?)?.into_iter().nth(state.agent);
         let others = state.shelf.entries().iter().map(|entry| entry.shown.clone()).collect::<Vec<_>>();
         Ok(first.into_iter().chain(others).collect::<Vec<_>>())
     })

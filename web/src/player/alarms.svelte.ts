@@ -3,7 +3,7 @@
 import { type Alarm, alarmsOf } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
 import type { RecordSource } from '../record/source';
-import type { RecordedCommand, SignalWindow, Trouble } from '../record/types';
+import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from '../record/types';
 
 /** Number of signals whose excursions are requested at a time. */
 const SIGNALS_MAX = 24;
@@ -44,10 +44,11 @@ export class Alarms {
 
   list(
     troubles: readonly Trouble[],
+    questions: readonly AskedQuestion[],
     atNs: number,
     subject: (trouble: Trouble) => string,
     signalName: (window: SignalWindow) => string,
   ): Alarm[] {
-    return alarmsOf(troubles, this.windows, this.commands, atNs, subject, signalName);
+    return alarmsOf(troubles, questions, this.windows, this.commands, atNs, subject, signalName);
   }
 }

@@ -9,6 +9,7 @@ import type { Alarm } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
 import { RecordError, type RecordSource, ServedRecord, type TimelineQuery } from '../record/source';
 import type {
+  AskedQuestion,
   Growth,
   Mission,
   PlanInForce,
@@ -41,6 +42,7 @@ interface Moment {
   targets: Target[];
   plan: PlanInForce | null;
   troubles: Trouble[];
+  questions: AskedQuestion[];
   report: Report;
   tail: Track;
 }
@@ -55,6 +57,8 @@ export class Player {
   surroundings = $state.raw<Surroundings>({ zones: [], landing_places: [] });
   plan = $state.raw<PlanInForce | null>(null);
   troubles = $state.raw<Trouble[]>([]);
+  /** Questions to operators by the cursor's instant. */
+  questions = $state.raw<AskedQuestion[]>([]);
   report = $state.raw<Report | null>(null);
   tasks = $state.raw<Tasks | null>(null);
   why = $state.raw<TaskExplanation | null>(null);
@@ -227,6 +231,7 @@ export class Player {
     const names = new Map(this.targets.map(target => [target.id, target.name]));
     return this.alarms.list(
       this.troubles,
+      this.questions,
       this.atNs,
       trouble => subjectWords(trouble.subject, names),
       window => signalWords(window.attribute),
@@ -539,23 +544,25 @@ export class Player {
 
   private async momentAt(atNs: number): Promise<Moment> {
     const { source } = this;
-    const [mission, targets, plan, troubles, report, tail] = await Promise.all([
+    const [mission, targets, plan, troubles, { questions }, report, tail] = await Promise.all([
       source.mission(atNs),
       source.targets(atNs),
       source.plan(atNs),
       source.troubles(atNs),
+      source.questions(atNs),
       source.report(atNs),
       source.tail(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, report, tail };
+    return { mission, targets, plan, troubles: troubles.troubles, questions, report, tail };
   }
 
-  private show({ mission, targets, plan, troubles, report, tail }: Moment): void {
+  private show({ mission, targets, plan, troubles, questions, report, tail }: Moment): void {
     this.tail = tail;
     this.mission = mission;
     this.targets = targets;
     this.plan = plan;
     this.troubles = troubles;
+    this.questions = questions;
     this.report = report;
   }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { type Alarm, alarmGlyph, alarmsOf, floodOf, groupsOf } from './alarms';
-import type { RecordedCommand, SignalWindow, Trouble } from './types';
+import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from './types';
 
 const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble => ({
   t_ns,
@@ -22,9 +22,11 @@ const alarms = (
   commands: RecordedCommand[],
   atNs = 100e9,
   windows: SignalWindow[] = [],
+  questions: AskedQuestion[] = [],
 ) =>
   alarmsOf(
     troubles,
+    questions,
     windows,
     commands,
     atNs,
@@ -33,6 +35,38 @@ const alarms = (
   );
 
 describe('alarms', () => {
+  it('are open questions, which an answer or the end of their time settles', () => {
+    const asked: AskedQuestion = {
+      question: 0,
+      task: 7,
+      text: 'Which?',
+      options: ['a', 'b'],
+      default: 'b',
+      asked_ns: 10e9,
+      by_ns: 40e9,
+      closed_ns: 40e9,
+      withdrawn: "the operator's time is over",
+    };
+    const list = (atNs: number, one = asked) => alarms([], [], atNs, [], [one]);
+    expect(list(9e9)).toEqual([]);
+    const [open] = list(39e9);
+    expect([open?.words, open?.cause, open?.open, open?.acknowledgedNs, open?.settled]).toEqual([
+      'question: Which?',
+      'one of a, b; by T+0:00:40, then b',
+      true,
+      null,
+      null,
+    ]);
+    const [over] = list(40e9);
+    expect([over?.open, over?.acknowledgedNs, over?.settled]).toEqual([
+      false,
+      40e9,
+      "the operator's time is over",
+    ]);
+    const [answered] = list(40e9, { ...asked, closed_ns: 12e9, withdrawn: null });
+    expect([answered?.acknowledgedNs, answered?.settled]).toEqual([12e9, 'its task ended']);
+  });
+
   it('are raised once for each cause and count repeats, and interruptions are none', () => {
     const list = alarms([trouble('failed', 1e9), trouble('failed', 5e9), trouble('interrupted', 6e9)], []);
     expect(list.map(one => [one.words, one.count, one.lastNs])).toEqual([['failed: x', 2, 5e9]]);
@@ -81,6 +115,7 @@ describe('a flood', () => {
     count: 1,
     open: false,
     acknowledgedNs: null,
+    settled: null,
     task: null,
     target: `t${number}`,
     signal: null,

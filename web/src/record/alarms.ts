@@ -1,7 +1,7 @@
-/** Alarms: failures, targets left out, and watched limits exceeded, and whether an operator has acknowledged them; pure. */
+/** Alarms: failures, targets left out, watched limits exceeded and open questions, and whether an operator has acknowledged them; pure. */
 
 import { missionTime, span } from '../time/format';
-import type { RecordedCommand, SignalWindow, Trouble } from './types';
+import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from './types';
 
 export interface Alarm {
   /** Identifies the alarm in commands: its words and the time at which it was first raised. */
@@ -17,6 +17,8 @@ export interface Alarm {
   open: boolean;
   /** Time at which an operator acknowledged the alarm; null before. */
   acknowledgedNs: number | null;
+  /** How a question ended: answering it acknowledges it. Null for other alarms, and while it is open. */
+  settled: string | null;
   task: number | null;
   target: string | null;
   signal: string | null;
@@ -34,11 +36,15 @@ const CALLS: Record<Trouble['kind'], string | null> = {
 /** The beginning of a command that acknowledges an alarm. */
 export const ACKNOWLEDGE = 'acknowledge ';
 
-type Raised = Omit<Alarm, 'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs'> & { atNs: number };
+type Raised = Omit<Alarm, 'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs' | 'settled'> & {
+  atNs: number;
+  settled?: { words: string; atNs: number };
+};
 
 /** The alarms at an instant, newest first. Repetitions with the same cause increase the count of one alarm. */
 export function alarmsOf(
   troubles: readonly Trouble[],
+  questions: readonly AskedQuestion[],
   windows: readonly SignalWindow[],
   commands: readonly RecordedCommand[],
   atNs: number,
@@ -54,11 +60,14 @@ export function alarmsOf(
         { words: `${word}: ${subject(entry)}`, cause, atNs: t_ns, open: false, task, target, signal: null },
       ];
     }),
+    ...questions.flatMap(asked => (asked.asked_ns <= atNs ? [waiting(asked, atNs)] : [])),
     ...windows.flatMap(window => exceeded(window, atNs, signalName(window))),
   ];
   raised.sort((a, b) => a.atNs - b.atNs);
   const alarms = new Map<string, Alarm>();
-  for (const { atNs: at, ...one } of raised) {
+  const settled = new Map<string, { words: string; atNs: number } | undefined>();
+  for (const { atNs: at, settled: end, ...one } of raised) {
+    settled.set(one.words, end);
     const known = alarms.get(one.words);
     if (known) {
       known.lastNs = at;
@@ -68,9 +77,22 @@ export function alarmsOf(
       continue;
     }
     const id = `${one.words} (${missionTime(at)})`;
-    alarms.set(one.words, { ...one, id, firstNs: at, lastNs: at, count: 1, acknowledgedNs: null });
+    alarms.set(one.words, {
+      ...one,
+      id,
+      firstNs: at,
+      lastNs: at,
+      count: 1,
+      acknowledgedNs: null,
+      settled: null,
+    });
   }
   for (const alarm of alarms.values()) {
+    const end = settled.get(alarm.words);
+    if (end) {
+      [alarm.settled, alarm.acknowledgedNs] = [end.words, end.atNs];
+      continue;
+    }
     const said = commands.findLast(
       command =>
         command.end === 'accepted' &&
@@ -81,6 +103,27 @@ export function alarmsOf(
     alarm.acknowledgedNs = said && said.t_ns >= alarm.lastNs ? said.t_ns : null;
   }
   return [...alarms.values()].sort((a, b) => b.lastNs - a.lastNs);
+}
+
+/** A question of the flight to its operators. */
+function waiting(asked: AskedQuestion, atNs: number): Raised {
+  const { text, options, by_ns, closed_ns, withdrawn } = asked;
+  const open = closed_ns === null || closed_ns > atNs;
+  const choices = options.length > 0 ? `one of ${options.join(', ')}` : 'any form is an answer';
+  const end =
+    by_ns === null
+      ? ''
+      : `; by ${missionTime(by_ns)}${asked.default === null ? '' : `, then ${asked.default}`}`;
+  return {
+    words: `question: ${text}`,
+    cause: `${choices}${end}`,
+    atNs: asked.asked_ns,
+    open,
+    task: asked.task,
+    target: null,
+    signal: null,
+    settled: open ? undefined : { words: withdrawn ?? 'its task ended', atNs: closed_ns },
+  };
 }
 
 /** The excursions that the executive answered, beyond limits that a step watches all the time. */

@@ -12,6 +12,7 @@ import type {
   Plans,
   ProgramContents,
   ProgramText,
+  Questions,
   RecordedCommands,
   Report,
   ScoreSoFar,
@@ -61,6 +62,8 @@ export interface EventsQuery {
   find: string;
   kinds: string;
   task: number | null;
+  /** Only lines with lower numbers: the `next` of an answer whose search has not ended. */
+  before?: number | null;
 }
 
 /** The requests of panels to a record, the same for finished and growing records. */
@@ -85,6 +88,8 @@ export interface RecordSource {
   /** Null if the record is not of a mission. */
   facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
+  /** The questions asked of operators by then. */
+  questions(atNs: number): Promise<Questions>;
   events(query: EventsQuery): Promise<Events>;
   /** `explain` also requests the awaited conditions, for which the server restores the instant. */
   why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
@@ -161,6 +166,7 @@ export class ServedRecord implements RecordSource {
   score = (atNs: number): Promise<ScoreSoFar | null> => this.get('score', { at: whole(atNs) });
   facts = (): Promise<MissionFacts | null> => this.get('facts', {});
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
+  questions = (atNs: number): Promise<Questions> => this.get('questions', { at: whole(atNs) });
   targets = async (atNs: number): Promise<Target[]> =>
     (await this.get<Targets>('targets', { at: whole(atNs) })).targets;
   timeline = (query: TimelineQuery): Promise<Timeline> =>
@@ -192,6 +198,7 @@ export class ServedRecord implements RecordSource {
       find: query.find,
       kind: query.kinds,
       task: query.task,
+      before: query.before ?? null,
     });
 
   watch: RecordSource['watch'] = (onGrowth, onConnection) => {

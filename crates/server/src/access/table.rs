@@ -22,6 +22,7 @@ pub(crate) fn rows() -> Vec<RouteRow> {
         read("/api/plan"),
         read("/api/plans"),
         read("/api/troubles"), // english: allow
+        read("/api/questions"),
         read("/api/signals"),
         read("/api/samples"),
         read("/api/report"),

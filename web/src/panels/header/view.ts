@@ -109,7 +109,3 @@ function statusOf(
 function scoreText(score: number): string {
   return Math.abs(score) >= 100 ? score.toFixed(0) : score.toFixed(Math.abs(score) >= 10 ? 1 : 2);
 }
-
-export function speedText(speed: number): string {
-  return `${speed}×`;
-}

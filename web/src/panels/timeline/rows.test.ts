@@ -165,6 +165,12 @@ describe('rows of resources', () => {
     ]);
     expect(row?.bars.at(-1)?.words).toBe('2, T9 fly');
     expect(row?.holder).toBe('T9 fly');
+    // A holding that ended at the instant is over, as at the end of a flight.
+    const ended = { task: 3, amount: null, from_ns: 10, to_ns: 50, open: false };
+    const one: Holdings = { resources: [{ resource: 'flight-path', left_out: 0, holdings: [ended] }] };
+    const holderAt = (atNs: number) =>
+      resourceRows(one, visible, atNs, scaleOf(visible, 300), () => 'fly')[0]?.holder;
+    expect([holderAt(49), holderAt(50)]).toEqual(['T3 fly', 'free']);
     expect(resourceRows(holdings, visible, 45, scaleOf(visible, 300), () => '')[0]?.holder).toBe('free');
   });
 });

@@ -34,7 +34,7 @@ export function resourceRows(
     let holder = 'free';
     for (const one of row.holdings) {
       if (one.from_ns > atNs) continue;
-      if (one.open || one.to_ns >= atNs) holder = `T${one.task} ${phrase(one.task)}`.trim();
+      if (one.open || one.to_ns > atNs) holder = `T${one.task} ${phrase(one.task)}`.trim();
       const toNs = Math.min(one.to_ns, atNs, visible.toNs);
       if (toNs < visible.fromNs || one.from_ns > visible.toNs) continue;
       const x = Math.max(scale.x(one.from_ns), NAMES_PX);

@@ -377,7 +377,11 @@ events: Array<EventRow>,
 /**
  * True if older effects of that time are left out.
  */
-more: boolean, };
+more: boolean, 
+/**
+ * Number of the effect before which the search for a text continues; null if the query was answered to its end or limit.
+ */
+next: number | null, };
 
 /**
  * A recorded state of a target; each plan records it again.
@@ -1038,6 +1042,60 @@ export type RecordedCommands = {
  * By time.
  */
 commands: Array<RecordedCommand>, };
+
+/**
+ * A question to operators.
+ */
+export type AskedQuestion = { 
+/**
+ * Its number.
+ */
+question: number, 
+/**
+ * The number of the task that asks.
+ */
+task: number, 
+/**
+ * The question.
+ */
+text: string, 
+/**
+ * Choices; without any, every form is an answer.
+ */
+options: Array<string>, 
+/**
+ * The answer that is taken if none comes in time; none fails the task.
+ */
+default: string | null, 
+/**
+ * Mission time in nanoseconds at which it was asked.
+ */
+asked_ns: number, 
+/**
+ * Mission time in nanoseconds at which the time of the operators is over.
+ */
+by_ns: number | null, 
+/**
+ * Mission time in nanoseconds from which it was open no longer; null while it is open.
+ */
+closed_ns: number | null, 
+/**
+ * Reason of its withdrawal; null while it is open, and if the task ended, as by an answer.
+ */
+withdrawn: string | null, };
+
+/**
+ * Questions by an instant.
+ */
+export type Questions = { 
+/**
+ * By the instant at which they were asked.
+ */
+questions: Array<AskedQuestion>, 
+/**
+ * Number of earlier questions that are left out; all of them are closed.
+ */
+left_out: number, };
 
 /**
  * A step of a procedure.

@@ -10,6 +10,9 @@ use apex_model::time::Time;
 use rusqlite::Connection;
 use std::collections::BTreeMap;
 
+/// Kind of the effects that adopt a plan.
+const PLAN_ADOPTED: &str = "procedure-added";
+
 /// A step with effects.
 pub(in crate::record) struct StepRow {
     pub(in crate::record) batch: i64,
@@ -51,6 +54,8 @@ pub(crate) struct EffectTable {
     kinds_of_shapes: Vec<u32>,
     /// By task: place of its last effect.
     last: BTreeMap<u64, u32>,
+    /// Places of the effects that adopt a plan.
+    plans: Vec<usize>,
     /// Adopted plans whose sources are still to be found: the step and the request.
     pub(in crate::record) adopted: Vec<(i64, SolveRequestId)>,
     /// The sources of the program and of the plans, in the order in which places refer to them.
@@ -98,6 +103,7 @@ impl EffectTable {
                 Ok(memory) => memory,
                 Err(fault) => {
                     self.entries.truncate(place);
+                    self.plans.retain(|plan| *plan < place);
                     return Ok(Err(format!("the effects of step {batch} cannot be read: {fault}")));
                 }
             };
@@ -115,7 +121,8 @@ impl EffectTable {
             }
             let Some(item) = reader.read()? else { break };
             let (kind, task) = item.kind()?;
-            if kind.word == "procedure-added"
+            let is_plan = kind.word == PLAN_ADOPTED;
+            if is_plan
                 && let Effect::Decided(Decision { kind: DecisionKind::ProcedureAdded { request, .. }, .. }) =
                     item.effect()?
             {
@@ -126,6 +133,9 @@ impl EffectTable {
                 Some(shape) => kind_of_shape((&mut self.kinds, &mut self.kinds_of_shapes), shape, kind),
                 None => place_of(&mut self.kinds, kind),
             };
+            if is_plan {
+                self.plans.push(self.entries.len());
+            }
             let place = u32::try_from(self.entries.len()).map_err(|_| "there are too many effects")?;
             let before = task.and_then(|task| self.last.insert(task, place)).map_or(0, |before| before + 1);
             self.entries.push(EffectEntry { task, kind, before });
@@ -133,6 +143,13 @@ impl EffectTable {
         let memory = reader.memory();
         self.steps.push(step);
         Ok(memory)
+    }
+
+    /// Returns the places of the effects up to `at` that adopt a plan.
+    pub(crate) fn plans(&self, at: Time) -> &[usize] {
+        let later = self.place_later(at);
+        let end = self.plans.partition_point(|place| *place < later);
+        self.plans.get(..end).unwrap_or_default()
     }
 
     /// Returns the number of effects.

@@ -1,6 +1,6 @@
 //! The log: all effects of the agent, with their causes.
 
-use super::effect_index::EffectSearch;
+use super::effect_index::{BLOCK_EFFECTS, EffectSearch};
 use super::{RecordView, for_reading, for_writing};
 use crate::error::RecordError;
 use crate::record::{EffectKind, Effects, Told};
@@ -13,6 +13,10 @@ use std::time::{Duration, Instant};
 const LIMIT_DEFAULT: usize = 200;
 /// Maximum number of rows of any answer.
 const LIMIT_MAX: usize = 5_000;
+
+/// Most effects that one answer reads in search of a text. A text that is nowhere would otherwise read the whole log: the answer states
+/// where the search continues.
+const SEARCHED_MAX: usize = 16_384;
 
 /// Blocks that a query takes from the index at once.
 const BLOCKS_TURN: usize = 32;
@@ -35,6 +39,10 @@ pub struct EventsQuery {
     pub find: Option<String>,
     /// Maximum number of rows; default 200, at most 5,000.
     pub limit: Option<usize>,
+    /// Only effects with lower numbers: continues a search at its [`Events::next`].
+    pub before: Option<i64>,
+    /// Most effects that are read in search of a text; default 16,384.
+    pub searched_max: Option<usize>,
 }
 
 /// The last effects of the requested time, oldest first.
@@ -45,6 +53,8 @@ pub struct Events {
     pub events: Vec<EventRow>,
     /// True if older effects of that time are left out.
     pub more: bool,
+    /// Number of the effect before which the search for a text continues; null if the query was answered to its end or limit.
+    pub next: Option<i64>,
 }
 
 /// An effect.
@@ -100,31 +110,34 @@ impl RecordView {
     pub fn events(&self, query: &EventsQuery) -> Result<Events, RecordError> {
         let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
         self.reader.check_growth()?;
-        let mut events = match query.task {
+        let (mut events, next) = match query.task {
             Some(task) => {
                 let effects = self.reader.effects()?;
                 self.selected(query, &effects, effects.table.about(task), limit + 1)?
             }
             None => self.found(query, limit + 1)?,
         };
-        let more = events.len() > limit;
+        let more = events.len() > limit || next.is_some();
         events.truncate(limit);
         events.reverse();
-        Ok(Events { events, more })
+        Ok(Events { events, more, next })
     }
 
-    /// Returns the first `count` effects at `places` that a query selects.
+    /// Returns the first `count` effects at `places` that a query selects, and the number of the effect at which the search ended early.
     fn selected(
         &self,
         query: &EventsQuery,
         effects: &Effects<'_>,
         places: impl Iterator<Item = usize>,
         count: usize,
-    ) -> Result<Vec<EventRow>, RecordError> {
+    ) -> Result<(Vec<EventRow>, Option<i64>), RecordError> {
         let find = query.find.as_deref().map(str::to_ascii_lowercase).unwrap_or_default();
         let (from_ns, to_ns) = (query.from_ns.unwrap_or(i64::MIN), query.to_ns.unwrap_or(i64::MAX));
+        let first_beyond = query.before.map_or(usize::MAX, |before| effects.table.place_after(before - 1));
+        let searched_max = query.searched_max.unwrap_or(SEARCHED_MAX).max(1);
         let mut events = Vec::new();
-        for place in places {
+        let mut in_vain = 0_usize;
+        for place in places.filter(|place| *place < first_beyond) {
             if events.len() >= count {
                 break;
             }
@@ -133,18 +146,23 @@ impl RecordView {
             if !effects.table.kind(place).is_some_and(is_kind) || !(from_ns..=to_ns).contains(&effects.at(place).0) {
                 continue;
             }
+            if in_vain >= searched_max {
+                return Ok((events, Some(effects.table.id(place) + 1)));
+            }
             let told = effects.told(place)?;
             let holds = |text: &str| text.to_ascii_lowercase().contains(&find);
             if find.is_empty() || holds(&told.row.subject) || holds(&told.row.text) {
                 events.push(EventRow::of(told));
+            } else {
+                in_vain += 1;
             }
         }
-        Ok(events)
+        Ok((events, None))
     }
 
     /// Returns the newest effects that a query selects, at most `count`: first those that are not in the index yet, then those of the
     /// blocks that may contain a match.
-    fn found(&self, query: &EventsQuery, count: usize) -> Result<Vec<EventRow>, RecordError> {
+    fn found(&self, query: &EventsQuery, count: usize) -> Result<(Vec<EventRow>, Option<i64>), RecordError> {
         // If another thread extends the index, queries leave that to it.
         if !self.indexes.is_indexed_apart.load(Ordering::Relaxed) {
             self.index_now(EVENTS_BUDGET)?;
@@ -158,9 +176,12 @@ impl RecordView {
         let seen = for_reading(&self.indexes.effects).seen();
         let effects = self.reader.effects()?;
         let place = |id: i64| effects.table.place_after(id);
-        let newest = (place(seen)..effects.table.place_later(Time(wanted.to_ns))).rev();
+        let end = effects.table.place_later(Time(wanted.to_ns));
+        let end = query.before.map_or(end, |before| place(before - 1).min(end));
+        let begin = place(seen).max(effects.table.place_later(Time(wanted.from_ns.saturating_sub(1))));
+        let newest = (begin..end).rev();
         // An answer mostly ends after a few blocks: the index is read in turns, so that the other blocks are left alone.
-        let mut below = i64::MAX;
+        let mut below = query.before.map_or(i64::MAX, |before| before.saturating_add(BLOCK_EFFECTS));
         let mut ended = false;
         let turns = std::iter::from_fn(|| {
             let index = for_reading(&self.indexes.effects);

@@ -27,6 +27,8 @@ pub(super) struct IndexedTask {
     sums: Vec<IntervalSums>,
     /// The longest interval to draw that begins in each block of [`BLOCK_CHANGES`] changes, nanoseconds; without the last, open one.
     longest_ns: Vec<i64>,
+    /// The instant of the first change of each block.
+    block_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
     /// The method of each selection; none from a new start of the step until it is selected again.
@@ -51,7 +53,26 @@ pub(super) struct Change {
     pub(super) at_ns: i64,
     pub(super) state: StateWord,
     /// Outcome, if it has ended. A task of a repeating step leaves the ended state again.
-    pub(super) outcome: Option<&'static str>,
+    pub(super) outcome: OutcomeCode,
+}
+
+/// The outcome of a task in one byte: changes are many, and their size decides how fast they are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct OutcomeCode(u8);
+
+const OUTCOMES: [&str; 3] = ["success", "failure", "cut"];
+
+impl OutcomeCode {
+    /// Returns the code of an outcome; none has one, too.
+    pub(super) fn of(word: Option<&str>) -> OutcomeCode {
+        let place = OUTCOMES.iter().position(|outcome| Some(*outcome) == word);
+        OutcomeCode(place.map_or(0, |place| place as u8 + 1))
+    }
+
+    /// Returns `success`, `failure` or `cut`.
+    pub(super) fn word(self) -> Option<&'static str> {
+        usize::from(self.0).checked_sub(1).and_then(|place| OUTCOMES.get(place)).copied()
+    }
 }
 
 /// All tasks by number.
@@ -116,7 +137,7 @@ impl TaskIndex {
                 None if found.kind.word == SELECTED => task.select_again(at_ns),
                 None => {
                     let state = StateWord(found.kind.to.unwrap_or(TaskState::Pending));
-                    task.change(Change { at_ns, state, outcome: found.kind.outcome });
+                    task.change(Change { at_ns, state, outcome: OutcomeCode::of(found.kind.outcome) });
                 }
                 Some(Effect::Decided(decision)) => task.decide(at_ns, &decision, &effects),
                 Some(_) => {}
@@ -143,7 +164,7 @@ impl IndexedTask {
                 self.tag = tag.to_string();
                 self.place = effects.place(decision);
                 self.created_ns = at_ns;
-                self.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
+                self.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: OutcomeCode::default() });
                 self.set_goal(at_ns, goal.to_string());
             }
             DecisionKind::Selected { method, goal, .. } => {
@@ -183,6 +204,7 @@ impl IndexedTask {
         self.sums.push(sums);
         if self.changes.len().is_multiple_of(BLOCK_CHANGES) {
             self.longest_ns.push(0);
+            self.block_ns.push(change.at_ns);
         }
         self.changes.push(change);
     }
@@ -212,6 +234,11 @@ impl IndexedTask {
     /// Returns the longest interval to draw that begins in the block of a change, nanoseconds; the open one does not count.
     pub(super) fn longest_ns(&self, place: usize) -> i64 {
         self.longest_ns.get(place / BLOCK_CHANGES).copied().unwrap_or(i64::MAX)
+    }
+
+    /// Returns the instant of the first change of each block of [`BLOCK_CHANGES`] changes.
+    pub(super) fn block_ns(&self) -> &[i64] {
+        &self.block_ns
     }
 
     /// Returns the nanoseconds for which it was active up to `at_ns`.
@@ -306,7 +333,7 @@ impl TaskIndex {
             ..IndexedTask::default()
         };
         for &(at_ns, state) in changes {
-            task.change(Change { at_ns, state: StateWord(state), outcome: None });
+            task.change(Change { at_ns, state: StateWord(state), outcome: OutcomeCode::default() });
         }
         self.tasks.insert(id, task);
     }
@@ -318,8 +345,18 @@ mod tests {
 
     fn task(changes: &[(i64, TaskState)]) -> IndexedTask {
         let mut task = IndexedTask::default();
-        changes.iter().for_each(|&(at_ns, state)| task.push(Change { at_ns, state: StateWord(state), outcome: None }));
+        for &(at_ns, state) in changes {
+            task.push(Change { at_ns, state: StateWord(state), outcome: OutcomeCode::default() });
+        }
         task
+    }
+
+    #[test]
+    fn outcomes_come_back_from_their_codes() {
+        for word in OUTCOMES.map(Some).into_iter().chain([None]) {
+            assert_eq!(OutcomeCode::of(word).word(), word);
+        }
+        assert_eq!(std::mem::size_of::<Change>(), 16);
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl RecordView {
         let index = self.tasks_index()?;
         let tasks = index.tasks().values().filter(|task| task.state_at(at_ns).is_some()).count();
         let root_failed = index.tasks().values().filter(|task| task.parent.is_none()).any(|root| {
-            root.state_at(at_ns).is_some_and(|now| now.outcome == Some("failure") && !now.state.is_alive())
+            root.state_at(at_ns).is_some_and(|now| now.outcome.word() == Some("failure") && !now.state.is_alive())
         });
         drop(index);
         let targets = self.targets(Some(at_ns))?.targets;

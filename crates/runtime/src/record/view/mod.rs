@@ -7,6 +7,7 @@
 //! An answer for an instant contains what was known at that instant, and nothing that was recorded later: decision 0088.
 
 mod announcements;
+mod command_index;
 mod commands;
 pub(crate) mod decisions;
 mod effect_index;
@@ -17,6 +18,8 @@ mod index;
 mod library;
 mod mission;
 mod plan;
+mod question_index;
+mod questions;
 mod report;
 mod samples;
 mod signals;
@@ -30,12 +33,15 @@ mod track;
 mod trouble_index; // english: allow
 mod troubles;
 
-pub use commands::{RecordedCommand, RecordedCommands};
+pub use command_index::RecordedCommand;
+pub use commands::RecordedCommands;
 pub use events::{EventRow, Events, EventsQuery};
 pub use holdings::{Holding, Holdings, ResourceRow};
 pub use library::{DeclaredName, ProcedureRow, ProgramContents, ProgramFile, ProgramText, StepRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
 pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans, VisitNeed};
+pub use question_index::AskedQuestion;
+pub use questions::Questions;
 pub use report::{Report, Section};
 pub use signals::{
     Excursion, SIGNALS_MAX, Signal, SignalKind, SignalLimit, SignalQuery, SignalWindow, SignalWindows, Signals,
@@ -55,9 +61,11 @@ use super::effect_access::Effects;
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
+use command_index::CommandIndex;
 use effect_index::EffectIndex;
 use holding_index::HoldingIndex;
 use index::TaskIndex;
+use question_index::QuestionIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
 use std::path::Path;
@@ -78,6 +86,10 @@ struct Indexes {
     tasks: RwLock<TaskIndex>,
     /// Holders of resources over time.
     holdings: RwLock<HoldingIndex>,
+    /// Commands of operators.
+    commands: RwLock<CommandIndex>,
+    /// Questions to operators.
+    questions: RwLock<QuestionIndex>,
     /// Times at which late targets became known.
     announcements: RwLock<Announcements>,
     /// Places of times, kinds and texts in the log.
@@ -124,6 +136,8 @@ impl RecordView {
         drop(self.tasks_index()?);
         drop(self.current(&self.indexes.holdings, HoldingIndex::read_to, HoldingIndex::refresh)?);
         drop(self.current(&self.indexes.faults, TroubleIndex::read_to, TroubleIndex::refresh)?); // english: allow
+        drop(self.current(&self.indexes.questions, QuestionIndex::read_to, QuestionIndex::refresh)?);
+        self.refresh_commands()?;
         let mut samples = self.indexes.samples.lock().unwrap_or_else(PoisonError::into_inner);
         samples.refresh(&self.reader, &[])
     }

@@ -123,12 +123,12 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn plans(&self, at_ns: Option<i64>) -> Result<Plans, RecordError> {
         let effects = self.effects()?;
-        let added = added(&effects, at_ns.unwrap_or(i64::MAX));
+        let added = effects.table.plans(Time(at_ns.unwrap_or(i64::MAX)));
         let total = added.len() as i64;
         let first = (total - PLANS_MAX).max(0) + 1;
         let mut plans = Vec::new();
         for (number, place) in (1..).zip(added).skip(usize::try_from(first - 1).unwrap_or(0)) {
-            let mut plan = in_force(self.adopted(&effects, place, number)?);
+            let mut plan = in_force(self.adopted(&effects, *place, number)?);
             if number + 1 < total {
                 plan.route = Vec::new();
             }
@@ -143,7 +143,7 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn plan(&self, at_ns: Option<i64>) -> Result<Option<PlanInForce>, RecordError> {
         let effects = self.effects()?;
-        let added = added(&effects, at_ns.unwrap_or(i64::MAX));
+        let added = effects.table.plans(Time(at_ns.unwrap_or(i64::MAX)));
         let last = added.last().map(|place| self.adopted(&effects, *place, added.len() as i64));
         Ok(last.transpose()?.map(in_force))
     }
@@ -193,12 +193,6 @@ struct Adopted {
     summary: String,
     /// The plan as JSON.
     text: Option<String>,
-}
-
-/// Returns the adoptions of plans up to `at_ns`, as places among the effects.
-fn added(effects: &Effects<'_>, at_ns: i64) -> Vec<usize> {
-    let is_added = |place: &usize| effects.table.kind(*place).is_some_and(|kind| kind.word == "procedure-added");
-    (0..effects.table.place_later(Time(at_ns))).filter(is_added).collect()
 }
 
 type Shown = (Vec<PlannedVisit>, Vec<[f64; 2]>, Vec<LeftOutTarget>);

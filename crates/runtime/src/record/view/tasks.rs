@@ -98,7 +98,7 @@ impl Task {
             tag: task.tag.clone(),
             goal: task.goal_at(at_ns).to_owned(),
             state: now.state,
-            outcome: now.outcome.map(str::to_owned),
+            outcome: now.outcome.word().map(str::to_owned),
             since_ns: now.at_ns,
             created_ns: task.created_ns,
             method: task.method_at(at_ns).map(str::to_owned),

@@ -1,10 +1,11 @@
 //! The intervals of a task in a window: one by one where they may be bars, as sums for each pixel where all are shorter than a pixel.
 //!
-//! Bound: O(log n) for each pixel that has an interval; one step for each interval near one that is as long as a pixel.
+//! Bound: one step for each pixel and each block of changes; one step for each interval near one that is as long as a pixel.
 
-use super::super::index::{BLOCK_CHANGES, Change, IndexedTask, Interval};
+use super::super::index::{BLOCK_CHANGES, IndexedTask, Interval};
 use super::window::Window;
 use apex_model::task::TaskState;
+use std::ops::RangeInclusive;
 
 /// The intervals of a task in a window.
 #[derive(Default)]
@@ -72,11 +73,13 @@ impl Pieces {
     /// Adds the intervals that begin with the changes in `begin..end`; all end within the window.
     fn add_short(&mut self, task: &IndexedTask, (begin, end): (usize, usize), window: Window) {
         let at_ns = |place: usize| task.changes.get(place).map_or(i64::MAX, |change| change.at_ns);
+        let pixels = window.pixel(at_ns(begin))..=window.pixel(at_ns(end - 1));
         let mut place = begin;
-        while place < end {
-            let pixel = window.pixel(at_ns(place));
+        for (pixel, next) in pixels.clone().zip(ends_of(task, (begin, end), pixels, window)) {
+            if next == place {
+                continue;
+            }
             let edge_ns = window.end_ns(pixel);
-            let next = first_from(&task.changes, (place + 1, end), edge_ns);
             let (before, after) = (task.sums_before(place), task.sums_before(next));
             let (count, ongoing_ns) = (after.drawn - before.drawn, after.ongoing_ns - before.ongoing_ns);
             // The last of them may end in the next pixel.
@@ -105,15 +108,26 @@ impl Pieces {
     }
 }
 
-/// Returns the first place from `begin` on whose change is not before `edge_ns`, at most `end`: by steps that double, because it is mostly
-/// near.
-fn first_from(changes: &[Change], (begin, end): (usize, usize), edge_ns: i64) -> usize {
-    let is_before = |place: usize| changes.get(place).is_some_and(|change| change.at_ns < edge_ns);
-    let (mut low, mut step) = (begin, 1);
-    while low + step < end && is_before(low + step) {
-        low += step;
-        step *= 2;
-    }
-    let near = changes.get(low..(low + step).min(end)).unwrap_or_default();
-    low + near.partition_point(|change| change.at_ns < edge_ns)
+/// Returns for each pixel the first place in `begin..end` whose change is not before the end of the pixel; `end` if there is none.
+///
+/// The look-ups in the blocks do not depend on one another, so that the processor waits for their memory at the same time.
+fn ends_of(
+    task: &IndexedTask,
+    (begin, end): (usize, usize),
+    pixels: RangeInclusive<usize>,
+    window: Window,
+) -> Vec<usize> {
+    let mut block = begin / BLOCK_CHANGES;
+    let blocks = task.block_ns();
+    let ends = pixels.map(|pixel| {
+        let edge_ns = window.end_ns(pixel);
+        while blocks.get(block + 1).is_some_and(|first_ns| *first_ns < edge_ns) {
+            block += 1;
+        }
+        let first = block * BLOCK_CHANGES;
+        let inside = task.changes.get(first..(first + BLOCK_CHANGES).min(task.changes.len())).unwrap_or_default();
+        let before = inside.iter().filter(|change| change.at_ns < edge_ns).count();
+        (first + before).clamp(begin, end)
+    });
+    ends.collect()
 }
