@@ -175,6 +175,8 @@ pub(crate) const ATTITUDE_S: f64 = 0.2;
 
 /// Longest time without a full packet.
 const FULL_S: f64 = 10.0;
+/// Room for the inputs of a packet that is not full.
+const INPUTS_BRIEF: usize = 16;
 
 /// Returns the list published as `location`.
 pub(crate) fn location(state: &State) -> Value {
@@ -330,6 +332,7 @@ impl Reporter {
             self.last_words.fill("");
             self.last_cameras.fill("");
         }
+        inputs.reserve(if full { VARIABLES.len() } else { INPUTS_BRIEF });
         for ((variable, published), last_flow) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_flows) {
             let due = match (variable.pace, variable.read) {
                 (Pace::Attitude, _) => true,
@@ -352,13 +355,13 @@ impl Reporter {
             inputs.push(Input::new(at, EventKind::Measurement(published.name.clone(), value)));
         }
         self.changes(at, snapshot, cameras, inputs);
-        let angle = template(Some("deg"));
+        let angle = || template(Some("deg"));
         let degrees = |rad: f64| rounded(rad / RAD_PER_DEG, 1e4) * RAD_PER_DEG;
         for (camera, [_, tilt, pan]) in
             cameras.iter().zip(&self.cameras).filter(|(camera, _)| full || camera.aim.is_some())
         {
             for (name, si) in [(tilt, camera.tilt_rad), (pan, camera.pan_rad)] {
-                let value = Value::Quantity(Quantity { si: degrees(si), ..angle });
+                let value = Value::Quantity(Quantity { si: degrees(si), ..angle() });
                 inputs.push(Input::new(at, EventKind::Measurement(name.clone(), value)));
             }
         }

@@ -10,6 +10,9 @@ const NEAR_DEG: f64 = 0.1;
 /// .. which is less than this, anywhere on Earth.
 const NEAR_M: f64 = 16_000.0;
 
+/// Lower bound on the length of a degree of latitude.
+const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
+
 /// The ground, with the nearby patches cached.
 #[derive(Clone, Debug)]
 pub(crate) struct Terrain {
@@ -41,7 +44,12 @@ impl Terrain {
         };
         if !self.middle.is_some_and(holds) {
             let patches = self.all.patches.iter();
-            let within = patches.filter(|patch| bearing(vehicle, patch.position).1 <= patch.radius_m + NEAR_M);
+            let within = patches.filter(|patch| {
+                let north_deg = (vehicle.latitude_deg - patch.position.latitude_deg).abs();
+                let reach_m = patch.radius_m + NEAR_M;
+                // Most patches are too far to the north or south, which needs no geodesic.
+                north_deg * METRES_PER_DEGREE_MIN <= reach_m && bearing(vehicle, patch.position).1 <= reach_m
+            });
             self.near = within.cloned().collect();
             self.middle = Some(vehicle);
         }

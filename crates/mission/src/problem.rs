@@ -20,6 +20,7 @@ use apex_model::problem::{
 };
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
+use apex_portfolio::parallel::on_all_processors;
 
 /// Reason for a missing plan. Only the first kind ends a mission in progress.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,45 +139,49 @@ fn wanted(
 ) -> Result<ProblemTargets, NoPlan> {
     let start = here(mission, situation);
     let is_open = |name: &str| is_asked(name) && !situation.observed().any(|visit| visit.target == name);
-    let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
-    for target in &mission.targets {
-        let TargetKind::Fire(fire) = &target.kind else { continue };
-        if mission.weak_reason(&target.id).is_some() {
-            continue;
-        }
+    let open = mission.targets.iter().filter_map(|target| match &target.kind {
+        TargetKind::Fire(fire) if mission.weak_reason(&target.id).is_none() => Some((target, fire)),
+        _ => None,
+    });
+    let open = open.flat_map(|(target, fire)| {
         // Not before the vehicle can be there.
         let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
-        for (name, look) in fire.looks().filter(|(name, _)| is_open(name)) {
+        fire.looks().filter(|(name, _)| is_open(name)).map(move |(name, look)| {
             let from_s = timing::first_s(look, at.seconds() + way_s);
-            let wish = Wish { mission, target, fire, look, approach: start, from_s, is_explained };
-            let manoeuvres = match manoeuvres::of(&wish) {
-                Ok(manoeuvres) => manoeuvres,
-                Err(why) => {
-                    troubles.push(format!("{name}: no way to observe it: {why}"));
-                    continue;
-                }
-            };
-            let (shortest_s, line_s) = durations_s(&manoeuvres);
-            let result = flown.and_then(|flown| flown.result(&target.id));
-            let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
-            let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
-            after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
-            targets.push(SingleVisitTarget {
-                position: target.position,
-                value: (look.value - seen).max(0.0),
-                manoeuvres,
-                windows: timing::begins(look),
-                light: timing::hard_light(look),
-                timing: timing::table(
-                    mission,
-                    target,
-                    look,
-                    (at.seconds(), shortest_s, line_s),
-                    GroundArrival::AfterWayHome,
-                ),
-                name,
-            });
-        }
+            (name, Wish { mission, target, fire, look, approach: start, from_s, is_explained })
+        })
+    });
+    let open: Vec<(String, Wish<'_>)> = open.collect();
+    let ways = on_all_processors(open.len(), |number| open.get(number).map(|(_, wish)| manoeuvres::of(wish)));
+    let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
+    for ((name, Wish { target, fire, look, .. }), manoeuvres) in open.into_iter().zip(ways.into_iter().flatten()) {
+        let manoeuvres = match manoeuvres {
+            Ok(manoeuvres) => manoeuvres,
+            Err(why) => {
+                troubles.push(format!("{name}: no way to observe it: {why}"));
+                continue;
+            }
+        };
+        let (shortest_s, line_s) = durations_s(&manoeuvres);
+        let result = flown.and_then(|flown| flown.result(&target.id));
+        let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
+        let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
+        after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
+        targets.push(SingleVisitTarget {
+            position: target.position,
+            value: (look.value - seen).max(0.0),
+            manoeuvres,
+            windows: timing::begins(look),
+            light: timing::hard_light(look),
+            timing: timing::table(
+                mission,
+                target,
+                look,
+                (at.seconds(), shortest_s, line_s),
+                GroundArrival::AfterWayHome,
+            ),
+            name,
+        });
     }
     match (targets.is_empty(), troubles.is_empty()) {
         (true, true) => return Err(NoPlan::NothingLeft("no known target is left to observe".to_string())),

@@ -5,15 +5,16 @@
 //! Bound: O(targets) per sample, O(cells of the swath) near a target.
 
 mod ground;
+mod results;
 
-use crate::assess::{AssessContext, Product, assess};
+use crate::assess::Product;
 use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{Ground, OFF_NADIR_DEG_MAX};
 use crate::grid::{AreaError, GridSettings, TargetGrid};
 use crate::looks::{CellLook, StripFacts, TargetLooks};
 use crate::pictures::{PictureView, add_picture};
-use crate::result::{Remark, TargetResult};
+use crate::result::Remark;
 use crate::sensor::GimbalAngles;
 use crate::strip::{AngularRates, ScanLine, ScannerSetting, add_between, hiding, scan_line};
 use crate::target::{ObservedTarget, WANTED_LOOKS_MAX};
@@ -271,31 +272,6 @@ impl FlownObservation {
     pub fn first_valid_s(&self) -> BTreeMap<String, f64> {
         let seen = |watched: &TargetObservations| Some((watched.target.name.clone(), watched.looks.first_valid_s()?));
         self.watched.iter().filter_map(seen).collect()
-    }
-
-    /// Returns the results of all targets, in their order, from the observations so far.
-    pub fn results(&self) -> Vec<TargetResult> {
-        let first_valid_s = self.first_valid_s();
-        self.watched.iter().map(|watched| self.assessed(watched, &first_valid_s, true)).collect()
-    }
-
-    /// Returns the result of one target without the causes of its losses; `None` for an unknown name, and for a target that has not been
-    /// seen. Bound: O(looks of the target).
-    pub fn result(&self, name: &str) -> Option<TargetResult> {
-        let seen = |watched: &&TargetObservations| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
-        let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
-        Some(self.assessed(watched, &self.first_valid_s(), false))
-    }
-
-    fn assessed(
-        &self,
-        watched: &TargetObservations,
-        first_valid_s: &BTreeMap<String, f64>,
-        is_explained: bool,
-    ) -> TargetResult {
-        let (zero_unix_s, products) = (self.settings.zero_unix_s, self.products.as_slice());
-        let context = AssessContext { zero_unix_s, products, first_valid_s, is_explained };
-        assess(&watched.target, &watched.grid, &[&watched.looks], &context)
     }
 
     fn end_passes(&mut self) {

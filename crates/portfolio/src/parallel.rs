@@ -45,9 +45,27 @@ pub fn each<T: Send>(
     results.into_iter().flatten().collect()
 }
 
+/// Returns the results of `task` for each number below `count`, in their order, computed on all processors.
+pub fn on_all_processors<T: Send>(count: usize, task: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
+    if threads < 2 {
+        return (0..count).map(task).collect();
+    }
+    // A task that cannot fail leaves none out.
+    each(threads, count, |number| Ok(task(number)), || ()).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::each;
+    use super::{each, on_all_processors};
+
+    #[test]
+    fn results_of_all_processors_come_in_the_order_of_the_numbers() {
+        for count in [0, 1, 2, 3, 50] {
+            let squares: Vec<usize> = (0..count).map(|number| number * number).collect();
+            assert_eq!(on_all_processors(count, |number| number * number), squares);
+        }
+    }
 
     #[test]
     fn results_and_the_first_failure_come_in_the_order_of_the_tasks() {

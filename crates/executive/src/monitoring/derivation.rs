@@ -9,7 +9,6 @@
 
 use crate::expression::{EvalContext, evaluate};
 use crate::monitoring::memory::histories::{Recording, record_sample};
-use crate::state::bindings::Bindings;
 use crate::state::histories::history::{Histories, History, Sample};
 use crate::state::recorded::Recorded;
 use crate::state::variable_index::{InputReader, RankedDerivation, VariableIndex};
@@ -53,6 +52,9 @@ pub(crate) struct Surroundings<'a> {
 /// Histories of the inputs of a derivation for one object, in order of the inputs.
 type InputHistories<'h> = SmallVec<[&'h History; 4]>;
 
+/// The object and the inputs of a derivation at an instant, by name.
+type BoundInputs<'l> = SmallVec<[(&'l Symbol, Value); 6]>;
+
 /// Derives samples from `changed` and records them; `arrival` numbers them. Returns the result of recording each, in order. A value that
 /// cannot be computed counts as a missing measurement; the first failure of a variable is reported.
 pub(crate) fn derive(
@@ -68,9 +70,10 @@ pub(crate) fn derive(
     let mut due: Vec<(Time, Value)> = Vec::new();
     for (number, RankedDerivation { attribute, holds_numbers }) in index.ranked().iter().enumerate() {
         let Some(derivation) = library.derivations.get(attribute) else { continue };
+        let mut settled = Settled::new();
         for (readers, each) in &changed {
             for reader in readers.iter().filter(|reader| reader.derivation == number) {
-                add_due(&mut due, derivation, reader.input, each, histories);
+                add_due(&mut due, derivation, (reader.input, each), histories, &mut settled);
             }
         }
         due.sort();
@@ -107,21 +110,55 @@ pub(crate) fn repetition(derived: &[Derived], histories: &Histories) -> Option<u
     derived.iter().all(changes_nothing).then_some(derived.len() as u64)
 }
 
-/// Adds the instants and objects at which a sample of an input gives a value.
+/// Objects for which no further input of an instant adds anything: an input has no sample, or the value of that instant is due and nothing
+/// was sampled later.
+type Settled = SmallVec<[(Value, Option<Time>); 2]>;
+
+/// Adds the instants and objects at which a sample of an input gives a value, unless that is settled.
 fn add_due(
     due: &mut Vec<(Time, Value)>,
     derivation: &Derivation,
-    input: usize,
-    changed: &Changed,
+    (input, changed): (usize, &Changed),
     histories: &Histories,
+    settled: &mut Settled,
 ) {
     let Some(read) = derivation.inputs.get(input) else { return };
     for object in objects(derivation, read, &changed.variable.object, histories) {
+        let is_settled = |(known, at): &(Value, Option<Time>)| at.is_none_or(|at| at == changed.at) && *known == object;
+        if settled.iter().any(is_settled) {
+            continue;
+        }
         // Without a sample of each input there is no value at any instant.
-        let Some(all) = input_histories(derivation, &object, histories) else { continue };
+        let Some(all) = input_histories(derivation, &object, histories) else {
+            settled.push((object, None));
+            continue;
+        };
         let Some(own) = all.get(input) else { continue };
         affected(derivation.join, &all, own, changed.at, &mut |at| due.push((at, object.clone())));
+        let is_newest = |history: &&History| history.newest().is_none_or(|newest| newest.at <= changed.at);
+        if matches!(derivation.join, Join::Hold(_)) && all.iter().all(is_newest) {
+            settled.push((object, Some(changed.at)));
+        }
     }
+}
+
+/// Returns the instants and objects that add up for these changes if nothing is settled: the definition of what [`derive`] collects.
+#[cfg(test)]
+pub(crate) fn due_by_every_input(
+    derivation: &Derivation,
+    changes: &[(usize, Changed)],
+    histories: &Histories,
+) -> (Vec<(Time, Value)>, Vec<(Time, Value)>) {
+    let (mut all, mut due, mut settled) = (Vec::new(), Vec::new(), Settled::new());
+    for (input, changed) in changes {
+        add_due(&mut all, derivation, (*input, changed), histories, &mut Settled::new());
+        add_due(&mut due, derivation, (*input, changed), histories, &mut settled);
+    }
+    for due in [&mut all, &mut due] {
+        due.sort();
+        due.dedup_by(|a, b| a.cmp(&b).is_eq());
+    }
+    (all, due)
 }
 
 /// Counts a value that was not computed, or was refused, as missing, and drops all of its messages but the first.
@@ -207,12 +244,11 @@ fn value_at(
     surroundings: &Surroundings<'_>,
 ) -> Option<Result<Value, String>> {
     let all = input_histories(derivation, &variable.object, histories)?;
-    let mut bindings = Bindings::new();
-    bindings.set(derivation.object.clone(), variable.object.clone());
+    let mut bound: BoundInputs<'_> = smallvec![(&derivation.object, variable.object.clone())];
     for (input, history) in derivation.inputs.iter().zip(all) {
-        bindings.set(input.name.clone(), input_at(input.reads, derivation.join, history, at)?);
+        bound.push((&input.name, input_at(input.reads, derivation.join, history, at)?));
     }
-    let context = InstantView { surroundings, histories, bindings: &bindings, at };
+    let context = InstantView { surroundings, histories, bound: &bound, at };
     match evaluate(&derivation.value, &context) {
         // For a variable that holds numbers, `nil` means that the value is unknown.
         Ok(value) if holds_numbers && !value.is_true() => None,
@@ -286,13 +322,14 @@ fn number(si: f64, dimension: Dimension) -> Value {
 struct InstantView<'a> {
     surroundings: &'a Surroundings<'a>,
     histories: &'a Histories,
-    bindings: &'a Bindings,
+    bound: &'a [(&'a Symbol, Value)],
     at: Time,
 }
 
 impl EvalContext for InstantView<'_> {
     fn variable(&self, name: &Symbol) -> Option<Value> {
-        self.bindings.get(name).cloned()
+        // An input hides an earlier one of its name.
+        self.bound.iter().rev().find(|(bound, _)| *bound == name).map(|(_, value)| value.clone())
     }
     fn now(&self) -> Time {
         self.at

@@ -27,6 +27,9 @@ fn arrival(cycle: &mut Cycle<'_>) -> u64 {
 /// Records the events of the instant: first all that can be measured or heard, then the answers to controllers.
 pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
     count_outside(cycle, events);
+    if events.len() > 1 {
+        cycle.work.stimuli.reserve(events.len());
+    }
     for event in events {
         match &event.kind {
             EventKind::Measurement(variable, value) => measurement(cycle, variable.clone(), value.clone(), event.at),

@@ -7,6 +7,9 @@
 //! separately, beginning with the arrival of a straight flight. A track that is not given is free: the turn at that end is then left out.
 //! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
 
+mod idle;
+mod instants;
+
 use crate::plane::{Point, point_to_segment};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -194,25 +197,62 @@ impl Flyer {
         if word.is_out_of_reach(&ends, moves) {
             return None;
         }
-        let mut before = look(direct_s);
-        for index in 1..=count as usize {
-            let now_s = direct_s + lasts_s * index as f64 / count;
-            if now_s - lasts_s / count > until_s + exact_s {
+        let instants = Instants { from_s: direct_s, lasts_s, count, exact_s, until_s };
+        self.first_reached((word, &ends, to.point), &instants, &look).map(path)
+    }
+
+    /// Returns the candidate of the first instant at which its duration is exact. Instants between which that surely does not happen are
+    /// not examined.
+    fn first_reached(
+        &self,
+        (word, ends, to): (PathType, &PathEnds, Point),
+        instants: &Instants,
+        look: &impl Fn(f64) -> Option<PathCandidate>,
+    ) -> Option<PathCandidate> {
+        let Instants { lasts_s, count, until_s, exact_s, .. } = *instants;
+        let step_s = lasts_s / count;
+        let (mut before, mut index) = (look(instants.from_s), 1);
+        while index <= count as usize {
+            let now_s = instants.at_s(index);
+            if now_s - step_s > until_s + exact_s {
                 break;
+            }
+            let idle = before.map_or(0, |before| self.idle_steps((word, ends, to), &before, step_s, exact_s));
+            if idle > 1 {
+                index += idle;
+                before = look(instants.at_s(index - 1));
+                continue;
             }
             let now = look(now_s);
             // If the path type exists only in a part of the interval, that part is searched.
             let since = match (before, now) {
-                (None, Some(now)) => Some((outermost(now, now_s - lasts_s / count, &look), now)),
-                (Some(before), None) => Some((before, outermost(before, now_s, &look))),
+                (None, Some(now)) => Some((now.outermost(now_s - step_s, look), now)),
+                (Some(before), None) => Some((before, before.outermost(now_s, look))),
                 (before, now) => before.zip(now),
             };
-            if let Some(found) = since.and_then(|pair| reached(pair, &look, self.turn_radius_m, exact_s)) {
-                return Some(path(found));
+            if let Some(found) = since.and_then(|pair| PathCandidate::reached(pair, look, self.turn_radius_m, exact_s))
+            {
+                return Some(found);
             }
-            before = now;
+            (before, index) = (now, index + 1);
         }
         None
+    }
+}
+
+/// The instants at which a path is examined.
+struct Instants {
+    from_s: f64,
+    lasts_s: f64,
+    /// Number of equal steps in `lasts_s`.
+    count: f64,
+    exact_s: f64,
+    until_s: f64,
+}
+
+impl Instants {
+    fn at_s(&self, index: usize) -> f64 {
+        self.from_s + self.lasts_s * index as f64 / self.count
     }
 }
 
@@ -232,77 +272,6 @@ impl PathCandidate {
         let pairs = self.parts.iter().zip(&other.parts);
         pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)
     }
-}
-
-/// Returns the candidate farthest from `known` towards `until_s`, where none exists.
-fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
-    for _ in 0..HALVINGS {
-        let middle_s = 0.5 * (known.time_s + until_s);
-        match look(middle_s) {
-            Some(middle) => known = middle,
-            None => until_s = middle_s,
-        }
-    }
-    known
-}
-
-/// Returns the candidate between two instants whose duration is exact; `None` if there is none.
-fn reached(
-    (early, late): (PathCandidate, PathCandidate),
-    look: &dyn Fn(f64) -> Option<PathCandidate>,
-    radius: f64,
-    exact_s: f64,
-) -> Option<PathCandidate> {
-    let is_crossed = |early: &PathCandidate, late: &PathCandidate| (early.missed_s > 0.0) != (late.missed_s > 0.0);
-    // In most intervals the length neither jumps nor becomes exact.
-    if is_crossed(&early, &late) || early.jumps_to(&late, radius) {
-        let halves = parted(early, late, look, radius);
-        for (early, late) in halves.into_iter().filter(|(early, late)| is_crossed(early, late)) {
-            let above = early.missed_s > 0.0;
-            let (left, _) = narrowed(early, late, look, |middle| (middle.missed_s > 0.0) == above);
-            if left.missed_s.abs() <= exact_s {
-                return Some(left);
-            }
-        }
-    }
-    (early.missed_s.abs() <= exact_s).then_some(early)
-}
-
-/// Returns the interval between two candidates, in two parts if the length jumps within it.
-fn parted(
-    early: PathCandidate,
-    late: PathCandidate,
-    look: &dyn Fn(f64) -> Option<PathCandidate>,
-    radius: f64,
-) -> Vec<(PathCandidate, PathCandidate)> {
-    if !early.jumps_to(&late, radius) {
-        return vec![(early, late)];
-    }
-    let (left, right) = narrowed(early, late, look, |middle| !early.jumps_to(middle, radius));
-    vec![(early, left), (right, late)]
-}
-
-/// Returns the last instant at which a condition holds, and the first at which it does not, between two instants with different results.
-fn narrowed(
-    mut low: PathCandidate,
-    mut high: PathCandidate,
-    look: &dyn Fn(f64) -> Option<PathCandidate>,
-    holds: impl Fn(&PathCandidate) -> bool,
-) -> (PathCandidate, PathCandidate) {
-    for _ in 0..HALVINGS {
-        let middle_s = 0.5 * (low.time_s + high.time_s);
-        // Between two neighbouring numbers there is none.
-        if middle_s == low.time_s || middle_s == high.time_s {
-            break;
-        }
-        let Some(middle) = look(middle_s) else { break };
-        if holds(&middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (low, high)
 }
 
 /// Senses of the turns at both ends and of one in between, and which of two possible centres that one has.

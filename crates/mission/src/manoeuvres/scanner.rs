@@ -11,7 +11,11 @@ use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::perimeter::perimeter_lines;
 use apex_geo::wind;
 use apex_model::problem::{AirspaceZone, Manoeuvre, Position, QualityFactor, QualityFactors};
-use apex_observation::predict::{AirConditions, Conditions, PlannedLine, PredictedScanner, PredictionContext, predict};
+use apex_observation::assess::{AssessContext, assess_factors};
+use apex_observation::looks::TargetLooks;
+use apex_observation::predict::{
+    AirConditions, Conditions, PlannedLine, PredictedScanner, PredictionContext, planned_looks,
+};
 use apex_observation::result::{LookResult, LossCause};
 use apex_observation::target::{ObservedTarget, TargetArea};
 use std::collections::BTreeMap;
@@ -175,8 +179,8 @@ fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
 pub(super) struct Sweep {
     /// The sweep in the form of planners; [`Sweep::explained`] adds the causes of its losses.
     pub(super) manoeuvre: Manoeuvre,
-    lines: Vec<PlannedLine>,
-    scanner: PredictedScanner,
+    /// Looks of its lines.
+    looks: TargetLooks,
 }
 
 impl Sweep {
@@ -185,7 +189,7 @@ impl Sweep {
         if !wish.is_explained {
             return self.manoeuvre;
         }
-        let quality = factors(wish, &self.scanner, &self.lines, true).unwrap_or(self.manoeuvre.quality);
+        let quality = factors(wish, &self.looks, true).unwrap_or(self.manoeuvre.quality);
         Manoeuvre { quality, ..self.manoeuvre }
     }
 }
@@ -207,7 +211,8 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> 
             on_ground_s: None,
         })
         .collect();
-    let quality = factors(wish, scanner, &lines, false)?;
+    let looks = looks(wish, scanner, &lines);
+    let quality = factors(wish, &looks, false)?;
     let manoeuvre = Manoeuvre {
         name: draft.name,
         altitude_m: draft.altitude_m,
@@ -218,30 +223,38 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> 
         quality,
         pictures: None,
     };
-    (manoeuvre.quality.product() > 0.0).then(|| Sweep { manoeuvre, lines, scanner: scanner.clone() })
+    (manoeuvre.quality.product() > 0.0).then_some(Sweep { manoeuvre, looks })
 }
 
-/// Returns the predicted factors of the wanted look for the lines.
-fn factors(
-    wish: &Wish<'_>,
-    scanner: &PredictedScanner,
-    lines: &[PlannedLine],
-    is_explained: bool,
-) -> Option<QualityFactors> {
-    let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
-    let first_valid_s = BTreeMap::new();
-    let air = ForecastAir::new(wish.mission);
+/// Returns the wanted look alone: a manoeuvre is planned for it.
+fn wanted(wish: &Wish<'_>) -> ObservedTarget {
+    ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() }
+}
+
+/// Returns the predicted looks of the lines.
+fn looks(wish: &Wish<'_>, scanner: &PredictedScanner, lines: &[PlannedLine]) -> TargetLooks {
+    let wanted = wanted(wish);
     let context = PredictionContext {
-        zero_unix_s: wish.mission.settings.epoch_unix_s.unwrap_or(0.0),
+        zero_unix_s: zero_unix_s(wish),
         ground: &MissionGround::new(wish.mission.terrain.clone(), wanted.elevation_m),
-        conditions: &air,
+        conditions: &ForecastAir::new(wish.mission),
         seen: None,
         products: &[],
-        first_valid_s: &first_valid_s,
-        is_explained,
+        first_valid_s: &BTreeMap::new(),
+        is_explained: false,
     };
-    let result = predict(&wanted, &wish.fire.grid, lines, scanner, &context);
-    result.looks.first().map(quality)
+    planned_looks(&wanted, &wish.fire.grid, lines, scanner, &context)
+}
+
+/// Returns the predicted factors of the wanted look for the looks of the lines.
+fn factors(wish: &Wish<'_>, looks: &TargetLooks, is_explained: bool) -> Option<QualityFactors> {
+    let context =
+        AssessContext { zero_unix_s: zero_unix_s(wish), products: &[], first_valid_s: &BTreeMap::new(), is_explained };
+    assess_factors(&wanted(wish), &wish.fire.grid, &[looks], &context).looks.first().map(quality)
+}
+
+fn zero_unix_s(wish: &Wish<'_>) -> f64 {
+    wish.mission.settings.epoch_unix_s.unwrap_or(0.0)
 }
 
 /// Returns the predicted factors with their causes.

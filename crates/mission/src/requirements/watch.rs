@@ -23,6 +23,7 @@ use apex_requirements::{Alarm, Thresholds};
 use apex_runtime::ports::Input;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 /// Time between readings near a limit, and otherwise.
 const NEAR_S: f64 = 1.0;
@@ -35,6 +36,13 @@ const REPORT_S: f64 = 60.0;
 const REPEAT_S: f64 = 30.0;
 /// Significant digits of reported margins.
 const DIGITS: i32 = 3;
+
+/// Attributes of what is reported of each requirement, and words that most reports contain: made once.
+static MARGIN: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("margin"));
+static TIME_TO_VIOLATION: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("time-to-violation"));
+static REQUIREMENT_STATE: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("requirement-state"));
+static NONE: LazyLock<Value> = LazyLock::new(|| Value::symbol("none"));
+static KEPT: LazyLock<Value> = LazyLock::new(|| Value::symbol("kept"));
 
 /// State of the watcher.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -197,19 +205,20 @@ impl RequirementState {
         }
         self.reported_s = Some(now.seconds());
         let state = match self.alarm.state() {
-            AlarmState::Kept => "kept",
-            AlarmState::Raised => "at-risk",
+            AlarmState::Kept => KEPT.clone(),
+            AlarmState::Raised => Value::symbol("at-risk"),
         };
         let after = reading.after_s.map_or_else(
-            || Value::symbol("none"),
+            || NONE.clone(),
             |after_s| Value::measured(libm::round(after_s * 10.0) / 10.0, Dimension::TIME),
         );
+        let name = Value::symbol(reading.name);
         for (attribute, value) in [
-            ("margin", Value::measured(rounded(reading.margin), reading.unit)),
-            ("time-to-violation", after),
-            ("requirement-state", Value::symbol(state)),
+            (&*MARGIN, Value::measured(rounded(reading.margin), reading.unit)),
+            (&*TIME_TO_VIOLATION, after),
+            (&*REQUIREMENT_STATE, state),
         ] {
-            let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(reading.name));
+            let variable = StateVariable::new(attribute.clone(), name.clone());
             findings.inputs.push(Input::new(now, EventKind::Measurement(variable, value)));
         }
     }

@@ -21,6 +21,7 @@ use apex_observation::sensor::{CameraSetting, ExposureMotion};
 use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, TargetArea, WantedLook};
 use apex_observation::timing::sun::solar_position;
+use apex_portfolio::parallel::on_all_processors;
 
 /// Longest time between two samples across which the ground counts as seen.
 const SAMPLE_GAP_S_MAX: f64 = 2.5;
@@ -310,6 +311,8 @@ impl FlownScore {
 
     /// Returns the results of each target's looks.
     pub fn results(&self) -> Vec<TargetResult> {
-        self.observation.results()
+        let first_valid_s = self.observation.first_valid_s();
+        let result = |number: usize| self.observation.result_of(number, &first_valid_s);
+        on_all_processors(self.observation.target_count(), result).into_iter().flatten().collect()
     }
 }

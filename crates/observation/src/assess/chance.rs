@@ -29,6 +29,7 @@ struct LookCandidate {
     entry: (u32, u32),
     interval: f64,
     worth: LookWorth,
+    time_s: f64,
     hour: i64,
     /// Probability that this look counts.
     used: f64,
@@ -49,15 +50,20 @@ pub(super) fn outcome(
 ) -> CellWorth {
     let candidates = &mut scratch.candidates;
     candidates.clear();
-    candidates.extend(entries.filter_map(|(entry, interval)| {
+    let mut found = entries.filter_map(|(entry, interval)| {
         let look = by_cell.look(entry)?;
         let strip = by_cell.passes.get(entry.0 as usize)?.strip(look)?;
-        let hour = libm::floor(strip.time_s / 3_600.0) as i64;
-        Some(LookCandidate { entry, interval, worth: worth.of(entry.0, look, strip, interval), hour, used: 0.0 })
-    }));
-    if candidates.is_empty() {
-        return CellWorth::default();
-    }
+        let (time_s, worth) = (strip.time_s, worth.of(entry.0, look, strip, interval));
+        Some(LookCandidate { entry, interval, worth, time_s, hour: 0, used: 0.0 })
+    });
+    let Some(first) = found.next() else { return CellWorth::default() };
+    let Some(second) = found.next() else {
+        let (only, sum) = alone(first);
+        candidates.push(only);
+        return sum;
+    };
+    candidates.extend([first, second]);
+    candidates.extend(found);
     candidates.sort_by(|a, b| {
         let chance = |c: &LookCandidate| c.worth.valid * c.worth.clear;
         let by_worth = b.worth.sro.total_cmp(&a.worth.sro);
@@ -75,9 +81,20 @@ pub(super) fn outcome(
     sum
 }
 
+/// Returns the only look of a cell, which counts if it is valid and clear, and the sums of the cell: most cells are seen once.
+fn alone(look: LookCandidate) -> (LookCandidate, CellWorth) {
+    let LookWorth { valid, clear, s, sr, sro } = look.worth;
+    let used = if clear >= 1.0 { valid } else { clear * valid };
+    let sum = CellWorth { is_seen: true, s: used * s, sr: used * sr, sro: used * sro, best: Some(look.entry) };
+    (LookCandidate { used, ..look }, sum)
+}
+
 /// Computes the probability with which each candidate counts; candidates are sorted, best first.
 fn share_out(candidates: &mut [LookCandidate]) {
     let is_plain = candidates.iter().all(|candidate| candidate.worth.clear >= 1.0);
+    if !is_plain {
+        candidates.iter_mut().for_each(|look| look.hour = libm::floor(look.time_s / 3_600.0) as i64);
+    }
     let mut left = 1.0;
     for index in 0..candidates.len() {
         let (better, rest) = candidates.split_at_mut(index);
@@ -154,4 +171,26 @@ pub(super) fn losses(
         worth.add_missed(look, strip, missed, &mut losses);
     }
     losses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_alone_counts_as_it_does_among_looks() {
+        let shares = [0.0, 0.1, 0.37, 0.999, 1.0];
+        for (valid, clear, s) in shares.iter().flat_map(|v| shares.map(|c| shares.map(|s| (*v, c, s)))).flatten() {
+            let worth = LookWorth { valid, clear, s, sr: 0.7 * s, sro: 0.7 * 0.3 * s };
+            let look = LookCandidate { entry: (3, 4), interval: 0.5, worth, time_s: 7_300.0, hour: 0, used: 0.0 };
+            let mut all = [look];
+            share_out(&mut all);
+            let (only, sum) = alone(look);
+            let used = all[0].used;
+            let bits = |values: [f64; 4]| values.map(f64::to_bits);
+            let sums = [used, 0.0 + used * s, 0.0 + used * worth.sr, 0.0 + used * worth.sro];
+            assert_eq!(bits([only.used, sum.s, sum.sr, sum.sro]), bits(sums), "{worth:?}");
+            assert_eq!((sum.is_seen, sum.best), (true, Some((3, 4))));
+        }
+    }
 }

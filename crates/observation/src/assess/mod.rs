@@ -31,6 +31,25 @@ pub fn assess(
     looks: &[&TargetLooks],
     context: &AssessContext<'_>,
 ) -> TargetResult {
+    assessed(target, grid, looks, (context, true))
+}
+
+/// Returns what [`assess`] returns, without the figures of what was seen ([`LookResult::seen`]): planners compare factors.
+pub fn assess_factors(
+    target: &ObservedTarget,
+    grid: &TargetGrid,
+    looks: &[&TargetLooks],
+    context: &AssessContext<'_>,
+) -> TargetResult {
+    assessed(target, grid, looks, (context, false))
+}
+
+fn assessed(
+    target: &ObservedTarget,
+    grid: &TargetGrid,
+    looks: &[&TargetLooks],
+    (context, has_figures): (&AssessContext<'_>, bool),
+) -> TargetResult {
     debug_assert!(looks.iter().all(|looks| looks.fits(grid)), "looks of another grid of target {}", target.name);
     let mut passes: Vec<&TargetPass> =
         looks.iter().flat_map(|looks| &looks.passes).filter(|pass| !pass.looks.is_empty()).collect();
@@ -67,7 +86,7 @@ pub fn assess(
         if look.latency.is_some() && worth.is_arrival_missing {
             remarks.insert(Remark::ArrivalNotKnown);
         }
-        result_of(look, grid, &by_cell, cells, losses, remarks)
+        result_of((look, has_figures), grid, &by_cell, (cells, losses), remarks)
     });
     TargetResult { name: target.name.clone(), looks: results.collect() }
 }
@@ -99,11 +118,10 @@ fn counted(look: &WantedLook, grid: &TargetGrid, cells: &[CellWorth]) -> (f64, V
 }
 
 fn result_of(
-    look: &WantedLook,
+    (look, has_figures): (&WantedLook, bool),
     grid: &TargetGrid,
     by_cell: &ByCell<'_>,
-    cells: &[CellWorth],
-    losses: &[[f64; CAUSES]],
+    (cells, losses): (&[CellWorth], &[[f64; CAUSES]]),
     remarks: BTreeSet<Remark>,
 ) -> LookResult {
     let (wanted, kept) = counted(look, grid, cells);
@@ -139,7 +157,7 @@ fn result_of(
         points: look.value * product,
         must_missed: missed,
         losses: losses.map(|(cause, weight)| Loss { cause: *cause, points: value_per_weight * weight }).collect(),
-        seen: figures(by_cell, cells, &kept, wanted, seen),
+        seen: if has_figures { figures(by_cell, cells, &kept, wanted, seen) } else { SeenFigures::default() },
         remarks,
     }
 }

@@ -133,7 +133,7 @@ fn encode_kind(
         EventKind::Measurement(variable, value) => (variable, value),
         EventKind::Woken => return Ok(WOKEN),
         other => {
-            bytes.extend_from_slice(&postcard::to_stdvec(other)?);
+            *bytes = postcard::to_extend(other, std::mem::take(bytes))?;
             return Ok(OTHER_EVENT);
         }
     };
@@ -153,7 +153,7 @@ fn encode_kind(
             Ok(SAMPLE_USUAL)
         }
         other => {
-            bytes.extend_from_slice(&postcard::to_stdvec(other)?);
+            *bytes = postcard::to_extend(other, std::mem::take(bytes))?;
             Ok(SAMPLE_OTHER)
         }
     }

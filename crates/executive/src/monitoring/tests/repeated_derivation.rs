@@ -1,7 +1,7 @@
 //! Deriving once more from samples of an instant, against the count that replaces it.
 
 use super::*;
-use crate::monitoring::derivation::{Changed, Surroundings, derive, repetition};
+use crate::monitoring::derivation::{Changed, Surroundings, derive, due_by_every_input, repetition};
 use crate::state::histories::history::{Histories, OpenLog};
 use apex_model::agent_limits::Limits;
 use apex_model::host::HostFunctions;
@@ -103,4 +103,36 @@ fn samples_in_order_are_counted_and_late_ones_are_derived_again() {
     let mut late = in_order;
     late.push(vec![(0, 0, 2, 7)]);
     assert_eq!(compare(&library, &late, false), (5, 1));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn inputs_that_add_nothing_are_skipped(instants in samples(), join in 0..3_usize) {
+        let library = library([":hold", "(:hold 2s)", "(:interpolate 3s)"][join]);
+        let index = VariableIndex::new(&library);
+        let mut histories = Histories::default();
+        for (second, samples) in (0..).zip(&instants) {
+            let mut changed = Vec::new();
+            for (sequence, (input, number, back, value)) in (0..).zip(samples) {
+                let object = Value::symbol(["uav", "base"][*number]);
+                let variable = StateVariable::new(Symbol::new(["x", "y"][*input]), object);
+                let at = Time::from_seconds(f64::from(second)) - Duration::from_seconds(*back as f64);
+                let value = Value::Integer(*value);
+                record_sample(&mut histories, &index, variable.clone(), value, at, sequence);
+                changed.push(Changed { variable, at });
+            }
+            for derivation in library.derivations.values() {
+                let reads = |changed: &Changed| -> Vec<(usize, Changed)> {
+                    let inputs = derivation.inputs.iter().enumerate();
+                    let own = inputs.filter(|(_, input)| input.attribute == changed.variable.attribute);
+                    own.map(|(number, _)| (number, changed.clone())).collect()
+                };
+                let changes: Vec<_> = changed.iter().flat_map(reads).collect();
+                let (all, due) = due_by_every_input(derivation, &changes, &histories);
+                prop_assert_eq!(all, due);
+            }
+        }
+    }
 }

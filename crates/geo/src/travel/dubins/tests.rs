@@ -160,10 +160,15 @@ fn known_paths() {
 }
 
 /// Returns the path of one type by looking at every instant and treating all intervals alike.
-fn by_every_instant(flyer: &Flyer, word: PathType, from: (Point, f64), to: (Point, f64)) -> Option<(f64, [Part; 3])> {
+fn by_every_instant(
+    flyer: &Flyer,
+    word: PathType,
+    from: (Point, Option<f64>),
+    to: (Point, Option<f64>),
+) -> Option<(f64, [Part; 3])> {
     let (speed, radius, wind) = (flyer.true_airspeed_mps, flyer.turn_radius_m, flyer.wind_mps);
     let circle_s = TAU * radius / speed;
-    let ends = PathEnds::new(word, radius, (from.0, Some(from.1)), Some(to.1));
+    let ends = PathEnds::new(word, radius, from, to.1);
     let look = |time_s: f64| {
         let (heading_rad, parts) = word.parts(&ends, to.0.plus(-time_s, wind))?;
         let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
@@ -180,15 +185,16 @@ fn by_every_instant(flyer: &Flyer, word: PathType, from: (Point, f64), to: (Poin
         let now_s = direct_s + lasts_s * index as f64 / count;
         let now = look(now_s);
         let since = match (before, now) {
-            (None, Some(now)) => Some((outermost(now, now_s - lasts_s / count, &look), now)),
-            (Some(before), None) => Some((before, outermost(before, now_s, &look))),
+            (None, Some(now)) => Some((now.outermost(now_s - lasts_s / count, &look), now)),
+            (Some(before), None) => Some((before, before.outermost(now_s, &look))),
             (before, now) => before.zip(now),
         };
         if let Some((early, late)) = since {
-            for (early, late) in parted(early, late, &look, radius) {
+            for (early, late) in PathCandidate::parted(early, late, &look, radius) {
                 if (early.missed_s > 0.0) != (late.missed_s > 0.0) {
                     let above = early.missed_s > 0.0;
-                    let (left, _) = narrowed(early, late, &look, |middle| (middle.missed_s > 0.0) == above);
+                    let (left, _) =
+                        PathCandidate::narrowed(early, late, &look, |middle| (middle.missed_s > 0.0) == above);
                     if left.missed_s.abs() <= exact_s {
                         return Some((left.time_s + left.missed_s, left.parts));
                     }
@@ -209,14 +215,15 @@ proptest! {
     #[test]
     fn intervals_without_a_solution_are_passed_over(
         x in -9.0..9.0_f64, y in -9.0..9.0_f64, start in -3.2..3.2_f64, end in -3.2..3.2_f64,
-        wind_x in -0.9..0.9_f64, wind_y in -0.4..0.4_f64, scale in 1.0..900.0_f64,
+        wind_x in -0.9..0.9_f64, wind_y in -0.4..0.4_f64, scale in 1.0..900.0_f64, free in 0..4_usize,
     ) {
         let wind_mps = Point { x: wind_x, y: wind_y };
         prop_assume!(wind_mps.length() < 0.97 && wind_mps != Point::default());
         let flyer = Flyer { true_airspeed_mps: 1.0, turn_radius_m: scale, wind_mps };
         let (from, to) = (Point { x: 3.0, y: -4.0 }, Point { x: scale * x, y: scale * y });
-        for word in words(true, true) {
-            let pose = |point: Point, heading_rad: f64| (Pose { point, track_rad: None }, Some(heading_rad));
+        let (start, end) = (Some(start).filter(|_| free != 1), Some(end).filter(|_| free != 2));
+        for word in words(start.is_some(), end.is_some()) {
+            let pose = |point: Point, heading_rad: Option<f64>| (Pose { point, track_rad: None }, heading_rad);
             let found = flyer.path(word, pose(from, start), pose(to, end), f64::INFINITY);
             let found = found.map(|path| (path.time_s, path.parts));
             prop_assert_eq!(found, by_every_instant(&flyer, word, (from, start), (to, end)));
