@@ -167,9 +167,19 @@ impl LegProfile {
         if field.layers.is_empty() {
             return Some(self.length_m() / true_airspeed_mps);
         }
+        self.time_through_s(true_airspeed_mps, start_s, |position, at_s| at(field, position, altitude_m, at_s))
+    }
+
+    /// Like [`LegProfile::time_s`], through the wind that a function of place and time states.
+    fn time_through_s(
+        &self,
+        true_airspeed_mps: f64,
+        start_s: f64,
+        wind: impl Fn(Position, f64) -> Wind,
+    ) -> Option<f64> {
         let still_s = self.step_m / true_airspeed_mps;
         self.steps.iter().try_fold(0.0, |elapsed_s, step| {
-            let wind = at(field, step.middle.position(), altitude_m, start_s + elapsed_s + 0.5 * still_s);
+            let wind = wind(step.middle.position(), start_s + elapsed_s + 0.5 * still_s);
             let speed_mps = ground_speed_mps(step.track, true_airspeed_mps, wind)?;
             Some(elapsed_s + self.step_m / speed_mps)
         })
@@ -187,6 +197,21 @@ pub fn leg_time_s(
     start_s: f64,
 ) -> Option<f64> {
     LegProfile::new(from, to)?.time_s(altitude_m, true_airspeed_mps, field, start_s)
+}
+
+/// Wind as a function of the place and the time in seconds.
+pub type WindAt<'a> = &'a dyn Fn(Position, f64) -> Wind;
+
+/// Like [`leg_time_s`], through each of several winds.
+pub fn leg_times_s<const N: usize>(
+    from: Position,
+    to: Position,
+    true_airspeed_mps: f64,
+    start_s: f64,
+    winds: [WindAt<'_>; N],
+) -> [Option<f64>; N] {
+    let profile = LegProfile::new(from, to).filter(|_| true_airspeed_mps > 0.0);
+    winds.map(|wind| profile.as_ref()?.time_through_s(true_airspeed_mps, start_s, wind))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Energy of the vehicle as planners count it: fuel and flight time, for tanks and for batteries.
 
 use crate::Mission;
+use crate::descent::Descent;
 use crate::situation::Situation;
 use apex_vehicle::EnergyModel;
 
@@ -17,6 +18,10 @@ pub(crate) struct PlannedEnergy {
     pub(crate) endurance_s: f64,
     /// Flight time that must remain.
     pub(crate) reserve_s: f64,
+    /// Fuel for the descent over the base; 0 for a battery.
+    pub(crate) landing_fuel_kg: f64,
+    /// Flight time that the energy of this descent allows.
+    pub(crate) landing_s: f64,
 }
 
 /// Returns the energy of the mission's vehicle, as last reported. For a rotorcraft the greater of its drains in cruise and hover counts,
@@ -26,6 +31,8 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
     let drain = model.drain_planned_per_s(mission.cruise_altitude_m());
     let reserve = reserve_share(mission) * model.reserve();
     let reserve_s = reserve / drain;
+    let landing = Descent::to_base(mission).energy;
+    let landing_s = landing / drain;
     match &model.energy {
         EnergyModel::Fuel(fuel) => {
             let fuel_kg = vehicle.fuel_kg.unwrap_or(fuel.capacity_kg);
@@ -35,6 +42,8 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
                 fuel_flow_kg_per_s: drain,
                 endurance_s: fuel_kg / drain,
                 reserve_s,
+                landing_fuel_kg: landing,
+                landing_s,
             }
         }
         EnergyModel::Battery(battery) => PlannedEnergy {
@@ -43,6 +52,8 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
             fuel_flow_kg_per_s: 0.0,
             endurance_s: vehicle.battery_charge.unwrap_or(1.0) * battery.full_j() / drain,
             reserve_s,
+            landing_fuel_kg: 0.0,
+            landing_s,
         },
     }
 }

@@ -7,6 +7,7 @@ pub mod comparison;
 mod costs;
 pub mod crew;
 pub mod deliberation;
+mod descent;
 pub mod diagnosis;
 mod energy;
 pub mod error;
@@ -52,6 +53,7 @@ pub mod vehicle;
 pub mod verification;
 mod visit_altitude;
 pub mod ways;
+mod wind_error;
 
 pub use modems::Modem;
 pub use settings::Settings;
@@ -191,9 +193,9 @@ impl Mission {
         let forecasts = files.forecasts(&settings.forecasts)?;
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
-        let planned_margin_m = planned_margin_m(&settings, &targets);
+        let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
         let mut mission = Mission {
-            requirements: requirements::state(&settings.stated_requirements(), &model, planned_margin_m)?,
+            requirements: requirements::state(&settings.stated_requirements(has_fires), &model)?,
             agent: program::agent_of(&library),
             zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
             crew: files
@@ -388,12 +390,6 @@ impl Mission {
 pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     let bytes = files::read_bytes(path)?;
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
-}
-
-/// Returns the distance that plans keep from zones, m: that of single-visit problems if there are fires, otherwise that of surveillance.
-fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
-    let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
-    if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
 }
 
 /// Space for turns around a place, in turn radii; also for vehicles that turn on the spot.

@@ -6,6 +6,7 @@ pub(crate) use timing::GroundArrival;
 
 use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
+use crate::descent::Descent;
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
 use crate::score::FlownScore;
@@ -86,20 +87,20 @@ pub(crate) fn single_visits(
             climb_rate_mps: model.climb_rate_m_s_max * planning.climb_share,
             descent_rate_mps: model.descent_rate_m_s_max * planning.descent_share,
             fuel_kg: energy.fuel_kg,
-            fuel_reserve_kg: energy.fuel_reserve_kg,
+            fuel_reserve_kg: energy.fuel_reserve_kg + energy.landing_fuel_kg,
             fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,
             endurance_s: energy.endurance_s,
-            endurance_reserve_s: energy.reserve_s,
+            endurance_reserve_s: energy.reserve_s + energy.landing_s,
             turn_radius_m: turn_radius_m(model),
         },
         start,
         start_altitude_m: situation.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
-        // Plans end over the base at cruise altitude.
+        // Plans end over the base at cruise altitude: the descent needs its time, as it needs its energy.
         end_s: Some(
             latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)
-                - landing_s(mission),
+                - Descent::to_base(mission).time_s,
         ),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
@@ -112,13 +113,6 @@ pub(crate) fn single_visits(
         failure: mission.failure,
         travel: None,
     })
-}
-
-/// Returns the time from the arrival over the base at cruise altitude to the landing, at the rate of descent of plans: the last turns and
-/// the final approach take time, too.
-pub(crate) fn landing_s(mission: &Mission) -> f64 {
-    let descent_mps = mission.model.descent_rate_m_s_max * mission.model.planning.descent_share;
-    (mission.cruise_altitude_m() - mission.start_altitude_m).max(0.0) / descent_mps
 }
 
 /// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and shrinks with

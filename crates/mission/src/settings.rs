@@ -139,13 +139,14 @@ impl Settings {
     }
 
     /// Returns the requirements that the application states.
-    pub(crate) fn stated_requirements(&self) -> Stated<'_> {
+    pub(crate) fn stated_requirements(&self, returns: bool) -> Stated<'_> {
         Stated {
             place: self.place_of("requirements"),
             forms: &self.requirements,
             landing_distance_m_max: self.landing_distance_m_max,
             zone_margin_m: self.zone_margin_m,
             obstacle_margin_m: self.obstacle_margin_m,
+            end_margin_s: returns.then(|| self.end_margin.seconds()),
         }
     }
 }

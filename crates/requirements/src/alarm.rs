@@ -16,6 +16,8 @@ pub enum Concern {
     Airspace,
     /// Turbulence, wind, icing.
     Weather,
+    /// The end of the mission.
+    MissionEnd,
     /// The data link.
     Link,
     /// Sun and temperature of sensors.

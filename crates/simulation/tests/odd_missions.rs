@@ -6,6 +6,8 @@
 
 #[path = "odd/closed_base.rs"]
 mod closed_base;
+#[path = "odd/descent.rs"]
+mod descent;
 #[path = "odd/engine_out.rs"]
 mod engine_out;
 #[path = "odd/harness.rs"]

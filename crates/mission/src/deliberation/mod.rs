@@ -3,6 +3,7 @@
 mod current_plan;
 mod draft;
 mod landing;
+mod measured_wind;
 mod operator_plan;
 mod segment;
 pub mod solve;
@@ -21,7 +22,7 @@ use crate::situation::{OperatorPlan, Situation};
 use crate::{Mission, acquisition};
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::Batch;
-use apex_model::problem::{Plan, Position, Problem};
+use apex_model::problem::{Plan, Position, Problem, WindField};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::solver::{time_of, units_in};
@@ -134,6 +135,8 @@ struct Question {
     /// The mission as updated so far.
     believed: Mission,
     problem: Result<Problem, NoPlan>,
+    /// The forecast of the wind as corrected by measurements.
+    measured_wind: Option<WindField>,
     /// Plan from which planners begin, with its origin.
     previous: Option<(Plan, &'static str)>,
     operator_plan: Option<OperatorPlan>,
@@ -159,6 +162,8 @@ struct Question {
 struct Shown<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<&'a Problem>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured_wind: Option<&'a WindField>,
     #[serde(skip_serializing_if = "Option::is_none")]
     no_problem: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -203,6 +208,9 @@ impl Question {
         };
         Question {
             is_imposed: !imposed_is_empty,
+            measured_wind: matches!(problem, Ok(Problem::SingleVisit(_)))
+                .then(|| situation.wind_error().field(&believed.forecast, at.seconds()))
+                .flatten(),
             problem,
             previous,
             operator_plan,
@@ -221,6 +229,7 @@ impl Question {
     fn shown(&self) -> Shown<'_> {
         Shown {
             problem: self.problem.as_ref().ok(),
+            measured_wind: self.measured_wind.as_ref(),
             no_problem: self.problem.as_ref().err().map(ToString::to_string),
             previous: self.previous.as_ref().map(|(plan, _)| plan),
             begun_from: self.previous.as_ref().map(|(_, what)| *what),
@@ -243,7 +252,8 @@ impl Question {
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
-            let solved = solve_for_landing(Some(&believed), problem, wish, invocations, cancel)?;
+            let posed = (problem, self.measured_wind);
+            let solved = measured_wind::solve_for_wind(&believed, posed, wish, invocations, cancel)?;
             // Before the flight, a plan without visits is an answer; in flight, the mission is then complete.
             match solved.plan.targets().is_empty() {
                 true => Err(NoPlan::NothingLeft(solved.plan.summary().to_string())),

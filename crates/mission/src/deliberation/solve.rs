@@ -1,5 +1,6 @@
 //! Solves a posed problem: chooses a planner, runs it isolated and within its budget, and checks its plan.
 
+use crate::descent::Descent;
 use crate::problem::{NoPlan, survey, trouble};
 use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{LeftOut, Plan, Position, Problem};
@@ -212,10 +213,11 @@ fn name_battery(mission: &Mission, solved: &mut Deliberation) {
         return;
     }
     let has_s = (problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s).max(0.0);
-    let reserve_s = problem.vehicle.endurance_reserve_s;
+    let landing_s = Descent::to_base(mission).energy / mission.model.drain_planned_per_s(mission.cruise_altitude_m());
+    let reserve_s = problem.vehicle.endurance_reserve_s - landing_s;
     for left_out in &mut plan.left_out {
         let named = format!(
-            "the battery leaves: it has {:.0} min above its reserve of {:.0} min",
+            "the battery leaves: it has {:.0} min above its reserve of {:.0} min and its landing",
             has_s / 60.0,
             reserve_s / 60.0
         );

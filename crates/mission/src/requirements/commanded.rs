@@ -1,6 +1,7 @@
 //! The commanded route: the open flight command, and the last reported state of the vehicle.
 
 use crate::Mission;
+use crate::wind_error::WindError;
 use apex_geo::geodesy::{inverse, wrap_180};
 use apex_geo::wind::Wind;
 use apex_model::effect::{CommandId, Effect};
@@ -226,6 +227,8 @@ pub(super) struct Flown {
     pub(super) edr: Option<f64>,
     pub(super) wind_mps: Option<f64>,
     wind_from_deg: Option<f64>,
+    /// Error of the forecast of the wind.
+    pub(super) wind_error: WindError,
     pub(super) is_on_ground: bool,
     /// Taking off or landing: near the ground on purpose.
     pub(super) is_near_ground: bool,

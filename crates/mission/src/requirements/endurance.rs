@@ -2,6 +2,7 @@
 
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
+use crate::descent::Descent;
 use crate::vehicle::Airframe;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::wind::triangle;
@@ -18,11 +19,11 @@ impl<'a> Scene<'a> {
     pub(super) fn energy(&self) -> Option<Reading> {
         let reserve_s = self.requirements().energy_reserve_s?;
         let endurance_s = self.flown.endurance_s?;
-        let left_s = |position: Position, after_s: f64| {
-            let (_, (distance_m, track_deg)) = self.way_to_site(position);
-            self.energy_left_s((endurance_s - after_s, reserve_s), (distance_m, track_deg))
+        let left_s = |position: Position, altitude_m: f64, after_s: f64| {
+            let (site, way) = self.way_to_site(position);
+            self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, site.elevation_m))
         };
-        let mut margin = left_s(self.here, 0.0);
+        let mut margin = left_s(self.here, self.flown.altitude_m, 0.0);
         let mut site = self.nearest_site(self.here).0;
         if margin < 0.0
             && let Some((better, left_s)) = self.site_of_most_energy((endurance_s, reserve_s))
@@ -34,7 +35,7 @@ impl<'a> Scene<'a> {
         let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
             None
         } else {
-            self.first_below(|state| left_s(self.plane.position(state.point), state.after_s))
+            self.first_below(|state| left_s(self.plane.position(state.point), state.altitude_m, state.after_s))
         };
         let is_critical = margin < -0.5 * reserve_s;
         let response = match self.mission.model.airframe {
@@ -53,9 +54,15 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Returns the endurance that is left, beyond the reserve, after a way home of this length on this track. The wind of the way is the
-    /// forecast or the one measured now, whichever delays more: a forecast that is wrong here is wrong on the way, too.
-    fn energy_left_s(&self, (endurance_s, reserve_s): (f64, f64), (distance_m, track_deg): (f64, f64)) -> f64 {
+    /// Returns the endurance that is left, beyond the reserve, after a way home of this length on this track and the descent from one
+    /// altitude to another. The wind of the way is the forecast or the one measured now, whichever delays more: a forecast that is wrong
+    /// here is wrong on the way, too.
+    fn energy_left_s(
+        &self,
+        (endurance_s, reserve_s): (f64, f64),
+        (distance_m, track_deg): (f64, f64),
+        (from_altitude_m, to_altitude_m): (f64, f64),
+    ) -> f64 {
         let model = &self.mission.model;
         let cruise_mps = model.true_airspeed_m_s_cruise;
         let forecast_mps = self.ground_speed_mps(track_deg, cruise_mps);
@@ -64,13 +71,27 @@ impl<'a> Scene<'a> {
             at(cruise_mps).or_else(|| at(model.true_airspeed_m_s_max)).unwrap_or(0.0)
         });
         let home_mps = measured_mps.map_or(forecast_mps, |measured_mps| measured_mps.min(forecast_mps));
-        energy::energy(endurance_s, reserve_s, 1.0, DETOUR * distance_m, home_mps).max(-NO_WAY_S)
+        let landing_s = self.landing_endurance_s(from_altitude_m, to_altitude_m);
+        energy::energy(endurance_s - landing_s, reserve_s, 1.0, DETOUR * distance_m, home_mps).max(-NO_WAY_S)
+    }
+
+    /// Returns the energy of a descent as the time of level flight for which it lasts, as the vehicle counts its endurance.
+    fn landing_endurance_s(&self, from_altitude_m: f64, to_altitude_m: f64) -> f64 {
+        let model = &self.mission.model;
+        let airspeed_mps = self.flown.true_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
+        let level = model.drain_per_s(airspeed_mps, self.flown.altitude_m, 0.0);
+        Descent::new(model, from_altitude_m, to_altitude_m).energy / level
+    }
+
+    /// Returns the endurance that is left at a landing site, beyond the reserve.
+    fn site_left_s(&self, energy_s: (f64, f64), site: &LandingSite<'_>) -> f64 {
+        let altitudes_m = (self.flown.altitude_m, site.elevation_m);
+        self.energy_left_s(energy_s, geodesy::inverse(self.here, site.position), altitudes_m)
     }
 
     /// Returns the landing site that leaves most endurance, where the nearest one leaves too little: it may lie against the wind.
     fn site_of_most_energy(&self, energy_s: (f64, f64)) -> Option<(LandingSite<'a>, f64)> {
-        let left_s = |site: &LandingSite<'_>| self.energy_left_s(energy_s, geodesy::inverse(self.here, site.position));
-        let sites = self.landing_sites().map(|site| (site, left_s(&site)));
+        let sites = self.landing_sites().map(|site| (site, self.site_left_s(energy_s, &site)));
         sites.max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
@@ -79,7 +100,7 @@ impl<'a> Scene<'a> {
         let reserve_s = self.requirements().energy_reserve_s.unwrap_or(0.0);
         let nearest = self.nearest_site(self.here).0;
         let Some(endurance_s) = self.flown.endurance_s else { return nearest };
-        let near_s = self.energy_left_s((endurance_s, reserve_s), geodesy::inverse(self.here, nearest.position));
+        let near_s = self.site_left_s((endurance_s, reserve_s), &nearest);
         let better = self.site_of_most_energy((endurance_s, reserve_s)).filter(|_| near_s < 0.0);
         better.map_or(nearest, |(site, _)| site)
     }

@@ -1,6 +1,6 @@
 //! One reading for each requirement: its present margin, and the time until the commanded route violates it.
 
-use super::commanded::{Commanded, Flown};
+use super::commanded::{Commanded, FlightOrder, Flown};
 use super::commanded_route::{along, chart_distance_m};
 use super::response::Response;
 use super::statement::{LandingReach, Requirements};
@@ -77,6 +77,8 @@ pub(super) struct Scene<'a> {
     pub(super) plane: Plane,
     pub(super) motion: Motion,
     pub(super) route: Route,
+    /// The flight command that is open.
+    pub(super) order: Option<&'a FlightOrder>,
     /// The way from here to the nearest landing site, once a reading has asked for it.
     way_from_here: OnceCell<WayToSite<'a>>,
 }
@@ -89,7 +91,7 @@ impl<'a> Scene<'a> {
     pub(super) fn new(
         (mission, forecast, links): Known<'a>,
         flown: &'a Flown,
-        commanded: &Commanded,
+        commanded: &'a Commanded,
         now_s: f64,
     ) -> Option<Scene<'a>> {
         let here = flown.position?;
@@ -111,7 +113,8 @@ impl<'a> Scene<'a> {
         let circle_m = model.turns.circle_width * motion.turn_radius_m;
         let route = along(begin, commanded.order_at(now_s), &plane, circle_m, mission.requirements.look_ahead_s);
         let way_from_here = OnceCell::new();
-        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, way_from_here })
+        let order = commanded.order.as_ref();
+        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, order, way_from_here })
     }
 
     pub(super) fn requirements(&self) -> &'a Requirements {
@@ -130,6 +133,11 @@ impl<'a> Scene<'a> {
         let bases =
             bases.map(|base| LandingSite { name: &base.id, position: base.position, elevation_m: base.elevation_m });
         airfields.chain(bases)
+    }
+
+    /// Returns the base: the landing site at the start, or the start itself.
+    pub(super) fn base(&self) -> LandingSite<'a> {
+        self.landing_sites().find(|site| site.position == self.mission.start).unwrap_or_else(|| self.start())
     }
 
     /// Returns the start as a place to land, for missions that name no other.
@@ -223,7 +231,7 @@ impl<'a> Scene<'a> {
     /// Returns the readings of all requirements that the mission states and the vehicle's reports allow, most important first.
     pub(super) fn readings(&self) -> Vec<Reading> {
         let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
-        let all = flight.into_iter().chain([self.icing(), self.link(), self.heat(), self.sun()]);
+        let all = flight.into_iter().chain([self.icing(), self.mission_end(), self.link(), self.heat(), self.sun()]);
         all.flatten().collect()
     }
 

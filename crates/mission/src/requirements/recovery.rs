@@ -32,6 +32,7 @@ impl Scene<'_> {
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = match reading.concern {
             Concern::Energy => self.site_for_energy(),
+            Concern::MissionEnd => self.site_for_mission_end(reading),
             _ => self.nearest_site(self.here).0,
         };
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
@@ -46,6 +47,7 @@ impl Scene<'_> {
                 (Response::LandHere, Location { altitude_m: ground_m, ..here })
             }
             (Concern::Energy, _) => (Response::LandAt, to_site),
+            (Concern::MissionEnd, response) => (response, to_site),
             (Concern::Terrain, wanted) => {
                 let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
                 let altitude_m = (self.ground_ahead_m() + CLEARANCE_SHARE * clearance_m).max(self.flown.altitude_m);

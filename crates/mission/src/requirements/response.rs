@@ -11,6 +11,8 @@ pub enum Response {
     Descend,
     /// Fly to the way out, which is a landing place, and land there.
     LandAt,
+    /// The same, instead of the landing place that was flown to before.
+    LandElsewhere,
     /// Land below.
     LandHere,
     /// Point a camera away from the ground.
@@ -27,6 +29,7 @@ impl Response {
             Response::Climb => "climb",
             Response::Descend => "descend",
             Response::LandAt => "land-at",
+            Response::LandElsewhere => "land-elsewhere",
             Response::LandHere => "land-here",
             Response::Stow => "stow",
             Response::Cool => "cool",

@@ -33,6 +33,8 @@ pub(crate) struct Stated<'a> {
     pub(crate) zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
     pub(crate) obstacle_margin_m: f64,
+    /// Time before the end of the mission at which plans land; `None` where plans do not return.
+    pub(crate) end_margin_s: Option<f64>,
 }
 
 /// The requirements of a mission. A requirement that is `None` is not stated.
@@ -50,6 +52,8 @@ pub struct Requirements {
     pub landing: Option<LandingReach>,
     /// Flight time that must remain at the nearest usable landing place.
     pub energy_reserve_s: Option<f64>,
+    /// Time before the end of the mission at which the vehicle has landed at its base.
+    pub landed_before_end_s: Option<f64>,
     /// Greatest turbulence: cube root of the eddy dissipation rate, m^(2/3)/s.
     pub edr_max: Option<f64>,
     /// Greatest wind.
@@ -114,6 +118,8 @@ const CLEARANCE_S: f64 = 3.0;
 const FLOWN_SHARE: f64 = 0.5;
 /// Time margin before a zone becomes active, and after it ends.
 const ZONE_TIME_S: f64 = 120.0;
+/// Share of the plan's margin at the end of the mission that the flight keeps.
+const LANDED_SHARE: f64 = 1.0 / 12.0;
 const LOOK_AHEAD_S: f64 = 300.0;
 const PATTERN_M: f64 = 300.0;
 const LENGTH_M_MAX: f64 = 1e7;
@@ -122,16 +128,16 @@ const SPEED_MPS_MAX: f64 = 1_000.0;
 const DETECTOR_K_MAX: f64 = 1_000.0;
 
 const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :time 2min) (terrain :clearance 300m) (landing-distance :within 200km) \
-    (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
+    (energy :reserve 45min) (mission-end :before 5min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
     (icing :at-most 2min) (link :lost-for 30s) (heat :at-most 318K) (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
-/// Returns the requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones.
+/// Returns the requirements of a mission with these settings and this vehicle.
 /// Requirements that it does not state have thresholds derived from the vehicle's figures.
 ///
 /// # Errors
 /// A form of another shape, an unknown name or key, a figure of another unit or outside of its range, a requirement twice.
-pub(crate) fn state(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64) -> MissionResult<Requirements> {
-    let mut requirements = of_vehicle(settings, model, planned_margin_m);
+pub(crate) fn state(settings: &Stated<'_>, model: &VehicleModel) -> MissionResult<Requirements> {
+    let mut requirements = of_vehicle(settings, model);
     let mut stated: Vec<&str> = Vec::new();
     for form in settings.forms {
         let Some([Value::Symbol(name), rest @ ..]) = form.as_list() else {
@@ -151,8 +157,12 @@ pub(crate) fn state(settings: &Stated<'_>, model: &VehicleModel, planned_margin_
     Ok(requirements)
 }
 
-/// Returns the requirements before the mission states any, for plans that keep `planned_margin_m` from zones.
-fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64) -> Requirements {
+/// Returns the requirements before the mission states any.
+fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel) -> Requirements {
+    let planned_margin_m = match settings.end_margin_s {
+        Some(_) => settings.zone_margin_m,
+        None => settings.obstacle_margin_m,
+    };
     let cruise_mps = model.true_airspeed_m_s_cruise;
     Requirements {
         zone_margin_m: settings.zone_margin_m,
@@ -165,6 +175,7 @@ fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64
         terrain_clearance_m: Some(CLEARANCE_S * cruise_mps),
         landing: settings.landing_distance_m_max.map(|distance_m_max| LandingReach::Disc { distance_m_max }),
         energy_reserve_s: Some(reserve_s(model)),
+        landed_before_end_s: settings.end_margin_s.map(|margin_s| LANDED_SHARE * margin_s),
         edr_max: None,
         wind_mps_max: None,
         icing_s: None,
@@ -219,6 +230,9 @@ impl Statement<'_> {
             }
             "landing-distance" => requirements.landing = self.landing(is_off)?,
             "energy" => requirements.energy_reserve_s = self.one(is_off, ":reserve", Dimension::TIME, TIME_S_MAX)?,
+            "mission-end" => {
+                requirements.landed_before_end_s = self.one(is_off, ":before", Dimension::TIME, TIME_S_MAX)?
+            }
             "turbulence" => requirements.edr_max = self.one(is_off, ":at-most", Dimension::NONE, 10.0)?,
             "wind" => requirements.wind_mps_max = self.one(is_off, ":at-most", Dimension::SPEED, SPEED_MPS_MAX)?,
             "icing" => requirements.icing_s = self.one(is_off, ":at-most", Dimension::TIME, TIME_S_MAX)?,
@@ -237,8 +251,7 @@ impl Statement<'_> {
                 requirements.look_ahead_s = self.figure(value, Dimension::TIME, 86_400.0)?;
             }
             other => {
-                let known =
-                    "airspace, terrain, landing-distance, energy, turbulence, wind, icing, link, heat, sun, look-ahead";
+                let known = "airspace, terrain, landing-distance, energy, mission-end, turbulence, wind, icing, link, heat, sun, look-ahead";
                 return Err(self.wrong(format!("unknown requirement `{other}`; known are {known}")));
             }
         }

@@ -10,6 +10,8 @@ use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use crate::Mission;
 use crate::link::LinkMemory;
+use crate::wind_error::WindError;
+use apex_geo::wind;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::problem::WindField;
@@ -81,6 +83,11 @@ impl Watch {
         self.flown.edr
     }
 
+    /// Returns the error of the forecast of the wind as measured.
+    pub(crate) fn wind_error(&self) -> &WindError {
+        &self.flown.wind_error
+    }
+
     /// Observes a step of the agent that flies.
     pub(crate) fn observe(
         &mut self,
@@ -104,11 +111,15 @@ impl Watch {
         for effect in effects {
             self.commanded.take(batch.now.seconds(), effect, |value| mission.place(value));
         }
+        let now_s = batch.now.seconds();
         if let Some(here) = self.flown.position.filter(|_| moved) {
             let flown = &self.flown;
             self.commanded.pass(here, || flown.track_deg());
+            if let Some(measured) = flown.wind().filter(|_| !flown.is_on_ground) {
+                let expected = wind::at(forecast, here, flown.altitude_m, now_s);
+                self.flown.wind_error.take(measured, expected, now_s);
+            }
         }
-        let now_s = batch.now.seconds();
         let changed = self.commanded.changes != self.read_changes;
         let period_s = if self.is_near { NEAR_S } else { FAR_S };
         let due = self.read_s.is_none_or(|read_s| now_s - read_s >= period_s);

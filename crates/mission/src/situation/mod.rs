@@ -19,6 +19,7 @@ use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
+use crate::wind_error::WindError;
 use apex_geo::wind;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
@@ -169,6 +170,11 @@ impl Situation {
     /// Returns the turbulence as last measured, m^(2/3)/s.
     pub(crate) fn edr(&self) -> Option<f64> {
         self.watch.edr()
+    }
+
+    /// Returns the error of the forecast of the wind as measured.
+    pub(crate) fn wind_error(&self) -> &WindError {
+        self.watch.wind_error()
     }
 
     fn open_visit(&mut self) -> Option<&mut Visit> {

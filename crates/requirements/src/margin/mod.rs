@@ -3,6 +3,7 @@
 pub mod energy;
 pub mod landing;
 pub mod link;
+pub mod mission_end;
 pub mod sensor;
 pub mod terrain;
 pub mod weather;

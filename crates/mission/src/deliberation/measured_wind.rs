@@ -1,0 +1,84 @@
+//! Plans that must also end in time in the wind as measured.
+//!
+//! Planners plan by the forecast, with a margin at the end of the mission for delays. If the plan would use up this margin in
+//! the wind that was measured, it is made by the measured wind instead.
+
+use super::landing::solve_for_landing;
+use super::operator_plan::HUMAN;
+use super::solve::{Deliberation, PLAN_VISITS_MAX, SolveOptions};
+use crate::Mission;
+use crate::descent::Descent;
+use crate::problem::NoPlan;
+use apex_model::problem::{Plan, Problem, SingleVisitProblem, WindField};
+use apex_planning::solver::{Environment, WorkBudget, units_in};
+use apex_runtime::invocation::Invocations;
+use apex_runtime::ports::CancelToken;
+use apex_solvers::planners::human::brought;
+
+/// Endurance of a vehicle that needs none.
+const ENDLESS_S: f64 = 1e9;
+
+/// Like [`solve_for_landing`], for the forecast and for the wind as measured; `None`: nothing was measured.
+///
+/// # Errors
+/// Like [`solve_for_landing`].
+pub(super) fn solve_for_wind(
+    mission: &Mission,
+    (problem, measured): (Problem, Option<WindField>),
+    wish: SolveOptions<'_>,
+    invocations: &mut Invocations,
+    cancel: &CancelToken,
+) -> Result<Deliberation, NoPlan> {
+    let SolveOptions { means, solver, budget, seed, .. } = &wish;
+    let (means, solver, budget, seed, previous) = (*means, *solver, *budget, *seed, wish.previous.clone());
+    let by_wind = measured.zip(single_visits(&problem).cloned());
+    let first = solve_for_landing(Some(mission), problem, wish, invocations, cancel)?;
+    let Some((wind, posed)) = by_wind.filter(|_| solver != Some(HUMAN)) else { return Ok(first) };
+    let windy = SingleVisitProblem { wind, ..posed };
+    let latest_s = latest_s(mission, &windy);
+    if !end_s(&windy, &first.plan, seed).is_some_and(|end_s| end_s > latest_s) {
+        return Ok(first);
+    }
+    let believed = Mission { forecast: windy.wind.clone(), ..mission.clone() };
+    let wish = SolveOptions { means, solver, budget, seed, previous };
+    let second = solve_for_landing(Some(&believed), Problem::SingleVisit(windy), wish, invocations, cancel)?;
+    let reason = format!("{}; planned by the measured wind, because it differs from the forecast", second.reason);
+    Ok(Deliberation { reason, work: first.work + second.work, ..second })
+}
+
+fn single_visits(problem: &Problem) -> Option<&SingleVisitProblem> {
+    match problem {
+        Problem::SingleVisit(problem) => Some(problem),
+        Problem::Surveillance(_) => None,
+    }
+}
+
+/// Returns the latest arrival over the base after which the vehicle still lands as early as required, and with its reserve.
+fn latest_s(mission: &Mission, problem: &SingleVisitProblem) -> f64 {
+    let before_s = mission.requirements.landed_before_end_s.unwrap_or(0.0);
+    let ends_s = mission.settings.duration.seconds() - before_s - Descent::to_base(mission).time_s;
+    let vehicle = &problem.vehicle;
+    let endurance_s = vehicle.endurance_s - vehicle.endurance_reserve_s;
+    let burn_s = match vehicle.fuel_flow_kg_per_s {
+        flow if flow > 0.0 => (vehicle.fuel_kg - vehicle.fuel_reserve_kg) / flow,
+        _ => f64::INFINITY,
+    };
+    ends_s.min(problem.start_s + endurance_s.min(burn_s))
+}
+
+/// Returns the end of the plan's visits in their order, in the wind of the problem and whatever the time and energy; `None` if they cannot
+/// be flown at all.
+fn end_s(windy: &SingleVisitProblem, plan: &Plan, seed: u64) -> Option<f64> {
+    let mut endless = SingleVisitProblem { end_s: None, ..windy.clone() };
+    (endless.vehicle.endurance_s, endless.vehicle.fuel_flow_kg_per_s) = (ENDLESS_S, 0.0);
+    let endless = Problem::SingleVisit(endless);
+    let mut budget = WorkBudget::new(units_in(apex_model::time::Duration::from_seconds(1.0)));
+    let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
+    if plan.targets().len() > PLAN_VISITS_MAX {
+        return None;
+    }
+    match brought::retimed(&endless, plan, &mut environment).ok()? {
+        Plan::SingleVisit(plan) => Some(plan.end_s),
+        Plan::Surveillance(_) => None,
+    }
+}

@@ -1,0 +1,133 @@
+//! Requirement `mission-end`: the vehicle lands at its base before the mission ends.
+
+use super::commanded::FlightOrder;
+use super::commanded_route::chart_distance_m;
+use super::readings::{LandingSite, Reading, Scene};
+use super::response::Response;
+use crate::descent::Descent;
+use apex_geo::geodesy::{self, Position};
+use apex_geo::plane::{Plane, inside};
+use apex_geo::wind::{self, WindAt, leg_times_s};
+use apex_model::problem::ZoneKind;
+use apex_model::quantity::Dimension;
+use apex_requirements::Concern;
+use apex_requirements::margin::mission_end::mission_end;
+
+/// Detour of the way home around zones, as a factor of the distance.
+const DETOUR: f64 = 1.05;
+/// A command whose last point is this near to the base leads home.
+const BASE_M: f64 = 3_000.0;
+/// Margin where the wind leaves no way home, negative.
+const NO_WAY_S: f64 = 86_400.0;
+
+impl<'a> Scene<'a> {
+    pub(super) fn mission_end(&self) -> Option<Reading> {
+        let before_s = self.requirements().landed_before_end_s?;
+        // A landing cannot be made earlier.
+        if matches!(self.order, Some(FlightOrder::Land(_))) {
+            return None;
+        }
+        let left_s = self.mission.settings.duration.seconds() - before_s - self.now_s;
+        let base = self.base();
+        // The commanded way home has its detours already.
+        let home_m = self.way_home_m(base.position);
+        let detour = home_m.map_or(DETOUR, |home_m| home_m / geodesy::distance_m(self.here, base.position).max(1.0));
+        let mut margin = self.landed_s(left_s, self.present(), &base, detour.max(1.0));
+        let (mut site, mut response) = (base, Response::LandAt);
+        // Without enough time for the way home, the flight continues until another landing place is the last one in reach.
+        if margin < -before_s
+            && let Some((other, other_s)) = self.site_of_most_time(left_s).filter(|(_, other_s)| *other_s > margin)
+        {
+            (site, margin, response) = (other, other_s, Response::LandElsewhere);
+        }
+        let is_home = home_m.is_some() && response == Response::LandAt;
+        let is_far = margin > 4.0 * self.requirements().look_ahead_s;
+        let after_s = if is_far || is_home {
+            None
+        } else {
+            self.first_below(|state| {
+                let there = (self.plane.position(state.point), state.altitude_m, state.after_s);
+                self.landed_s(left_s, there, &site, DETOUR)
+            })
+        };
+        Some(Reading {
+            concern: Concern::MissionEnd,
+            name: "mission-end",
+            margin,
+            unit: Dimension::TIME,
+            after_s,
+            response_s: self.turn_away_s(),
+            what: site.name.to_string(),
+            response,
+        })
+    }
+
+    /// The present position and altitude.
+    fn present(&self) -> (Position, f64, f64) {
+        (self.here, self.flown.altitude_m, 0.0)
+    }
+
+    /// Returns the part of `left_s` that remains after a landing at a site, from a position, an altitude, and an instant after now.
+    fn landed_s(
+        &self,
+        left_s: f64,
+        (from, altitude_m, after_s): (Position, f64, f64),
+        site: &LandingSite<'_>,
+        detour: f64,
+    ) -> f64 {
+        let way_s = self.way_s(from, site.position, altitude_m, after_s).map(|way_s| detour * way_s);
+        let descent_s = Descent::new(&self.mission.model, altitude_m, site.elevation_m).time_s;
+        mission_end(left_s - after_s, way_s, descent_s).max(-NO_WAY_S)
+    }
+
+    /// Returns the landing site that leaves most time, of those outside of restricted zones.
+    fn site_of_most_time(&self, left_s: f64) -> Option<(LandingSite<'a>, f64)> {
+        let open = self.landing_sites().filter(|site| !self.is_shut(site));
+        let sites = open.map(|site| (site, self.landed_s(left_s, self.present(), &site, DETOUR)));
+        sites.max_by(|(_, a), (_, b)| a.total_cmp(b))
+    }
+
+    /// Returns true if a landing site lies in a restricted zone that is active now.
+    fn is_shut(&self, site: &LandingSite<'_>) -> bool {
+        let restricted = self.mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
+        restricted.filter(|zone| zone.active.contains(self.now_s)).any(|zone| {
+            let is_at_height = (zone.altitude_m_min..=zone.altitude_m_max).contains(&site.elevation_m);
+            is_at_height
+                && chart_distance_m(site.position, &zone.corners) <= 0.0
+                && is_inside(site.position, &zone.corners)
+        })
+    }
+
+    /// Returns the time from a position to a place, leaving after `after_s`: in the forecast wind or in the wind as measured, whichever
+    /// takes longer. `None` if the vehicle makes no progress at its fastest.
+    fn way_s(&self, from: Position, to: Position, altitude_m: f64, after_s: f64) -> Option<f64> {
+        let forecast = |at: Position, at_s: f64| wind::at(self.forecast, at, altitude_m, at_s);
+        let believed = |at: Position, at_s: f64| self.flown.wind_error.corrected(forecast(at, at_s));
+        let winds: [WindAt<'_>; 2] = [&forecast, &believed];
+        let model = &self.mission.model;
+        [model.true_airspeed_m_s_cruise, model.true_airspeed_m_s_max].into_iter().find_map(|airspeed_mps| {
+            let [forecast_s, believed_s] = leg_times_s(from, to, airspeed_mps, self.now_s + after_s, winds);
+            Some(forecast_s?.max(believed_s?))
+        })
+    }
+
+    /// Returns the length of the commanded way if it leads to the base.
+    fn way_home_m(&self, base: Position) -> Option<f64> {
+        let Some(FlightOrder::FlyBy(points)) = self.order else { return None };
+        let near = points.last().filter(|last| geodesy::distance_m(**last, base) <= BASE_M);
+        near?;
+        let legs = std::iter::once(&self.here).chain(points).zip(points);
+        Some(legs.map(|(from, to)| geodesy::distance_m(*from, *to)).sum())
+    }
+
+    /// Returns the place to which a violation leads: the base, or the landing place that leaves most time where the base leaves none.
+    pub(super) fn site_for_mission_end(&self, reading: &Reading) -> LandingSite<'a> {
+        self.landing_sites().find(|site| site.name == reading.what).unwrap_or_else(|| self.base())
+    }
+}
+
+fn is_inside(position: Position, corners: &[Position]) -> bool {
+    let plane = Plane::new(position);
+    let corners: Option<Vec<_>> = corners.iter().map(|corner| plane.project(*corner)).collect();
+    corners.is_some_and(|corners| inside(Default::default(), &corners))
+}
