@@ -9,7 +9,7 @@ use apex_model::problem::Position;
 const LOST_LEVEL: f64 = 0.05;
 const REGAINED_LEVEL: f64 = 0.15;
 const SETTLED_S: f64 = 5.0;
-/// Fading forgets itself after about this.
+/// Correlation time of fading.
 const FADING_S: f64 = 4.0;
 
 /// One radio link at work.

@@ -38,7 +38,7 @@ pub(crate) struct Wander {
 }
 
 impl Wander {
-    /// Returns a process that forgets itself after about `correlation_s` seconds.
+    /// Returns a process with the correlation time `correlation_s`.
     pub(crate) fn new(mut random: Random, correlation_s: f64) -> Wander {
         let value = random.normal();
         Wander { random, correlation_s, value }

@@ -54,7 +54,7 @@ fn mistakes_are_told_with_their_line_and_what_to_do() {
     desk.write("bad.txt", &TOPTW.replace("20 1 2", "x 1 2"));
     desk.apex(&["plan", "bad.txt"]).complained(
         2,
-        &["bad.txt:4:11: x is not a number", "1 13 13 5 x 1 2 1 2 30 40", "why: here stands S, the profit", "help: "],
+        &["bad.txt:4:11: x is not a number", "1 13 13 5 x 1 2 1 2 30 40", "why: expected S, the profit", "help: "],
     );
     desk.write("bad.oplib", &TSP.replace("TYPE: TSP", "TYPE: CVRP"));
     desk.apex(&["plan", "bad.oplib"])

@@ -108,7 +108,7 @@ pub struct Diagnoser {
 }
 
 impl Diagnoser {
-    /// Returns a diagnoser that knows no outcome.
+    /// Returns a diagnoser without any outcome.
     pub fn new(model: Arc<Model>) -> Diagnoser {
         let permanent = Bits::of(
             model.modes.len(),

@@ -48,7 +48,7 @@ pub struct FlownSettings {
 pub enum ObservationError {
     /// A target's area is not usable.
     Area(AreaError),
-    /// A target wants more looks than [`WANTED_LOOKS_MAX`].
+    /// A target requests more looks than [`WANTED_LOOKS_MAX`].
     TooManyLooks {
         /// Name of the target.
         target: String,
@@ -67,7 +67,7 @@ impl fmt::Display for ObservationError {
                 let most = WANTED_LOOKS_MAX;
                 write!(
                     f,
-                    "target `{target}` wants {looks} looks, at most {most} are possible: split it into two targets"
+                    "target `{target}` requests {looks} looks, at most {most} are possible: split it into two targets"
                 )
             }
             ObservationError::DoubleName(name) => {

@@ -180,7 +180,7 @@ fn a_camera_that_does_not_fit_is_named_with_what_would_do() {
     let steep = reason("rmax", &[point(r#""look_angle_deg": [0, 5], "camera": "camera-2""#)]);
     assert!(steep.contains("`camera` is `camera-2`, the vehicle `rmax` carries: camera-1"), "{steep}");
     let fixed = reason("fixed-wing-mapper", &[point(r#""look_angle_deg": [30, 50]"#)]);
-    assert!(fixed.contains("look straight down, `look_angle_deg` wants 30 degrees at least"), "{fixed}");
+    assert!(fixed.contains("look straight down, `look_angle_deg` requires 30 degrees at least"), "{fixed}");
     let line = feature(
         r#""id": "wall", "kind": "inspection", "look_angle_deg": [40, 60]"#,
         "LineString",

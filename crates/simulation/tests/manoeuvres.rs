@@ -359,7 +359,7 @@ fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
             acquire("field", &[("product", word("lines"))]),
             "no sensor of `rmax` records `:product lines`; it carries camera-1",
         ),
-        (acquire("field", &[("light", word("night"))]), "the goal wants night, with the sun at most at -6 degrees"),
+        (acquire("field", &[("light", word("night"))]), "the goal requires night, with the sun at most at -6 degrees"),
         (acquire("field", &[("resolution", length(0.005))]), "`rmax` flies no lower than 39 m; 0.028 m works"),
         (
             acquire(

@@ -105,7 +105,7 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
     let mut rest = items.iter();
     while let Some(item) = rest.next() {
         let key = item.as_symbol().and_then(|symbol| symbol.folded().strip_prefix(':').map(str::to_string));
-        let Some(key) = key else { return Err(format!("{what}: {item} stands where a keyword should be")) };
+        let Some(key) = key else { return Err(format!("{what}: {item} is in the place of a keyword")) };
         let Some(value) = rest.next() else { return Err(format!("{what}: `:{key}` has no value")) };
         if fields.iter().any(|(known, _)| *known == key) {
             return Err(format!("{what}: `:{key}` is given twice"));

@@ -151,9 +151,11 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
         Instrument::Scanner(_) => None,
     };
     let (least_deg, most_deg, whose) = match goal.light {
-        LightNeed::Day { elevation_deg_min, .. } => (Some(elevation_deg_min), None, "the goal wants day".to_string()),
+        LightNeed::Day { elevation_deg_min, .. } => {
+            (Some(elevation_deg_min), None, "the goal requires day".to_string())
+        }
         LightNeed::Night { elevation_deg_max, .. } => {
-            (None, Some(elevation_deg_max), "the goal wants night".to_string())
+            (None, Some(elevation_deg_max), "the goal requires night".to_string())
         }
         LightNeed::Any => {
             let least = sensors.iter().map(|(_, instrument)| needs(instrument));

@@ -71,7 +71,7 @@ fn runs(
     }
     if let Some(angles) = wish.look.look_angles.filter(|angles| angles.min_deg > 0.0) {
         return Err(format!(
-            "pictures of lines and areas look straight down, `look_angle_deg` wants {:.0} degrees at least; give points for \
+            "pictures of lines and areas look straight down, `look_angle_deg` requires {:.0} degrees at least; give points for \
              oblique looks",
             angles.min_deg
         ));

@@ -79,7 +79,7 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
     if from_deg > to_deg {
         return Err(format!(
             "`{}` tilts from {low_deg:.0} to {high_deg:.0} degrees and looks {:.0} to {:.0} degrees off the vertical, \
-             `look_angle_deg` wants {:.0} to {:.0}",
+             `look_angle_deg` requires {:.0} to {:.0}",
             camera.name,
             least_deg.max(0.0),
             most_deg,

@@ -82,7 +82,7 @@ fn every_layout_of_a_matrix_says_the_same() {
 #[test]
 fn mistakes_are_told_with_their_place_and_what_to_do() {
     let cases = [
-        (SMALL.replace("20 1 2", "x 1 2"), "5:11: x is not a number (here stands S, the profit): write a number"),
+        (SMALL.replace("20 1 2", "x 1 2"), "5:11: x is not a number (expected S, the profit): write a number"),
         (SMALL.replace("30 40", "40 30"), "5:25: the window of 1 closes at 30 before it opens at 40"),
         (SMALL.replace("2 10 11", "3 10 11"), "6:1: vertex 3 is out of order"),
         (SMALL.replace("1 4 2 1", "1 4 3 1"), "there are 3 vertices, and 4 are announced"),

@@ -48,7 +48,7 @@ impl<'a> TextToken<'a> {
             )),
             None => Err(self.trouble(
                 format!("{} is not a number", cut(self.text)),
-                format!("here stands {what}"),
+                format!("expected {what}"),
                 "write a number such as 12 or 12.5",
             )),
         }

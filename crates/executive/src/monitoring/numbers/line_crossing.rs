@@ -63,7 +63,7 @@ pub(crate) fn number_of(expr: &Expr, scale: ValueScale, context: &dyn EvalContex
     match value.as_number() {
         Some((number, dimension)) if dimension == scale.dimension => Ok(number),
         _ => {
-            let message = format!("{} stands where {} is needed", described(&value), scale.dimension);
+            let message = format!("{} is used where {} is needed", described(&value), scale.dimension);
             Err(EvaluationError { message, place: expr.place })
         }
     }

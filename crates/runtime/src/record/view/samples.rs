@@ -33,7 +33,7 @@ impl RecordView {
     ) -> Result<SignalWindows, RecordError> {
         if query.names.len() > SIGNALS_MAX {
             return Err(RecordError::Question(format!(
-                "{} signals at a time are asked for; ask for at most {SIGNALS_MAX}",
+                "{} signals are requested at once; request at most {SIGNALS_MAX}",
                 query.names.len()
             )));
         }
