@@ -159,7 +159,7 @@ const RECORDS: [string, () => string, number][] = [
         'fork',
         from,
         '--at',
-        '10m',
+        '600',
         '--wind-factor',
         '1.5',
         '--output',
