@@ -50,6 +50,7 @@ async function measure() {
     `targets?${at}`,
     `plan?${at}`,
     `troubles?${at}`, // english: allow
+    `questions?${at}`,
     `report?${at}`,
     'surroundings',
     'track',
@@ -124,6 +125,10 @@ function randomQuery(end) {
     ['signals', `samples?names=(signal-1 aircraft-1),(signal-2 aircraft-1)&${window}`],
     ['events', `events?from=${from}&to=${at}`],
     ['search', `events?to=${at}&find=work ${Math.floor(Math.random() * LANES)}`],
+    ['search, nowhere', `events?to=${at}&find=occurs nowhere`],
+    ['commands', `command-log?at=${at}`],
+    ['questions', `questions?at=${at}`],
+    ['plans', `plans?at=${at}`],
     ['tasks', `tasks?at=${at}`],
     ['mission', `mission?at=${at}`],
     ['failures', `troubles?at=${at}`], // english: allow

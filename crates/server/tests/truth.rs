@@ -39,10 +39,15 @@ fn flown(folder: &Path, name: &str, hours: f64) -> PathBuf {
     record
 }
 
-/// Returns `count` instants of the record from a fixed sequence, both ends included.
+/// Returns the seed of the instants; `APEX_TRUTH_SEED=n` draws others.
+fn seed() -> u64 {
+    std::env::var("APEX_TRUTH_SEED").ok().map_or(42, |seed| seed.parse().unwrap())
+}
+
+/// Returns `count` instants of the record from the sequence of the seed, both ends included.
 fn instants(reader: &RecordReader, count: u64) -> Vec<i64> {
     let (first, last) = reader.span().unwrap().unwrap();
-    let mut generator = ChaCha8Rng::seed_from_u64(42);
+    let mut generator = ChaCha8Rng::seed_from_u64(seed());
     let mut random = || i64::try_from(generator.next_u64() >> 11).unwrap().rem_euclid(last.0 - first.0 + 1) + first.0;
     let mut instants: Vec<i64> = (0..count).map(|_| random()).chain([first.0, last.0]).collect();
     instants.sort_unstable();
@@ -118,7 +123,16 @@ fn compare_plans(view: &RecordView, restored: &Agent, at: Time) {
     assert!(adopted <= at.0, "a plan of {adopted} ns is shown at {at}");
 }
 
-/// Compares tasks, signals, holders and plans of the view with the restored agent.
+/// Compares the open questions of the view with those of the restored agent.
+fn compare_questions(view: &RecordView, restored: &Agent, at: Time) {
+    let shown = view.questions(Some(at.0)).unwrap().questions;
+    assert!(shown.iter().all(|asked| asked.asked_ns <= at.0 && asked.closed_ns.is_none_or(|closed| closed <= at.0)));
+    let open: BTreeSet<u64> = shown.iter().filter(|one| one.closed_ns.is_none()).map(|one| one.question).collect();
+    let known: BTreeSet<u64> = restored.questions.keys().map(|question| question.0).collect();
+    assert_eq!(open, known, "open questions at {at}");
+}
+
+/// Compares tasks, signals, holders, plans and questions of the view with the restored agent.
 fn compare_with_agent(record: &Path, agent: usize, count: u64) {
     let reader = RecordReader::open(record).unwrap().of_agent(agent).unwrap();
     let mut view = RecordView::open(record, agent).unwrap();
@@ -150,6 +164,7 @@ fn compare_with_agent(record: &Path, agent: usize, count: u64) {
         compare_signals(&mut view, &restored, Time(at_ns));
         compare_holders(&mut view, &restored, Time(at_ns));
         compare_plans(&view, &restored, Time(at_ns));
+        compare_questions(&view, &restored, Time(at_ns));
         let mission = view.mission(Some(at_ns)).unwrap();
         assert!(mission.ending.is_some() || mission.score.is_none(), "a score before the end at {at_ns} ns");
     }
@@ -198,6 +213,7 @@ fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
         "plan": view.plan(to_ns).unwrap(),
         "plans": view.plans(to_ns).unwrap(),
         "commands": view.operator_commands(to_ns).unwrap(),
+        "questions": view.questions(to_ns).unwrap(),
         "troubles": view.troubles(to_ns).unwrap(), // english: allow
     })
 }

@@ -11,3 +11,4 @@ mod recording;
 mod recording_lost;
 mod segments;
 mod support;
+mod viewed;

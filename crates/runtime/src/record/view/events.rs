@@ -133,7 +133,8 @@ impl RecordView {
     ) -> Result<(Vec<EventRow>, Option<i64>), RecordError> {
         let find = query.find.as_deref().map(str::to_ascii_lowercase).unwrap_or_default();
         let (from_ns, to_ns) = (query.from_ns.unwrap_or(i64::MIN), query.to_ns.unwrap_or(i64::MAX));
-        let first_beyond = query.before.map_or(usize::MAX, |before| effects.table.place_after(before - 1));
+        let first_beyond =
+            query.before.map_or(usize::MAX, |before| effects.table.place_after(before.saturating_sub(1)));
         let searched_max = query.searched_max.unwrap_or(SEARCHED_MAX).max(1);
         let mut events = Vec::new();
         let mut in_vain = 0_usize;
@@ -177,7 +178,7 @@ impl RecordView {
         let effects = self.reader.effects()?;
         let place = |id: i64| effects.table.place_after(id);
         let end = effects.table.place_later(Time(wanted.to_ns));
-        let end = query.before.map_or(end, |before| place(before - 1).min(end));
+        let end = query.before.map_or(end, |before| place(before.saturating_sub(1)).min(end));
         let begin = place(seen).max(effects.table.place_later(Time(wanted.from_ns.saturating_sub(1))));
         let newest = (begin..end).rev();
         // An answer mostly ends after a few blocks: the index is read in turns, so that the other blocks are left alone.

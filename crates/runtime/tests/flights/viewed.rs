@@ -1,0 +1,117 @@
+//! Answers of the record view: questions at an instant, searches in several answers, commands of operators.
+
+use crate::support::{event, load, record};
+use apex_model::effect::QuestionId;
+use apex_model::event::EventKind;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+use apex_runtime::program::NoDeliberator;
+use apex_runtime::record::view::{EventsQuery, RecordView};
+
+const ASKING: &str = r#"
+(procedure (index (do-domain))
+  (step first (ask operator "Continue?" :options (yes no) :by 30s :default no))
+  (step second (ask operator "Which way?" :by 10s :default (left)) (waitfor (end ?first)))
+  (step rest (rest) (waitfor (end ?second)))
+  (step done (end-application) (waitfor ?rest)))
+(primitive (index (rest)) (duration 100s))
+"#;
+
+fn answer(seconds: f64, question: u64, value: &str) -> Input {
+    Input::new(Time::from_seconds(seconds), EventKind::OperatorAnswered(QuestionId(question), Value::symbol(value)))
+}
+
+#[test]
+fn questions_are_open_from_their_effect_until_they_are_answered_or_withdrawn() {
+    let flight = record(ASKING, vec![answer(5.0, 0, "yes")], &mut NoDeliberator, &mut []);
+    let view = RecordView::open(&flight.path, 0).unwrap();
+    let program = flight.reader().load(&load).unwrap();
+    let shown = |seconds: f64| view.questions(Some(Time::from_seconds(seconds).0)).unwrap().questions;
+    for seconds in [0.0, 4.9, 5.0, 9.0, 14.9, 15.0, 50.0] {
+        let restored = flight.reader().restore_with(Time::from_seconds(seconds), &program).unwrap();
+        let known: Vec<u64> = restored.questions.keys().map(|question| question.0).collect();
+        let open =
+            shown(seconds).iter().filter(|one| one.closed_ns.is_none()).map(|one| one.question).collect::<Vec<_>>();
+        assert_eq!(open, known, "{seconds} s");
+    }
+    let [first] = shown(4.0).try_into().unwrap();
+    assert_eq!((first.text.as_str(), first.options.join(" ")), ("Continue?", "yes no".to_owned()));
+    assert_eq!((first.by_ns, first.default.as_deref()), (Some(30_000_000_000), Some("no")));
+    let [first, second] = shown(50.0).try_into().unwrap();
+    assert_eq!((first.closed_ns, first.withdrawn), (Some(5_000_000_000), None));
+    assert_eq!((second.asked_ns, second.closed_ns), (5_000_000_000, Some(15_000_000_000)));
+    assert!(second.withdrawn.unwrap().contains("time is over"));
+    // What happens later is not known.
+    assert_eq!(shown(6.0).last().map(|one| (one.closed_ns, one.withdrawn.clone())), Some((None, None)));
+}
+
+const TICKING: &str = r#"
+(procedure (index (do-domain))
+  (step tick (print "tick") (waitfor (tick)) (repeating))
+  (step needle (print "needle") (waitfor (needle)))
+  (step done (end-application) (waitfor (enough))))
+"#;
+
+#[test]
+fn a_search_in_several_answers_finds_what_one_answer_finds() {
+    let mut inputs: Vec<Input> = (1..=60).map(|second| event(f64::from(second), "(tick)")).collect();
+    inputs.extend([event(20.5, "(needle)"), event(61.0, "(enough)")]);
+    let flight = record(TICKING, inputs, &mut NoDeliberator, &mut []);
+    let ask = |find: &str, searched_max: Option<usize>| {
+        // A new view has no index yet; with an index the blocks that may match are searched.
+        let view = RecordView::open(&flight.path, 0).unwrap();
+        let find = Some(find.to_owned());
+        let mut query = EventsQuery { find, searched_max, limit: Some(5_000), ..EventsQuery::default() };
+        let (mut found, mut answers) = (Vec::new(), 0);
+        loop {
+            let part = view.events(&query).unwrap();
+            assert_eq!(part.next.is_some(), part.more, "a search that has ended leaves nothing out");
+            found.splice(0..0, part.events.iter().map(|event| event.id));
+            answers += 1;
+            match part.next {
+                Some(next) => query.before = Some(next),
+                None => return (found, answers),
+            }
+        }
+    };
+    for find in ["needle", "tick", "nowhere", "has this step"] {
+        let (whole, one) = ask(find, None);
+        assert_eq!(one, 1);
+        for searched_max in [1, 7, 50] {
+            assert_eq!(ask(find, Some(searched_max)).0, whole, "{find} by {searched_max}");
+        }
+        assert_eq!(whole.is_empty(), find == "nowhere");
+    }
+    assert!(ask("needle", Some(7)).1 > 1);
+    // Numbers that no effect has.
+    let view = RecordView::open(&flight.path, 0).unwrap();
+    let before = |number| EventsQuery {
+        before: Some(number),
+        find: Some("tick".into()),
+        limit: Some(5_000),
+        ..EventsQuery::default()
+    };
+    let counts = [i64::MIN, 0, 1, i64::MAX].map(|number| view.events(&before(number)).unwrap().events.len());
+    assert_eq!(counts, [0, 0, 0, ask("tick", None).0.len()]);
+}
+
+#[test]
+fn commands_of_operators_are_those_settled_by_the_instant() {
+    let command = |seconds: f64, number: u32| {
+        event(seconds, &format!("(operator-command {number} \"remark {number}\" accepted)"))
+    };
+    let inputs = vec![
+        command(3.0, 1),
+        command(8.0, 2),
+        event(9.0, "(operator-commander 3 \"no\" accepted)"),
+        event(20.0, "(enough)"),
+    ];
+    let flight = record(TICKING, inputs, &mut NoDeliberator, &mut []);
+    let view = RecordView::open(&flight.path, 0).unwrap();
+    let by = |seconds: f64| {
+        let commands = view.operator_commands(Some(Time::from_seconds(seconds).0)).unwrap().commands;
+        commands.into_iter().map(|command| command.number).collect::<Vec<_>>()
+    };
+    assert_eq!([by(2.9), by(3.0), by(8.0), by(20.0)], [vec![], vec![1], vec![1, 2], vec![1, 2]]);
+}

@@ -1,0 +1,201 @@
+/**
+ * The page at random instants against `apex trace`: states, goals and bindings of tasks, holders, plans, targets, alarms and questions.
+ * SHERPA_SEED=n draws other instants; a failure names its record, instant and seed.
+ */
+
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { expect, type Locator, type Page, test } from '@playwright/test';
+import { apexProgram, startServer } from './server';
+import { numbers, traceOf, type Witness, witnessAt } from './witness';
+
+const SEED = Number(process.env.SHERPA_SEED ?? 1);
+/** Instants of each record: 30 in all. */
+const INSTANTS = 6;
+/** A tall screen, so that many rows of the agenda are in sight. */
+const SCREEN = { width: 1280, height: 2400 };
+
+/** A record of the flights. */
+function flight(name: string): string {
+  const record = join(dirname(process.env.APEX_RECORD ?? ''), `${name}.apex`);
+  test.skip(!existsSync(record), `needs ${record}: make flights`);
+  return record;
+}
+
+/** Runs `apex` in a new folder; a run that fails has another exit status. */
+function made(name: string, args: (record: string, folder: string) => string[]): string {
+  const folder = mkdtempSync(join(tmpdir(), 'sherpa-'));
+  const record = join(folder, name);
+  try {
+    execFileSync(apexProgram(), args(record, folder), { stdio: 'ignore' });
+  } catch (error) {
+    if (!existsSync(record)) throw error;
+  }
+  return record;
+}
+
+/** A run with a question that is answered, one whose time is over, an interrupted task, and an initial task that fails. */
+const FAILING = `
+(procedure (index (do-domain))
+  (step low (hold low) (priority 1))
+  (step high (hold high) (priority 5) (waitfor (go)))
+  (step ask (ask operator "Continue?" :options (yes no) :by 30s :default no) (waitfor (go)))
+  (step again (ask operator "Again?" :options (yes no) :by 10s :default no) (waitfor (end ?ask)))
+  (step end (order) (waitfor (stop))))
+(procedure (index (order)) (step no (terminate failure)))
+(primitive (index (hold ?how)) (profile voice) (duration 25s))
+`;
+
+function failedRun(): string {
+  return made('failed.apex', (record, folder) => {
+    const [program, inputs] = [join(folder, 'run.pdl'), join(folder, 'inputs.jsonl')];
+    writeFileSync(program, FAILING);
+    writeFileSync(
+      inputs,
+      '{"t": 5, "event": "(go)"}\n{"t": 20, "answer": 0, "value": "yes"}\n{"t": 60, "event": "(stop)"}\n',
+    );
+    return ['run', program, '--inputs', inputs, '--record', record];
+  });
+}
+
+/** The texts of elements, with single spaces. */
+const wordsOf = async (nodes: Locator) =>
+  (await nodes.allTextContents()).map(text => text.replace(/\s+/g, ' ').trim());
+
+/** Compares the rows of the agenda that are in sight, and the counts below them. */
+async function compareTasks(page: Page, seen: Witness, where: string): Promise<void> {
+  const counts = new Map<string, number>();
+  for (const { state } of seen.tasks.values()) {
+    const word = state === 'terminated' ? 'ended' : state;
+    counts.set(word, (counts.get(word) ?? 0) + 1);
+  }
+  const expected = [...counts].map(([state, count]) => `${count} ${state}`).sort();
+  const footer = page.getByTestId('agenda').locator('xpath=following-sibling::footer/span');
+  await expect
+    .poll(async () => (await wordsOf(footer)).filter(text => !text.endsWith('not shown')).sort(), {
+      message: where,
+    })
+    .toEqual(expected);
+  const rows = await page.locator('[data-task]').evaluateAll(nodes =>
+    nodes.map(node => ({
+      task: `T${node.getAttribute('data-task')}`,
+      state: node.getAttribute('data-state') ?? '',
+      word: node.querySelector('.state')?.textContent ?? '',
+      goal: node.querySelector('.goal')?.getAttribute('title') ?? '',
+    })),
+  );
+  expect(rows.length, where).toBeGreaterThan(0);
+  const words = { success: 'done', failure: 'failed', cut: 'cut' } as Record<string, string>;
+  for (const row of rows) {
+    const known = seen.tasks.get(row.task);
+    expect({ ...row, known: known !== undefined }, `${row.task}, ${where}`).toEqual({
+      task: row.task,
+      known: true,
+      state: known?.state,
+      word: known?.state === 'terminated' ? words[known.outcome ?? ''] : known?.state,
+      goal: `${row.task}  ${known?.goal}`,
+    });
+  }
+}
+
+async function compareHolders(page: Page, seen: Witness, where: string): Promise<void> {
+  const rows = page.getByTestId('resource-rows').locator('[role="row"] [role="gridcell"]:first-child');
+  await expect(rows, where).toHaveCount(seen.resources.size);
+  for (const title of await rows.evaluateAll(nodes => nodes.map(node => node.getAttribute('title') ?? ''))) {
+    const [, resource = '', holder = ''] = /^(.+): (T\d+|free)/.exec(title) ?? [];
+    const holders = [...seen.tasks].filter(([, task]) => task.holds.includes(resource)).map(([id]) => id);
+    expect(holders.length === 0 ? ['free'] : holders, `${title}, ${where}`).toContain(holder);
+  }
+}
+
+async function compareTargets(page: Page, seen: Witness, known: number, where: string): Promise<void> {
+  const progress = page.getByTestId('progress');
+  if (known + seen.announced.size === 0) return expect(progress, where).toHaveCount(0);
+  await expect(progress, where).toHaveText(
+    new RegExp(`^${seen.observed.size} of ${known + seen.announced.size} targets`),
+  );
+}
+
+async function comparePlans(page: Page, seen: Witness, where: string): Promise<void> {
+  const sections = page.getByTestId('plans').locator('section');
+  await expect(sections, where).toHaveCount(seen.plans.length);
+  const last = seen.plans.at(-1);
+  if (last) await expect(sections.first(), where).toContainText(last);
+}
+
+async function compareAlarms(page: Page, seen: Witness, where: string): Promise<void> {
+  const raised = async () => {
+    const words = await page.getByTestId('alarms').locator('[data-alarm] .words').allTextContents();
+    const sum = (head: string) =>
+      words
+        .filter(text => text.startsWith(head))
+        .reduce((count, text) => count + Number(/×(\d+)$/.exec(text)?.[1] ?? 1), 0);
+    return { failed: sum('failed: '), faults: sum('fault: '), questions: sum('question: ') };
+  };
+  const open = () => wordsOf(page.getByTestId('open-question'));
+  // A flight that ended in failure is an alarm, too.
+  const ended = [...seen.tasks.values()].filter(task => task.parent === null && task.outcome === 'failure');
+  const failures = seen.failures + ended.length;
+  await expect.poll(async () => (await raised()).failed, { message: where }).toBe(failures);
+  const { faults, questions } = await raised();
+  expect([faults, questions], where).toEqual([seen.faults, seen.asked]);
+  const asked = [...seen.questions.values()].map(({ text }) => text);
+  await expect.poll(async () => (await open()).length, { message: `questions, ${where}` }).toBe(asked.length);
+  for (const text of asked) expect((await open()).join(' '), where).toContain(text);
+}
+
+const RECORDS: [string, () => string, number][] = [
+  ['western-states', () => flight('western-states'), 22],
+  ['structure-watch', () => flight('structure-watch'), 16],
+  ['diagnosis', () => flight('diagnosis'), 6],
+  ['a failed run', failedRun, 0],
+  [
+    'a fork',
+    () => {
+      const from = flight('diagnosis');
+      return made('fork.apex', record => [
+        'fork',
+        from,
+        '--at',
+        '600',
+        '--wind-factor',
+        '1.5',
+        '--output',
+        record,
+      ]);
+    },
+    6,
+  ],
+];
+
+for (const [name, recordOf, targets] of RECORDS) {
+  test(`P1: random instants of ${name} are as the trace tells them`, async ({ page }) => {
+    test.setTimeout(240_000);
+    const record = recordOf();
+    const lines = traceOf(record);
+    const server = await startServer(record);
+    const next = numbers(SEED * 7919 + name.length);
+    try {
+      await page.setViewportSize(SCREEN);
+      const { end_ns } = (await (await fetch(`${server.url}/api/mission`)).json()) as { end_ns: number };
+      for (let count = 0; count < INSTANTS; count += 1) {
+        // The last instant is the end, where a failure shows.
+        const atS = count === INSTANTS - 1 ? end_ns / 1e9 : Math.floor(next() * end_ns * 1e-6) / 1000;
+        const where = `${name} at ${atS} s, SHERPA_SEED=${SEED}`;
+        const seen = witnessAt(lines, atS);
+        await page.goto(`${server.url}/?t=${atS}&rows=resources&tab=alarms`);
+        await expect(page.locator('[data-task]').first()).toBeVisible();
+        await compareTasks(page, seen, where);
+        await compareHolders(page, seen, where);
+        await compareAlarms(page, seen, where);
+        await compareTargets(page, seen, targets, where);
+        await page.getByTestId('tab-plans').click();
+        await comparePlans(page, seen, where);
+      }
+    } finally {
+      server.stop();
+    }
+  });
+}
