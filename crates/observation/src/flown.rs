@@ -171,15 +171,30 @@ impl FlownObservation {
         settings: FlownSettings,
         ground: &dyn Ground,
     ) -> Result<FlownObservation, ObservationError> {
-        let mut watched: Vec<TargetObservations> = Vec::with_capacity(targets.len());
-        for target in targets {
+        let grid = |target: ObservedTarget| {
+            let grid = FlownObservation::grid_of(&target, settings.grid, ground);
+            (target, grid)
+        };
+        FlownObservation::with_grids(targets.into_iter().map(grid), settings)
+    }
+
+    /// Returns an accumulation without observations, for targets with their grids, as [`FlownObservation::grid_of`] makes them.
+    ///
+    /// # Errors
+    /// Like [`FlownObservation::new`].
+    pub fn with_grids(
+        targets: impl IntoIterator<Item = (ObservedTarget, Result<TargetGrid, AreaError>)>,
+        settings: FlownSettings,
+    ) -> Result<FlownObservation, ObservationError> {
+        let mut watched: Vec<TargetObservations> = Vec::new();
+        for (target, grid) in targets {
             if target.looks.len() > WANTED_LOOKS_MAX {
                 return Err(ObservationError::TooManyLooks { looks: target.looks.len(), target: target.name });
             }
             if watched.iter().any(|other| other.target.name == target.name) {
                 return Err(ObservationError::DoubleName(target.name));
             }
-            watched.push(TargetObservations::new(target, settings.grid, ground)?);
+            watched.push(TargetObservations::new(target, grid.map_err(ObservationError::Area)?));
         }
         Ok(FlownObservation { settings, watched, sensor: SensorState::Off, last: None, products: Vec::new() })
     }

@@ -125,19 +125,36 @@ impl Flyer {
         found
     }
 
-    /// Returns the first of [`Flyer::paths`]. No word is tried at instants when another has been flown already.
+    /// Returns the first of [`Flyer::paths`]. No word is tried at instants when another has been flown already, so the words that are
+    /// probably short are tried first.
     pub fn quickest(&self, from: Pose, to: Pose) -> Option<TurnPath> {
         let (start, end) = self.headings(from, to)?;
-        let mut best: Option<TurnPath> = None;
-        for word in words(start.is_some(), end.is_some()) {
-            let until_s = best.map_or(f64::INFINITY, |best| best.time_s);
-            let path = self.path(word, (from, start), (to, end), until_s);
-            best = match (best, path) {
-                (Some(best), Some(path)) if path.time_s < best.time_s => Some(path),
-                (best, path) => best.or(path),
+        let mut tried: Vec<(f64, usize, PathType)> = words(start.is_some(), end.is_some())
+            .enumerate()
+            .map(|(number, word)| (self.guess_m(word, (from.point, start), (to.point, end)), number, word))
+            .collect();
+        tried.sort_by(|(a_m, a, _), (b_m, b, _)| a_m.total_cmp(b_m).then(a.cmp(b)));
+        let mut best: Option<(TurnPath, usize)> = None;
+        for (_, number, word) in tried {
+            let until_s = best.map_or(f64::INFINITY, |(best, _)| best.time_s);
+            let Some(path) = self.path(word, (from, start), (to, end), until_s) else { continue };
+            // Of equal paths the first word counts.
+            let is_better = |(best, first): (TurnPath, usize)| {
+                path.time_s < best.time_s || (path.time_s == best.time_s && number < first)
             };
+            if best.is_none_or(is_better) {
+                best = Some((path, number));
+            }
         }
-        best.or_else(|| self.paths(from, to).first().copied())
+        best.map(|(best, _)| best).or_else(|| self.paths(from, to).first().copied())
+    }
+
+    /// Returns the length of a path of this type to where the end is when a straight flight arrives; infinite without one.
+    fn guess_m(&self, word: PathType, (from, start): (Point, Option<f64>), (to, end): (Point, Option<f64>)) -> f64 {
+        let ends = PathEnds::new(word, self.turn_radius_m, (from, start), end);
+        let direct_s = to.minus(from).length() / self.true_airspeed_mps;
+        let parts = word.parts(&ends, to.plus(-direct_s, self.wind_mps));
+        parts.map_or(f64::INFINITY, |(_, parts)| parts.iter().map(|part| part.length_m).sum())
     }
 
     /// Returns the headings at both ends, for stated tracks; `None` if the wind permits no path.

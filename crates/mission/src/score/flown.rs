@@ -92,7 +92,11 @@ impl FlownScore {
             grid: GridSettings::default(),
             sample_gap_s_max: SAMPLE_GAP_S_MAX,
         };
-        let observation = FlownObservation::new(wanted, settings, &ground).map_err(|error| error.to_string())?;
+        let grid =
+            |number: usize| wanted.get(number).map(|target| FlownObservation::grid_of(target, settings.grid, &ground));
+        let grids = on_all_processors(wanted.len(), grid);
+        let targets = wanted.into_iter().zip(grids.into_iter().flatten());
+        let observation = FlownObservation::with_grids(targets, settings).map_err(|error| error.to_string())?;
         let scanner = scanner.map(|scanner| scanner.setting);
         let cameras =
             camera_names(&mission.model).into_iter().filter_map(|name| camera_of(&mission.model, name)).collect();

@@ -2,29 +2,36 @@
 
 use super::{FlownObservation, ObservationError, TargetObservations};
 use crate::footprint::Ground;
-use crate::grid::{GridSettings, TargetGrid};
+use crate::grid::{AreaError, GridSettings, TargetGrid};
 use crate::looks::TargetLooks;
 use crate::plane::Point;
 use crate::target::{ObservedTarget, TargetArea};
 
 impl TargetObservations {
     /// Nothing of the target seen yet.
-    pub(super) fn new(
-        target: ObservedTarget,
-        settings: GridSettings,
-        ground: &dyn Ground,
-    ) -> Result<TargetObservations, ObservationError> {
-        let grid = TargetGrid::new(&target, settings).map_err(ObservationError::Area)?.with_elevations(ground);
+    pub(super) fn new(target: ObservedTarget, grid: TargetGrid) -> TargetObservations {
         let (low, high) = grid.bounds();
         let reach_m = [low, high, Point { x: low.x, y: high.y }, Point { x: high.x, y: low.y }]
             .iter()
             .fold(0.0, |most: f64, corner| most.max(corner.length()));
         let last_seen_s = f64::NEG_INFINITY;
-        Ok(TargetObservations { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m })
+        TargetObservations { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m }
     }
 }
 
 impl FlownObservation {
+    /// Returns the grid on which a flown target is accumulated, with the elevations of `ground`.
+    ///
+    /// # Errors
+    /// The area cannot be divided into cells.
+    pub fn grid_of(
+        target: &ObservedTarget,
+        settings: GridSettings,
+        ground: &dyn Ground,
+    ) -> Result<TargetGrid, AreaError> {
+        Ok(TargetGrid::new(target, settings)?.with_elevations(ground))
+    }
+
     /// Replaces the ground of a target that has not been seen yet; a target that has been seen keeps its ground.
     ///
     /// # Errors
@@ -36,7 +43,8 @@ impl FlownObservation {
         };
         let Some(watched) = self.watched.iter_mut().find(unseen) else { return Ok(()) };
         let target = ObservedTarget { area, ..watched.target.clone() };
-        *watched = TargetObservations::new(target, settings.grid, ground)?;
+        let grid = FlownObservation::grid_of(&target, settings.grid, ground).map_err(ObservationError::Area)?;
+        *watched = TargetObservations::new(target, grid);
         Ok(())
     }
 }

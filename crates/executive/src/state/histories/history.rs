@@ -156,18 +156,18 @@ impl History {
 
     /// Returns the latest sample at or before `instant`.
     pub fn at(&self, instant: Time) -> Option<&Sample> {
-        self.samples
-            .partition_point(|sample| sample.at <= instant)
-            .checked_sub(1)
-            .and_then(|index| self.samples.get(index))
+        self.latest(|sample| sample.at <= instant)
     }
 
     /// Returns the latest sample strictly before `instant`.
     pub fn before(&self, instant: Time) -> Option<&Sample> {
-        self.samples
-            .partition_point(|sample| sample.at < instant)
-            .checked_sub(1)
-            .and_then(|index| self.samples.get(index))
+        self.latest(|sample| sample.at < instant)
+    }
+
+    /// Returns the latest sample of those that are `early`, which are the first ones. Mostly that is one of the last two.
+    fn latest(&self, early: impl Fn(&Sample) -> bool) -> Option<&Sample> {
+        let near = self.samples.iter().rev().take(2).find(|sample| early(sample));
+        near.or_else(|| self.samples.get(self.samples.partition_point(early).checked_sub(1)?))
     }
 
     /// Samples with `start <= at <= end`, oldest first.

@@ -230,3 +230,21 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn the_fastest_path_is_the_first_of_all(
+        x in -9.0..9.0_f64, y in -9.0..9.0_f64, start in -3.2..3.2_f64, end in -3.2..3.2_f64,
+        wind_x in -0.6..0.6_f64, wind_y in -0.4..0.4_f64, free in 0..4_usize, tie in 0..4_usize,
+    ) {
+        // Turns to both sides are equally long if everything lies on one axis.
+        let (y, start, end, wind_y) = if tie == 0 { (0.0, 0.0, 0.0, 0.0) } else { (y, start, end, wind_y) };
+        let flyer = Flyer { true_airspeed_mps: 1.0, turn_radius_m: 1.0, wind_mps: Point { x: wind_x, y: wind_y } };
+        let from = Pose { point: Point::default(), track_rad: Some(start).filter(|_| free != 1) };
+        let to = Pose { point: Point { x, y }, track_rad: Some(end).filter(|_| free != 2) };
+        let first = flyer.paths(from, to).first().copied();
+        prop_assert_eq!(flyer.quickest(from, to), first);
+    }
+}

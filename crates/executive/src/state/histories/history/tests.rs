@@ -94,3 +94,23 @@ fn events_of_the_newest_instant_are_remembered_in_order_of_arrival() {
     assert_eq!(kept, [2, 3]);
     assert!(histories.events_cover(Time(2)) && !histories.events_cover(Time(1)));
 }
+
+#[test]
+fn the_latest_sample_of_any_instant_is_found() {
+    for count in 1..7_i64 {
+        let mut histories = Histories::default();
+        histories.require_lookback(&Symbol::new("altitude"), Duration(1_000));
+        for number in 0..count {
+            histories.record(&variable(), sample(10 * number, 1.0), Duration::ZERO);
+        }
+        let times = times(&histories);
+        assert_eq!(times.len() as i64, count);
+        let history = histories.get(&variable()).unwrap();
+        for instant in -5..75 {
+            let latest = |early: &dyn Fn(i64) -> bool| times.iter().rev().copied().find(|at| early(*at)).map(Time);
+            let at = |sample: Option<&Sample>| sample.map(|sample| sample.at);
+            assert_eq!(at(history.at(Time(instant))), latest(&|at| at <= instant), "at {instant} of {count}");
+            assert_eq!(at(history.before(Time(instant))), latest(&|at| at < instant), "before {instant} of {count}");
+        }
+    }
+}
