@@ -23,6 +23,7 @@ mod matching;
 mod print;
 mod read;
 mod reference;
+mod reference_page;
 mod render;
 mod suggest;
 mod syntax;

@@ -1,6 +1,7 @@
 //! Explains a word of the language or of the shipped libraries, for `apex explain`.
 
 use crate::read::{Datum, DatumKind, read_file};
+use crate::reference_page;
 use crate::suggest::nearest;
 use crate::vocabulary::{ACTIVITIES, VOCABULARY};
 use apex_model::builtins::{ALIASES, BUILT_INS, BuiltIn, INDEXICALS, SPECIAL_FORMS, built_in};
@@ -68,6 +69,9 @@ pub fn explain_word(word: &str) -> Option<String> {
     }
     if let Some(row) = mission_option(&folded) {
         let _ = writeln!(text, ":{folded}: an option of a mission (docs/reference/mission-data.md)\n  {row}");
+    }
+    if let Some(page) = reference_page::explain(&folded) {
+        text.push_str(&page);
     }
     (!text.is_empty()).then_some(text)
 }

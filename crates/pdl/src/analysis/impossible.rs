@@ -15,16 +15,26 @@ pub(crate) struct Impossible {
     pub(crate) place: Place,
     /// Text that follows "this condition can never hold:".
     pub(crate) reason: String,
+    /// The remedy.
+    pub(crate) help: &'static str,
 }
+
+/// Remedy for limits that exclude each other.
+const LIMITS: &str = "exchange the limits, or join two conditions with `(:or ..)`";
 
 /// Returns the reason for which the condition itself, not one of its parts, can never hold; `None` if that is undecided.
 pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Impossible> {
     let within = |what: &str, constraints: &[Constraint]| {
         let reason = contradiction(constraints, library)?;
-        Some(Impossible { place: condition.place, reason: format!("{what} {reason}") })
+        Some(Impossible { place: condition.place, reason: format!("{what} {reason}"), help: LIMITS })
     };
     match &condition.kind {
-        ConditionKind::Measurement(measurement) => within("the value", &measurement.value),
+        ConditionKind::Measurement(measurement) => {
+            let is_declared = library.state_variables.contains_key(&measurement.variable.attribute);
+            // A declared variable has a type, which is compared with that of the value.
+            within("the value", &measurement.value)
+                .or_else(|| if is_declared { None } else { order_of_names(&measurement.value) })
+        }
         ConditionKind::Episode(episode) => within("the value", &episode.value)
             .or_else(|| within("the first value", &[&*episode.value, &*episode.first_value].concat()))
             .or_else(|| within("the last value", &[&*episode.value, &*episode.last_value].concat()))
@@ -37,13 +47,51 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             (from > to).then(|| Impossible {
                 place: condition.place,
                 reason: "its least delay is longer than its greatest delay".to_string(),
+                help: LIMITS,
             })
         }
         ConditionKind::Function(test) if known_truth(Some(test)) == Some(false) => {
-            Some(Impossible { place: test.place, reason: "its expression is nil".to_string() })
+            Some(Impossible { place: test.place, reason: "its expression is nil".to_string(), help: LIMITS })
+        }
+        ConditionKind::Timestamp(from, _) if is_after_now(from) => {
+            let reason = "`+now+` is read again at each instant, so the instant stays in the future".to_string();
+            let help =
+                "write `(:delay D)` for the time since the creation of the task, or `(+ (start-of +this-task+) D)`";
+            Some(Impossible { place: from.place, reason, help })
         }
         _ => None,
     }
+}
+
+/// Returns true for `+now+` plus durations that are written out and greater than zero.
+fn is_after_now(expr: &Expr) -> bool {
+    let ExprKind::Call { function, arguments } = &expr.kind else { return false };
+    let now = |part: &Expr| matches!(&part.kind, ExprKind::Indexical(name) if name.is("now"));
+    let span = |part: &Expr| match &part.kind {
+        ExprKind::Constant(Value::Duration(span)) => Some(*span),
+        _ => None,
+    };
+    let later: Option<Vec<_>> = arguments.iter().filter(|part| !now(part)).map(span).collect();
+    function.is("+")
+        && arguments.iter().filter(|part| now(part)).count() == 1
+        && later.is_some_and(|spans| spans.iter().any(|span| span.0 > 0) && spans.iter().all(|span| span.0 >= 0))
+}
+
+/// Names are equal or different, and none is greater than another: `(mode uav > auto)`.
+fn order_of_names(constraints: &[Constraint]) -> Option<Impossible> {
+    constraints.iter().find_map(|constraint| {
+        let Constraint::Compare { relation, right, .. } = constraint else { return None };
+        let ExprKind::Constant(Value::Symbol(name)) = &right.kind else { return None };
+        // A name that begins like a number, `35knt`, has a warning that says what was meant.
+        let is_ordered = !matches!(relation, Relation::Equal | Relation::Different);
+        let reason = format!("`{name}` is a name, and no value is greater or less than a name");
+        let help = "compare with a number or a constant, `(defconstant NAME VALUE)`, or write `=`";
+        (is_ordered && !name.printed().starts_with(|first: char| first.is_ascii_digit())).then(|| Impossible {
+            place: right.place,
+            reason,
+            help,
+        })
+    })
 }
 
 fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossible> {
@@ -51,7 +99,7 @@ fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossib
     let positive = Constraint::Compare { relation: Relation::GreaterOrEqual, right: zero, tolerance: None };
     let all = [timing.duration.as_slice(), &[positive]].concat();
     let reason = contradiction(&all, library).filter(|_| !timing.duration.is_empty())?;
-    Some(Impossible { place, reason: format!("the duration {reason}") })
+    Some(Impossible { place, reason: format!("the duration {reason}"), help: LIMITS })
 }
 
 /// Statistics that are never below zero, and the count, which is never below one because no verdict is given without samples.
@@ -72,7 +120,7 @@ fn trend(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) 
         ("significance", [Constraint::Compare { right, .. }]) => {
             let level = number(right, library).filter(|level| !(*level > 0.0 && *level < 1.0))?;
             let reason = format!("a significance of {level} is not a probability between 0 and 1");
-            Some(Impossible { place, reason })
+            Some(Impossible { place, reason, help: LIMITS })
         }
         ("frequency", _) => never(name, constraints, Some(0.0), place, library),
         _ => never(name, constraints, None, place, library),
@@ -96,7 +144,7 @@ fn never(
         (None, Some(_), _) => "is never negative".to_string(),
         (found, ..) => found?,
     };
-    Some(Impossible { place, reason: format!("the {} {reason}", name.folded()) })
+    Some(Impossible { place, reason: format!("the {} {reason}", name.folded()), help: LIMITS })
 }
 
 /// Returns the number that an expression always is, in SI units.

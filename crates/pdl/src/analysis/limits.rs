@@ -26,7 +26,7 @@ fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mu
         let severity = if decides { Severity::Error } else { Severity::Warning };
         let diagnostic = Diagnostic::new(severity, codes::IMPOSSIBLE_CONDITION, span, "this condition can never hold")
             .reason(found.reason)
-            .help("exchange the limits, or join two conditions with `(:or ..)`");
+            .help(found.help);
         return report.add(diagnostic);
     }
     let decides = decides

@@ -323,6 +323,8 @@ fn needs_instant(library: &Library, expr: &Expr, found: &mut Vec<OperandFinding>
         return;
     }
     let message = format!("an instant is needed here, but this is {}", kind.words());
-    let help = Some("5 s after the start is `(+ +mission-start+ 5s)`, 5 s after now `(+ +now+ 5s)`");
+    let help = Some(
+        "5 s after the start of the mission is `(+ +mission-start+ 5s)`, 5 s after that of the task `(+ (start-of +this-task+) 5s)`",
+    );
     found.push(OperandFinding { code: codes::DIMENSION, place: expr.place, message, instant: None, help });
 }

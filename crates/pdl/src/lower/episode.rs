@@ -11,6 +11,7 @@ use crate::suggest::renames_marked;
 use apex_model::condition::{Condition, ConditionKind, Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
 use apex_model::value::Value;
 
 const OPTIONS: &[&str] =
@@ -137,6 +138,13 @@ impl Lowering {
                     Some([relation, limit]) if relation.is("<") || relation.is("<=") => limit,
                     _ => gap,
                 };
+                if let DatumKind::Duration(length) = &gap.kind
+                    && *length < Duration::ZERO
+                {
+                    let message = format!("{length} is a negative gap");
+                    let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, gap.span, message);
+                    return self.refuse(diagnostic.help("write the greatest time between two samples, such as `1s`"));
+                }
                 self.interval_or_frequency(gap).map(Quality::MaximumGap)
             }
             _ => {

@@ -39,6 +39,7 @@ mod shared;
 mod slips;
 mod slips_in_words;
 mod slips_of_tasks;
+mod slips_of_variables;
 mod special;
 mod step;
 mod tags;

@@ -213,7 +213,12 @@ impl Lowering {
         let mut steps: Vec<StepSource<'d>> = Vec::new();
         let mut others = Vec::new();
         let mut complete = true;
-        for clause in clauses {
+        let mut rest = clauses.iter();
+        while let Some(clause) = rest.next() {
+            let result = match rest.as_slice() {
+                [mark, pattern, ..] if mark.is("=>") => Some(*pattern),
+                _ => None,
+            };
             match (clause.head_name(), steps.last_mut()) {
                 ("step", _) => match self.step_source(clause) {
                     Some(source) => steps.push(source),
@@ -228,12 +233,41 @@ impl Lowering {
                             .help("move it into the step that uses its variable");
                     self.report(diagnostic);
                 }
-                _ if has_kind && is_bare_step(clause) => steps.push(StepSource::bare(clause)),
+                _ if is_bare_step(clause) && (has_kind || result.is_some() || clause.head_name() == "terminate") => {
+                    if !has_kind {
+                        self.report_bare_step(clause, result);
+                        complete = false;
+                    }
+                    if result.is_some() {
+                        rest.nth(1);
+                    }
+                    steps.push(StepSource { result, ..StepSource::bare(clause) });
+                }
                 _ => others.push(*clause),
             }
         }
         complete &= self.number_tags(&mut steps);
         (steps, others, complete)
+    }
+
+    /// Reports a step without the word `step` in a procedure that does not state its kind.
+    fn report_bare_step(&mut self, activity: &Datum, result: Option<&Datum>) {
+        let last = result.map_or(activity.span, |pattern| pattern.span);
+        let name = activity.head_name();
+        let message = format!("`{name}` is not a clause here, but the activity of a step");
+        let title = if result.is_some() {
+            format!("write `(step ({name} ..) => ..)`")
+        } else {
+            format!("write `(step ({name} ..))`")
+        };
+        let fix = Fix::safe(title).insert_before(activity.span, "(step ").insert_after(last, ")");
+        self.report(
+            Diagnostic::error(codes::UNKNOWN_CLAUSE, activity.span, message)
+                .reason(
+                    "only a procedure that states its kind, such as `:sequential`, has steps without the word `step`",
+                )
+                .fix(fix),
+        );
     }
 
     /// Gives untagged steps the first symbol of their activity, numbered if it repeats.
@@ -327,9 +361,14 @@ pub(crate) fn is_documentation(clause: &Datum) -> bool {
         && clause.tail().iter().all(|item| item.as_list().is_none())
 }
 
-/// Returns true for a list that is neither a clause nor similar to one.
+/// Returns true for a list that is neither a clause nor similar to one. A `terminate` without a condition is an activity.
 fn is_bare_step(clause: &Datum) -> bool {
     let name = clause.head_name();
+    if name == "terminate" {
+        let words = clause.tail();
+        let outcome = |word: &Datum| word.as_symbol().is_some() && !word.is("when");
+        return words.first().is_none_or(outcome) || words.iter().any(|word| word.is(">>"));
+    }
     let words = || PROCEDURE_CLAUSES.iter().chain(STEP_CLAUSES).copied();
     clause.head().is_some()
         && clause.head().is_some_and(|head| !head.folded().starts_with(':'))

@@ -31,8 +31,12 @@ impl Lowering {
         let is_suspend = name.starts_with("suspend");
         if when.is_empty() || (until.is_some() && !is_suspend) {
             let shape = if is_suspend { "(suspend-when CONDITION [until CONDITION])" } else { "(end-when CONDITION)" };
-            let shape =
-                if name == "end-when" || is_suspend { shape.to_string() } else { format!("({name} CONDITION)") };
+            let shape = match name {
+                "terminate" => "(terminate (when CONDITION))".to_string(),
+                "end-when" => shape.to_string(),
+                _ if is_suspend => shape.to_string(),
+                _ => format!("({name} CONDITION)"),
+            };
             return self.missing_part(clause.span, &format!("this `{name}` has the wrong parts"), &shape);
         }
         let condition = self.clause_condition(name, when, clause)?;

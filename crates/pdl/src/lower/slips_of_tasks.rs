@@ -31,6 +31,8 @@ const TIME_RELATIONS: &[&str] = &[
     "started-by",
     "starts",
 ];
+/// Words for the start of a task.
+const STARTED: &[&str] = &["start", "started", "starts", "begin", "begun", "began", "running", "active"];
 /// Verbs before a relation: `(altitude uav is > 100m)`.
 const FILLERS: &[&str] = &["is", "are", "was", "gets", "becomes"];
 pub(super) const AS_WRITTEN: &str = "as written, this is an event with these words, which never occurs";
@@ -46,6 +48,8 @@ impl Lowering {
             || self.report_bare_time(datum, items)
             || self.report_marked_relation(items)
             || self.report_worded_relation(items)
+            || self.report_slip_of_variable(items)
+            || self.report_odd_step(datum, items)
     }
 
     fn is_tag_word(&self, datum: &Datum) -> bool {
@@ -107,6 +111,35 @@ impl Lowering {
         let text = format!("(state ?{tag} = {state})");
         let fix = Fix::safe(format!("write `{text}`")).replace(datum.span, text);
         self.slip(datum.span, "a condition does not begin with a step".to_string(), fix)
+    }
+
+    /// `(?a)`, `(started ?a)` and `(failed ?a ?b)`.
+    fn report_odd_step(&mut self, datum: &Datum, items: &[Datum]) -> bool {
+        match items {
+            [step] if self.is_tag_variable(step) => {
+                let tag = step.as_variable().map_or("", |tag| tag.printed());
+                let fix = Fix::safe(format!("write `?{tag}`")).replace(datum.span, format!("?{tag}"));
+                self.slip(datum.span, "the end of a step is not written in brackets".to_string(), fix)
+            }
+            [head, step] if is_one(head, STARTED) && self.is_tag_variable(step) => {
+                let tag = step.as_variable().map_or("", |tag| tag.printed());
+                let text = format!("(state ?{tag} = ongoing)");
+                let fix = Fix::safe(format!("write `{text}`")).replace(datum.span, text);
+                self.slip(datum.span, "the start of a step is a state of its task".to_string(), fix)
+            }
+            [head, steps @ ..]
+                if is_one(head, OUTCOME_WORDS)
+                    && steps.len() > 1
+                    && steps.iter().all(|step| self.is_tag_variable(step)) =>
+            {
+                let word = head.as_symbol().map_or("failed", |word| word.printed());
+                let message = format!("`{word}` takes one step");
+                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, message).reason(AS_WRITTEN);
+                self.report(diagnostic.help(format!("write `(:or ({word} ?a) ({word} ?b))`, or `:and`")));
+                true
+            }
+            _ => false,
+        }
     }
 
     /// `(command-state ?a = finished)`.

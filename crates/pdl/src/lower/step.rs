@@ -9,7 +9,7 @@ use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames;
 use crate::vocabulary::{REPEATING_OPTIONS, STEP_CLAUSES};
-use apex_model::expression::Expr;
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Repetition, Step};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -46,6 +46,7 @@ const MEANT: &[(&str, &str)] = &[
     ("wait-until", "waitfor"),
     ("await", "waitfor"),
     ("requires", "waitfor"),
+    ("requires", "precondition"),
     ("preconditions", "precondition"),
     ("pre-condition", "precondition"),
     ("invariant-condition", "invariant"),
@@ -76,6 +77,22 @@ const MEANT: &[(&str, &str)] = &[
     ("on-finish", "on-end"),
     ("goal", "index"),
 ];
+/// Advice for a number of repetitions.
+const COUNTED: &str = "for 3 tasks at the same time write `(forall ?n in (range 3))`; for 3 in turn write `(repeating :while (< ?n 3)) \
+                       (on-end (incf ?n))`, where an earlier step gave `?n` its first value, 0";
+
+/// Returns true for a clause that repeats and states nothing but a number: `(repeat 3)`, `(repeating 3 times)`.
+fn is_count(clause: &Datum) -> bool {
+    let of_number = |item: &Datum| {
+        matches!(item.kind, DatumKind::Integer(_) | DatumKind::Real(_) | DatumKind::Variable(_))
+            || item.is("times")
+            || item.is(":times")
+    };
+    ["repeat", "repeating", "loop", "times", "repeat-times"].contains(&clause.head_name())
+        && !clause.tail().is_empty()
+        && clause.tail().iter().all(of_number)
+}
+
 /// Clauses that may occur several times.
 const REPEATABLE: &[&str] =
     &["select", "priority", "profile", "log", "on-start", "on-end", "on-suspend", "on-resume", "on-completion"];
@@ -86,7 +103,7 @@ impl Lowering {
         let items = datum.tail();
         let (tag, rest) = match items {
             [tag, rest @ ..] if tag.as_symbol().is_some() && tag.keyword().is_none() => (Some(tag), rest),
-            // `4.4a` is read as amperes elsewhere; here it is a name.
+            // `1` is a number and `4.4a` are amperes elsewhere; here they are names.
             [tag, activity, ..] if self.number_as_name(tag).is_some() && activity.as_list().is_some() => {
                 (Some(tag), items.get(1..).unwrap_or_default())
             }
@@ -102,6 +119,10 @@ impl Lowering {
         };
         let (result, clauses) = match rest {
             [mark, pattern, clauses @ ..] if mark.is("=>") => (Some(pattern), clauses),
+            [mark, pattern, ..] if mark.is("->") && pattern.as_variable().is_some() => {
+                let diagnostic = Diagnostic::error(codes::MALFORMED, mark.span, "`->` does not bind a result");
+                return self.refuse(diagnostic.fix(Fix::safe("write `=>`").replace(mark.span, "=>")));
+            }
             _ => (None, rest),
         };
         let tag_span = tag.unwrap_or(activity).span;
@@ -111,9 +132,10 @@ impl Lowering {
         Some(StepSource { tag, tag_span, activity, result, clauses, span: datum.span })
     }
 
-    /// Returns the name of a step that begins with a number and reads like a quantity: `4.4a`, `2s`.
+    /// Returns the name of a step that is a number or reads like a quantity: `1`, `4.4a`, `2s`.
     fn number_as_name(&self, tag: &Datum) -> Option<Symbol> {
-        matches!(tag.kind, DatumKind::Quantity(_) | DatumKind::Duration(_))
+        use DatumKind::{Duration, Integer, Quantity, Real};
+        matches!(tag.kind, Quantity(_) | Duration(_) | Integer(_) | Real(_))
             .then(|| self.text_at(tag.span))
             .flatten()
             .filter(|text| !text.starts_with('('))
@@ -151,6 +173,11 @@ impl Lowering {
 
     /// Returns the pattern of a `=>` binds for the whole procedure.
     fn result_pattern(&mut self, datum: &Datum) -> Option<apex_model::pattern::Pattern> {
+        if let Some(name) = datum.as_symbol().filter(|name| !name.is("nil") && !name.is("t")) {
+            let message = format!("`{name}` is a word here, not a variable for the result");
+            let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message);
+            return self.refuse(diagnostic.fix(Fix::safe(format!("write `?{name}`")).insert_before(datum.span, "?")));
+        }
         let step = self.scope.step.take();
         let pattern = self.pattern(datum);
         self.scope.step = step;
@@ -229,6 +256,14 @@ impl Lowering {
         if name.is("terminate-when") && known.contains(&"end-when") {
             fixes = vec![Fix::safe(format!("replace `{name}` by `end-when`")).replace(span, "end-when")];
         }
+        if is_count(clause) {
+            return self.report(diagnostic.reason("no clause counts repetitions").help(COUNTED));
+        }
+        // Resources are names; a condition is a list.
+        let only_names = !clause.tail().is_empty() && clause.tail().iter().all(|item| item.as_symbol().is_some());
+        if name.is("requires") && only_names && known.contains(&"profile") {
+            fixes = vec![Fix::safe(format!("replace `{name}` by `profile`")).replace(span, "profile")];
+        }
         let meant = MEANT.iter().find(|(word, clause)| name.is(word) && known.contains(clause));
         if let Some((_, clause)) = meant.filter(|_| fixes.is_empty()) {
             fixes.push(Fix::look(format!("replace `{name}` by `{clause}`")).replace(span, *clause));
@@ -298,9 +333,26 @@ impl Lowering {
             return None;
         }
         let (stray, options) = groups(clause.tail());
+        if is_count(clause) {
+            let message = format!("`{}` takes no number", clause.head_name());
+            let diagnostic = Diagnostic::error(codes::MALFORMED, clause.span, message);
+            return self.refuse(diagnostic.reason("no clause counts repetitions").help(COUNTED));
+        }
         self.no_stray(stray)?;
         self.check_groups(&options, known, &format!("`{}`", clause.head_name()))?;
-        let test = |lowering: &mut Lowering, datum: &Datum| lowering.pure_expression(datum, "a repetition");
+        let test = |lowering: &mut Lowering, datum: &Datum| {
+            let expr = lowering.pure_expression(datum, "a repetition")?;
+            match &expr.kind {
+                ExprKind::Constant(Value::Symbol(name)) if !name.is("t") && !name.is("nil") => {
+                    let message = format!("`{name}` is a name, which counts as true");
+                    let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message)
+                        .reason("`:while` and `:until` take an expression, which is evaluated when the step has ended");
+                    let help = "compare a variable, `(= ?x done)`, or let a message end the step: `(end-when (done))`";
+                    lowering.refuse(diagnostic.help(help))
+                }
+                _ => Some(expr),
+            }
+        };
         let while_true = self.optional(&options, "while", test)?;
         let until = self.optional(&options, "until", test)?;
         let enabled = match options.iter().find(|group| group.name == "enabled") {
