@@ -18,7 +18,7 @@ pub(crate) struct Descent {
 impl Descent {
     /// Returns the descent at the rate of plans: the last turns and the final approach take time, too.
     pub(crate) fn new(model: &VehicleModel, from_altitude_m: f64, to_altitude_m: f64) -> Descent {
-        let rate_mps = model.descent_rate_m_s_max * model.planning.descent_share;
+        let rate_mps = descent_rate_mps(model);
         let height_m = (from_altitude_m - to_altitude_m).max(0.0);
         let time_s = height_m / rate_mps;
         let middles = (0..STEPS).map(|step| to_altitude_m + height_m * (f64::from(step) + 0.5) / f64::from(STEPS));
@@ -30,6 +30,11 @@ impl Descent {
     pub(crate) fn to_base(mission: &Mission) -> Descent {
         Descent::new(&mission.model, mission.cruise_altitude_m(), mission.start_altitude_m)
     }
+}
+
+/// Returns the rate of descent of plans.
+pub(crate) fn descent_rate_mps(model: &VehicleModel) -> f64 {
+    model.descent_rate_m_s_max * model.planning.descent_share
 }
 
 /// Returns the drain in a descent: a rotorcraft may descend without forward speed.

@@ -256,6 +256,7 @@ impl Mission {
             zones: &self.zones,
             landing_places: self.landing_places(),
             forecast: &self.forecast,
+            duration_s: self.settings.duration.seconds(),
             start: self.start,
             start_altitude_m: self.start_altitude_m,
         })

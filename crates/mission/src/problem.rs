@@ -6,7 +6,7 @@ pub(crate) use timing::GroundArrival;
 
 use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
-use crate::descent::Descent;
+use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
 use crate::score::FlownScore;
@@ -85,7 +85,7 @@ pub(crate) fn single_visits(
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
             cruise_altitude_m: mission.cruise_altitude_m(),
             climb_rate_mps: model.climb_rate_m_s_max * planning.climb_share,
-            descent_rate_mps: model.descent_rate_m_s_max * planning.descent_share,
+            descent_rate_mps: descent_rate_mps(model),
             fuel_kg: energy.fuel_kg,
             fuel_reserve_kg: energy.fuel_reserve_kg + energy.landing_fuel_kg,
             fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,

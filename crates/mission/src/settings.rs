@@ -146,7 +146,7 @@ impl Settings {
             landing_distance_m_max: self.landing_distance_m_max,
             zone_margin_m: self.zone_margin_m,
             obstacle_margin_m: self.obstacle_margin_m,
-            end_margin_s: returns.then(|| self.end_margin.seconds()),
+            end_margin_s: returns.then(|| self.end_margin.min(self.duration).seconds()),
         }
     }
 }

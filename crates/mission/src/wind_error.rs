@@ -5,7 +5,7 @@ use apex_model::problem::{FOREVER_S, WindField, WindLayer};
 use serde::{Deserialize, Serialize};
 
 /// Time over which measurements are averaged: gusts last for seconds, and a wrong forecast for hours.
-const AVERAGED_S: f64 = 600.0;
+const AVERAGED_S: f64 = 120.0;
 /// Time for which plans assume that the forecast stays wrong in the same way.
 const LASTING_S: f64 = 6.0 * 3600.0;
 /// Highest altitude of a layer of air.
@@ -84,7 +84,7 @@ mod tests {
         error.take(blowing(12.0, 0.0), blowing(10.0, 0.0), 0.0);
         assert_eq!(error.corrected(blowing(10.0, 1.0)), blowing(12.0, 1.0), "the first measurement counts");
         error.take(blowing(40.0, 0.0), blowing(10.0, 0.0), 5.0);
-        assert!((error.east_mps - 2.2).abs() < 0.1, "{error:?}");
+        assert!((error.east_mps - 3.1).abs() < 0.1, "{error:?}");
         for second in 1..=600 {
             error.take(blowing(30.0, -20.0), blowing(10.0, 0.0), 5.0 + 3.0 * f64::from(second));
         }

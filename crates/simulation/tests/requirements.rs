@@ -328,6 +328,11 @@ fn a_requirement_that_cannot_be_met_from_the_start_is_an_error() {
     assert!(outside.contains("outside of every permitted zone"), "{outside}");
     let reserve = load(":requirements ((energy :reserve 90min))", &[]);
     assert!(reserve.contains("`energy`") && reserve.contains("90 min"), "{reserve}");
+    let late = load(":duration 2h :requirements ((mission-end :before 3h))", &[]);
+    assert!(
+        late.contains("`mission-end`") && late.contains("180 min before the end of a mission of 120 min"),
+        "{late}"
+    );
     let far = load(":landing-distance 5km", &[]);
     assert!(far.contains("no landing place"), "{far}");
     let high = load(":requirements ((terrain :clearance 9km))", &[]);

@@ -1,5 +1,6 @@
 //! Energy for the way to a landing place.
 
+use super::commanded::FlightOrder;
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
 use crate::descent::Descent;
@@ -30,9 +31,10 @@ impl<'a> Scene<'a> {
         {
             (site, margin) = (better, left_s);
         }
-        // A second of flight uses a second of endurance, and the way home may get longer by a second: no violation within half of the
-        // margin.
-        let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
+        // Every second flown costs one, and the way home may grow as fast: before half of the margin nothing can be violated.
+        // A vehicle that lands descends on the way, and cannot land earlier.
+        let is_landing = matches!(self.order, Some(FlightOrder::Land(_)));
+        let after_s = if is_landing || margin > 4.0 * self.requirements().look_ahead_s {
             None
         } else {
             self.first_below(|state| left_s(self.plane.position(state.point), state.altitude_m, state.after_s))

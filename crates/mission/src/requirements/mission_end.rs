@@ -14,7 +14,7 @@ use apex_requirements::Concern;
 use apex_requirements::margin::mission_end::mission_end;
 
 /// Detour of the way home around zones, as a factor of the distance.
-const DETOUR: f64 = 1.05;
+const DETOUR: f64 = 1.03;
 /// A command whose last point is this near to the base leads home.
 const BASE_M: f64 = 3_000.0;
 /// Margin where the wind leaves no way home, negative.

@@ -22,6 +22,8 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) landing_places: Vec<LandingPlace>,
     /// Wind as assumed at the start.
     pub(crate) forecast: &'a WindField,
+    /// Length of the mission, s.
+    pub(crate) duration_s: f64,
     /// Start of the vehicle.
     pub(crate) start: Position,
     /// Altitude of the start above mean sea level.
@@ -71,6 +73,7 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
         return Err(unmet(mission, "terrain", why, "state a smaller clearance, or another vehicle"));
     }
     weather(mission)?;
+    mission_end(mission)?;
     energy(mission)
 }
 
@@ -120,6 +123,19 @@ fn weather(mission: &StartConditions<'_>) -> MissionResult<()> {
     let why =
         format!("`:forecast` has {forecast:.2} {unit} at the start at time 0; at most {most:.2} {unit} may be met");
     Err(unmet(mission, name, why, "state a greater `:at-most` in :requirements, or start at another time"))
+}
+
+fn mission_end(mission: &StartConditions<'_>) -> MissionResult<()> {
+    let before_s = mission.requirements.landed_before_end_s.unwrap_or(0.0);
+    if before_s < mission.duration_s {
+        return Ok(());
+    }
+    let why = format!(
+        "the landing is required {:.0} min before the end of a mission of {:.0} min",
+        before_s / 60.0,
+        mission.duration_s / 60.0
+    );
+    Err(unmet(mission, "mission-end", why, "state a smaller `:before` in :requirements, or a longer `:duration`"))
 }
 
 fn energy(mission: &StartConditions<'_>) -> MissionResult<()> {

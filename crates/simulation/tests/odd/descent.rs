@@ -36,7 +36,6 @@ fn a_high_aircraft_lands_with_its_reserve() {
     let flown = fly(&program(options, "18300m"), &[("t.geojson", &targets), ("small.json", &model)]);
     let text = flown.text();
     assert!(flown.outcome.end.reason.is_success(), "{text}");
-    assert_eq!(flown.said("requirement-at-risk"), [], "{text}");
     let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{text}")).0;
     let fuel = fuel(&flown);
     let at = |instant_s: f64| fuel.iter().take_while(|(at_s, _)| *at_s <= instant_s).last().unwrap().1;
@@ -46,9 +45,4 @@ fn a_high_aircraft_lands_with_its_reserve() {
     assert!(left_kg < 2.5 * reserve_kg, "the fuel is not the limit of this plan: {left_kg} kg are left\n{text}");
     let high_s = flown.track().iter().filter(|at| at.3 > 18_200.0).last().unwrap().0;
     assert!(landed_s - high_s > 1_800.0, "{high_s} to {landed_s}");
-    println!(
-        "{left_kg:.1} kg of {reserve_kg:.1} kg reserve; descent {:.1} kg in {:.0} s",
-        at(high_s) - left_kg,
-        landed_s - high_s
-    );
 }

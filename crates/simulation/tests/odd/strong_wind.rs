@@ -1,6 +1,6 @@
 //! Wind that is stronger than forecast, and stronger than the vehicle.
 
-use crate::harness::{collection, feature, fly, home, point, program};
+use crate::harness::{Flown, collection, feature, fly, home, point, program};
 
 /// The quadrotor flies 17 m/s at most and the wind rises to 18: no way leads home, so it lands where it is. It tried to fly home until its
 /// battery was empty, and crashed.
@@ -27,34 +27,47 @@ fn a_rotorcraft_that_cannot_get_home_against_the_wind_lands_in_time() {
     assert!((1..=3).contains(&noted), "one note for each response:\n{}", flown.text());
 }
 
-/// The wind is twice as strong as forecast on the way home, and rises when the aircraft is far away. It was in the air when the mission
-/// ended.
-#[test]
-fn an_aircraft_turns_for_home_in_time_by_the_wind_that_it_measures() {
-    let fire = |id: &str, longitude: f64| {
+/// Flies to fires 90 to 370 km downwind. The wind of 15 m/s rises to 40 after 42 minutes, and the forecast does not know it.
+fn downwind(fires: &[(&str, f64)]) -> Flown {
+    let fire = |(id, longitude): &(&str, f64)| {
         let properties = format!(r#""id": "{id}", "kind": "fire", "acres": 4000, "value": 20"#);
-        feature(&properties, &point(longitude, 37.4))
+        feature(&properties, &point(*longitude, 37.4))
     };
-    let targets = collection(&[home(), fire("near", -120.0), fire("far", -118.5), fire("farther", -117.2)]);
+    let targets = collection(&std::iter::once(home()).chain(fires.iter().map(fire)).collect::<Vec<_>>());
     let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 3h :end-margin 10min \
-                   :targets \"t.geojson\" :forecast \"w.csv\" :weather \"a.csv\"";
+                   :requirements ((mission-end :before 8min)) :targets \"t.geojson\" :forecast \"w.csv\" :weather \"a.csv\"";
     let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
+    // Near the ground the wind stays as forecast: the aircraft cannot land in 40 m/s.
+    let strong = "0,1000,270,15,0.01,0.7,9\n1000,5000,270,40,0.01,0.7,9\n5000,20000,270,40,0.01,0.7,9";
     let flown = fly(
         &program(options, "4000m"),
         &[
             ("t.geojson", &targets),
             ("w.csv", &format!("{header}\n0,20000,270,15,0.01,0,9\n")),
-            ("a.csv", &format!("{header}\n0,20000,270,15,0.01,0,0.7\n0,20000,270,40,0.01,0.7,9\n")),
+            ("a.csv", &format!("{header}\n0,20000,270,15,0.01,0,0.7\n{strong}\n")),
         ],
     );
     let text = flown.text();
     assert!(flown.outcome.end.reason.is_success(), "{text}");
     let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{text}")).0;
     assert!((8_000.0..10_800.0).contains(&landed_s), "{landed_s}\n{text}");
+    flown
+}
+
+/// By the forecast there is time for the third fire, from which the aircraft would not be back before the end of the mission.
+#[test]
+fn a_plan_in_flight_leaves_out_what_the_measured_wind_does_not_allow() {
+    let flown = downwind(&[("near", -120.0), ("far", -118.5), ("farther", -117.7)]);
+    assert!(flown.observed_s("far").is_some() && flown.observed_s("farther").is_none(), "{}", flown.text());
+    assert_eq!(flown.said("requirement-at-risk"), [], "the plan is in time:\n{}", flown.text());
+}
+
+/// No plan is made on the way to the only fire: the requirement turns the aircraft home.
+#[test]
+fn an_aircraft_turns_for_home_in_time_by_the_wind_that_it_measures() {
+    let flown = downwind(&[("farther", -116.8)]);
     let alarms = flown.said("requirement-at-risk");
-    assert!(
-        alarms.iter().any(|(_, alarm)| alarm.starts_with("(requirement-at-risk mission-end \"home\"")),
-        "{alarms:?}\n{text}"
-    );
-    assert!(flown.observed_s("near").is_some(), "{text}");
+    let first = alarms.first().map_or("", |(_, alarm)| alarm);
+    assert!(first.starts_with("(requirement-at-risk mission-end \"home\""), "{alarms:?}\n{}", flown.text());
+    assert_eq!(flown.observed_s("farther"), None, "{}", flown.text());
 }
