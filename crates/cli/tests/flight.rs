@@ -100,11 +100,7 @@ fn why_goes_back_to_what_came_from_outside() {
     let why = |what: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", what], more].concat());
     why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) came from outside"]);
     why("camera-1", &["--at", "50"]).well().told(&["camera-1 belongs to T4 (calibrate camera-1) at 50s", "Who waits"]);
-    why("command 0", &[]).well().told(&[
-        "(take-off 40m)",
-        "because a form of its on-start caused this",
-        "vehicle.pdl:",
-    ]);
+    why("command 0", &[]).well().told(&["(take-off 40m)", "because a form of its on-start caused", "vehicle.pdl:"]);
     let deep = why("command 0", &["--depth", "20", "--json"]).well();
     let deep: serde_json::Value = serde_json::from_str(&deep.out).unwrap();
     assert_eq!((deep["version"].as_u64(), deep["kind"].as_str()), (Some(1), Some("command")));

@@ -98,7 +98,7 @@ fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, Rec
     connection
 }
 
-/// A connection to a copy of a file that lacks its end, such as a download that broke off. SQLite refuses a file that is shorter than its
+/// A connection to a copy of a file that lacks its end, such as an interrupted download. SQLite refuses a file that is shorter than its
 /// header states, so the copy has empty pages in place of the missing ones; tables are read up to the first of them. Returns `error` if the
 /// file is not too short.
 fn extended(path: &Path, copy: &mut Option<Arc<Copied>>, error: RecordError) -> Result<Connection, RecordError> {

@@ -180,7 +180,7 @@ fn no_damage_changes_an_answer_unsaid() {
     assert!(silent.is_empty(), "{} of {count} damages change answers without a word: {silent:?}", silent.len());
 }
 
-/// A download that broke off: the steps before the missing end are saved, more of them the longer the file is.
+/// An interrupted download: the steps before the missing end are saved, more of them the longer the file is.
 #[test]
 fn a_record_without_its_end_is_recovered_up_to_there() {
     let (folder, path) = place();
