@@ -57,11 +57,11 @@ impl WindError {
                     until_s: layer.until_s.min(until_s),
                     wind_east_mps: layer.wind_east_mps + self.east_mps,
                     wind_north_mps: layer.wind_north_mps + self.north_mps,
-                    ..layer.clone()
+                    ..*layer
                 });
             }
             if layer.until_s > until_s {
-                layers.push(WindLayer { from_s: layer.from_s.max(until_s), ..layer.clone() });
+                layers.push(WindLayer { from_s: layer.from_s.max(until_s), ..*layer });
             }
         }
         Some(WindField { layers, blend: forecast.blend })

@@ -7,6 +7,9 @@ const PAGES: [(&str, &str); 2] = [
     ("docs/reference/pdl.md", include_str!("../../../docs/reference/pdl.md")),
     ("docs/reference/conditions.md", include_str!("../../../docs/reference/conditions.md")),
 ];
+/// Finds the places of a word in a page: a heading and a text for each.
+type Finder = fn(&str, &str) -> Vec<(String, String)>;
+
 /// Number of places that are shown.
 const SHOWN_MAX: usize = 4;
 
@@ -17,7 +20,7 @@ pub(crate) fn explain(word: &str) -> Option<String> {
         return None;
     }
     let mut text = String::new();
-    let kinds: [fn(&str, &str) -> Vec<(String, String)>; 2] = [of_rows, of_text];
+    let kinds: [Finder; 2] = [of_rows, of_text];
     let places = kinds.into_iter().flat_map(|kind| PAGES.iter().map(move |(name, page)| (name, kind(page, word))));
     let places = places.flat_map(|(name, places)| places.into_iter().map(move |place| (name, place)));
     for (name, (heading, place)) in places.take(SHOWN_MAX) {

@@ -148,7 +148,7 @@ pub(crate) fn due_by_every_input(
     derivation: &Derivation,
     changes: &[(usize, Changed)],
     histories: &Histories,
-) -> (Vec<(Time, Value)>, Vec<(Time, Value)>) {
+) -> [Vec<(Time, Value)>; 2] {
     let (mut all, mut due, mut settled) = (Vec::new(), Vec::new(), Settled::new());
     for (input, changed) in changes {
         add_due(&mut all, derivation, (*input, changed), histories, &mut Settled::new());
@@ -158,7 +158,7 @@ pub(crate) fn due_by_every_input(
         due.sort();
         due.dedup_by(|a, b| a.cmp(&b).is_eq());
     }
-    (all, due)
+    [all, due]
 }
 
 /// Counts a value that was not computed, or was refused, as missing, and drops all of its messages but the first.

@@ -86,11 +86,8 @@ fn order_of_names(constraints: &[Constraint]) -> Option<Impossible> {
         let is_ordered = !matches!(relation, Relation::Equal | Relation::Different);
         let reason = format!("`{name}` is a name, and no value is greater or less than a name");
         let help = "compare with a number or a constant, `(defconstant NAME VALUE)`, or write `=`";
-        (is_ordered && !name.printed().starts_with(|first: char| first.is_ascii_digit())).then(|| Impossible {
-            place: right.place,
-            reason,
-            help,
-        })
+        let is_name = !name.printed().starts_with(|first: char| first.is_ascii_digit());
+        (is_ordered && is_name).then_some(Impossible { place: right.place, reason, help })
     })
 }
 

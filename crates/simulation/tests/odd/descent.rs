@@ -43,6 +43,6 @@ fn a_high_aircraft_lands_with_its_reserve() {
     let reserve_kg = 0.75 / 4.5 * small_kg;
     assert!(left_kg >= 0.97 * reserve_kg, "{left_kg} of {reserve_kg} kg are left\n{text}");
     assert!(left_kg < 2.5 * reserve_kg, "the fuel is not the limit of this plan: {left_kg} kg are left\n{text}");
-    let high_s = flown.track().iter().filter(|at| at.3 > 18_200.0).last().unwrap().0;
+    let high_s = flown.track().iter().rfind(|at| at.3 > 18_200.0).unwrap().0;
     assert!(landed_s - high_s > 1_800.0, "{high_s} to {landed_s}");
 }

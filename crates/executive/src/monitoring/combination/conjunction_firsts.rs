@@ -91,14 +91,12 @@ fn sweep_conjunction(composite: &mut Composite, used: Option<&Used>, context: &d
     composite.sweep_at = Some(kept.saturating_mul(2).max(SWEEP_AT_LEAST));
 }
 
+/// What is done with the settled results of the part at a place, and with the results that were used.
+type ActOnResults<'a, 'f> = dyn FnMut(apex_model::source::Place, &mut Vec<Satisfaction>, Option<&'a Used>) + 'f;
+
 /// Calls `act` with the settled results of samples and messages of the part, of its alternatives, and of the part that it negates, which
 /// counts all results, reported or not. A late sample could withdraw a first result, so variables with `:lateness` are left out.
-fn each_list<'a>(
-    part: &mut Part,
-    used: Option<&'a Used>,
-    context: &dyn EvalContext,
-    act: &mut dyn FnMut(apex_model::source::Place, &mut Vec<Satisfaction>, Option<&'a Used>),
-) {
+fn each_list<'a>(part: &mut Part, used: Option<&'a Used>, context: &dyn EvalContext, act: &mut ActOnResults<'a, '_>) {
     let place = part.place;
     match &mut part.kind {
         PartKind::Or(composite) if composite.constraints.is_empty() => {

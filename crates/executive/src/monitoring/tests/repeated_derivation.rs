@@ -130,7 +130,7 @@ proptest! {
                     own.map(|(number, _)| (number, changed.clone())).collect()
                 };
                 let changes: Vec<_> = changed.iter().flat_map(reads).collect();
-                let (all, due) = due_by_every_input(derivation, &changes, &histories);
+                let [all, due] = due_by_every_input(derivation, &changes, &histories);
                 prop_assert_eq!(all, due);
             }
         }
