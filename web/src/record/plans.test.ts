@@ -71,7 +71,9 @@ it('what a target lacks fills the column that it is about, with the figures of t
   expect(column({ ...time, more_s: 720, alone: true })).toEqual([
     ['time', '12 min more than the end of the mission, even alone'],
   ]);
-  expect(column({ ...time, more_s: 11_100 })).toEqual([['time', '3 h 5 min more than the end of the mission']]);
+  expect(column({ ...time, more_s: 11_100 })).toEqual([
+    ['time', '3 h 5 min more than the end of the mission'],
+  ]);
   expect(column({ ...time, more_s: 101, limit: 'the horizon' })).toEqual([
     ['time', '101 s more than the horizon'],
   ]);
