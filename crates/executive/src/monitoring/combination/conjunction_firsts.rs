@@ -91,7 +91,7 @@ fn sweep_conjunction(composite: &mut Composite, used: Option<&Used>, context: &d
     composite.sweep_at = Some(kept.saturating_mul(2).max(SWEEP_AT_LEAST));
 }
 
-/// What is done with the settled results of the part at a place, and with the results that were used.
+/// An action on the settled results of the part at a place, and on the results that were used.
 type ActOnResults<'a, 'f> = dyn FnMut(apex_model::source::Place, &mut Vec<Satisfaction>, Option<&'a Used>) + 'f;
 
 /// Calls `act` with the settled results of samples and messages of the part, of its alternatives, and of the part that it negates, which
