@@ -33,7 +33,7 @@ pub struct Recovered {
 ///
 /// # Errors
 /// [`RecordError`] if `from` is not a record of this version, or `to` cannot be written; [`RecordError::Unrecoverable`] if `from` has no
-/// group that can be trusted.
+/// step that can be trusted.
 pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     let same =
         std::fs::canonicalize(from).ok().zip(std::fs::canonicalize(to).ok()).is_some_and(|(from, to)| from == to);
@@ -65,7 +65,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
         remove(to);
         return Err(fail(error));
     }
-    if position.link.id == 0 {
+    if position.link.id == 0 || saves_nothing(&position, damage.as_ref()) {
         drop(target);
         remove(to);
         let reason = damage.map_or_else(|| "it holds nothing".to_owned(), |damage| damage.to_string());
@@ -73,6 +73,11 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     }
     closing::close(target, to)?;
     Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })
+}
+
+/// Returns true if the record is damaged before its first step: a file without steps would look like a recovered flight.
+fn saves_nothing(position: &CheckProgress, damage: Option<&Damage>) -> bool {
+    position.batch == 0 && damage.is_some()
 }
 
 /// Joins the segments of a record into one file.
@@ -83,6 +88,11 @@ fn recover_segments(chain: &SegmentChain, from: &Path, to: &Path) -> Result<Reco
     }
     let target = schema::create(to)?;
     match chain.join_into(&target, to) {
+        Ok(Joined { position, damage: Some(damage), .. }) if saves_nothing(&position, Some(&damage)) => {
+            drop(target);
+            remove(to);
+            Err(RecordError::Unrecoverable { path: from.to_path_buf(), what: damage.to_string() })
+        }
         Ok(Joined { position, damage, .. }) => {
             closing::close(target, to)?;
             Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })

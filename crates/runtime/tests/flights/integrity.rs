@@ -195,7 +195,10 @@ fn a_record_without_its_end_is_recovered_up_to_there() {
         let to = folder.path().join(format!("{percent}.apex"));
         match recover(&path, &to) {
             Ok(recovered) => {
-                assert!(recovered.damage.is_some() && recovered.steps < steps, "{percent} %: {recovered:?}");
+                assert!(
+                    recovered.damage.is_some() && (1..steps).contains(&recovered.steps),
+                    "{percent} %: {recovered:?}"
+                );
                 let reader = RecordReader::open(&to).unwrap();
                 assert!(replay(&reader, &load).unwrap().difference.is_none(), "{percent} %");
                 saved.push(recovered.steps);
