@@ -64,7 +64,7 @@ fn apart(one: &TextEdit, other: &TextEdit) -> bool {
     one.start != other.start && (one.end <= other.start || other.end <= one.start)
 }
 
-/// `text` with the edits, which are apart.
+/// Returns `text` after the edits, which do not overlap.
 fn edited(text: &str, mut edits: Vec<TextEdit>) -> String {
     edits.sort();
     let mut result = String::with_capacity(text.len());

@@ -191,7 +191,7 @@ impl Loader {
         self.diagnostics.push(diagnostic.fixes(self.names_in_reason(requirement, span, reason)).reason(reason));
     }
 
-    /// Fixes for a misspelt name, where the reason lists the names that there are.
+    /// Returns fixes for a misspelt name, if the reason lists the existing names.
     fn names_in_reason(&self, requirement: &Requirement, span: Span, reason: &str) -> Vec<Fix> {
         let (Requirement::Library(name) | Requirement::File { name, .. }) = requirement;
         let ends = |letter: char| letter.is_whitespace() || matches!(letter, ',' | ';' | ':' | '`' | '"');
@@ -261,7 +261,7 @@ impl Loader {
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));
-        // Notes are for the author of the text: of a library that is used they would be noise.
+        // Notes are meant for the author of a text; in a program that only uses a library, notes about the library would be noise.
         let foreign = &self.foreign;
         self.diagnostics.retain(|each| each.severity != Severity::Note || !foreign.contains(&each.span.file));
         self.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));

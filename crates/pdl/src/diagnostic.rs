@@ -10,7 +10,7 @@ pub enum Severity {
     Error,
     /// The text can be used, but probably has another meaning than its author intends.
     Warning,
-    /// Worth knowing.
+    /// A fact that the author should know; nothing need be changed.
     Note,
 }
 

@@ -13,7 +13,7 @@ pub struct HostSignature {
     pub parameters_min: usize,
     /// Maximum number of arguments; `None` if it is unlimited.
     pub parameters_max: Option<usize>,
-    /// Has no effect: may occur in conditions.
+    /// True if it has no effect; it may then occur in conditions.
     pub pure: bool,
 }
 

@@ -38,7 +38,7 @@ impl<'l> Locator<'l> {
         Some(datum)
     }
 
-    /// The text of a stretch.
+    /// Returns the text of a span.
     pub(crate) fn text(&self, span: Span) -> Option<&'l str> {
         let source = self.sources.get(usize::try_from(span.file).ok()?)?;
         source.text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)
@@ -247,7 +247,7 @@ fn shift(datum: &mut Datum, offset: u32, place: Place) {
     }
 }
 
-/// Returns bytes of the first datum of `text`.
+/// Returns the length in bytes of the first datum of `text`.
 fn datum_length(text: &str) -> usize {
     let mut depth = 0_usize;
     let mut comment = 0_usize;

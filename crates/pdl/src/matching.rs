@@ -23,9 +23,9 @@ pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
 /// The second word of an index or goal, if it is a symbol or a number.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Second {
-    /// In any case.
+    /// A symbol; upper and lower case are equal.
     Symbol(Symbol),
-    /// By value.
+    /// A number, as the bits of its value.
     Number(u64),
 }
 
@@ -61,9 +61,9 @@ pub(crate) fn second_of_goal(goal: View<'_>) -> Option<Second> {
 /// A part of a goal: still a template, or already a value.
 #[derive(Clone, Copy)]
 pub(crate) enum View<'t> {
-    /// With holes that get their values later.
+    /// A template, whose holes get their values later.
     Template(&'t Template),
-    /// Known.
+    /// A known value.
     Value(&'t Value),
 }
 

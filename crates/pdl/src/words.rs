@@ -112,7 +112,7 @@ fn of_function(name: &str, function: &BuiltIn) -> String {
     text
 }
 
-/// Forms of a library that have to do with the word, each with its place.
+/// Adds to `text` the forms of a library that define or use the word, each with its place.
 fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
     let mut told = BTreeSet::new();
     for form in &read_file(0, library).data {

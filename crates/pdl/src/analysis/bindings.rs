@@ -57,7 +57,7 @@ struct VariableFacts<'l> {
 enum Moment {
     /// Before or while its waitfor is judged.
     Waiting,
-    /// The moment at which it becomes enabled, or a later one; the results that the activity uses exist then.
+    /// The instant at which the task becomes enabled, or a later one; the results that the activity uses exist then.
     Later,
     /// After its own result is bound.
     End,
@@ -107,7 +107,8 @@ impl<'l> VariableFacts<'l> {
         };
         variables::of_activity(&step.activity, &mut later);
         step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut later));
-        // The step has waited for the results that its activity uses, but not for these.
+        // Before the activity begins, the step waits for the results that the activity uses, but not for the results that only other
+        // clauses use.
         let awaited: BTreeSet<Symbol> = uses.iter().map(|(name, _)| name.clone()).collect();
         let mut at = |moment: Moment, exprs: &mut dyn Iterator<Item = &Expr>| {
             exprs.for_each(|expr| {
@@ -350,7 +351,7 @@ fn report_branch(
     report.add(diagnostic);
 }
 
-/// Variables of `:for-new` that the waitfor does not bind.
+/// Reports variables of `:for-new` that the waitfor does not bind.
 fn nothing_new(step: &Step, report: &mut FindingCollector<'_>) {
     let (name, clause) = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),

@@ -14,22 +14,22 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::BTreeSet;
 
-/// Procedures within procedures that are followed.
+/// Maximum depth to which the procedures that serve a step's goals are followed.
 const DEPTH_MAX: usize = 12;
 /// Maximum number of orders of one step that are compared with those of others.
 const ORDERS_MAX: usize = 200;
-/// Tasks in one circle.
+/// Maximum number of tasks in one circle.
 const CIRCLE_MAX: usize = 4;
 
 /// A resource with the place of its request.
 type Taken<'l> = (&'l Symbol, Place);
 
-/// `needed` is requested while `held` is held.
+/// A task requests `needed` while it holds `held`.
 #[derive(Clone)]
 struct AcquisitionOrder<'l> {
     held: Taken<'l>,
     needed: Taken<'l>,
-    /// Everything held then.
+    /// All resources that the task holds at that request.
     all: Vec<&'l Symbol>,
 }
 
@@ -59,7 +59,7 @@ fn key(circle: &[(usize, &AcquisitionOrder<'_>)]) -> Vec<String> {
     names
 }
 
-/// Returns the orders that arise below a step, before any resource is held.
+/// Returns the orders that arise in a step and below it; it holds nothing when it begins.
 fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<AcquisitionOrder<'l>> {
     let mut orders = Vec::new();
     if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {
@@ -173,7 +173,7 @@ fn close<'a, 'l>(
             continue;
         }
         for next in of_step.iter().filter(|order| order.held.0 == last.needed.0) {
-            // Tasks that need a third resource first run in sequence.
+            // Two tasks that hold a resource in common at these requests run in sequence and cannot block each other.
             let is_kept_apart = circle.iter().any(|(_, other)| other.all.iter().any(|name| next.all.contains(name)));
             if is_kept_apart {
                 continue;
@@ -188,7 +188,8 @@ fn close<'a, 'l>(
     false
 }
 
-/// Returns true for two steps of which neither waits for the other.
+/// Returns true for two different steps, neither of which waits for a task. A wait for any third step counts too: fewer circles are found
+/// than exist.
 fn run_together(procedure: &Procedure, one: usize, other: usize) -> bool {
     let (Some(a), Some(b)) = (procedure.steps.get(one), procedure.steps.get(other)) else { return false };
     one != other && !waits_for_steps(a) && !waits_for_steps(b)

@@ -36,7 +36,7 @@ pub(crate) struct Endings {
 }
 
 impl Endings {
-    /// Finds out about `library`.
+    /// Determines the endings of `library`.
     pub(crate) fn new(library: &Library, names: &Names, methods: &Methods<'_>) -> Endings {
         let reaches = Reaching::new(library, names);
         Endings {
@@ -101,7 +101,7 @@ pub(crate) fn ends_procedure(activity: &Activity) -> bool {
     matches!(activity, Activity::Terminate { task: None, .. })
 }
 
-/// Steps that activities of their procedure end by their tags.
+/// Returns the tags of the steps that activities of their procedure end.
 pub(crate) fn terminated_tags(procedure: &Procedure) -> BTreeSet<&Symbol> {
     let activities = procedure.steps.iter().flat_map(walk::activities);
     let targets = activities.filter_map(|activity| match activity {
@@ -129,7 +129,8 @@ fn ends_strangers(procedure: &Procedure) -> bool {
     !targets.is_subset(&tags) || procedure.steps.iter().flat_map(walk::activities).any(strange)
 }
 
-/// Returns the node of a goal: served by any of its methods; a fact if that is undecided.
+/// Returns the node of a goal: true if one of its methods is, or, with `of_all`, if all of them are. If the methods are undecided, the node
+/// is true without `of_all` and false with it.
 fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> HornAtom {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
@@ -266,7 +267,7 @@ pub(crate) fn is_end_of(condition: &Condition) -> Option<&Symbol> {
     }
 }
 
-/// Returns true if nothing outside of its steps decides when the procedure begins, pauses or ends.
+/// Returns true if the procedure has steps and nothing else decides when it begins, pauses or ends.
 pub(crate) fn is_plain(procedure: &Procedure) -> bool {
     let transitions = walk::transitions(&procedure.transitions).next().is_none();
     transitions && procedure.profile.is_empty() && !procedure.steps.is_empty()
@@ -278,7 +279,7 @@ pub(crate) fn is_plain_step(step: &Step) -> bool {
     transitions && step.profile.is_empty()
 }
 
-/// Functions that complete a primitive or send a command, directly or through what they call.
+/// Functions that complete a primitive or send a command, directly or through the functions that they call.
 struct Reaching<'l> {
     acting: BTreeSet<&'l Symbol>,
     names: &'l Names,

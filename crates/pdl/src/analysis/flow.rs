@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mut FindingCollector<'_>) {
     unreached_completions(program, report);
     if program.endings.is_wild {
-        // A task that any activity may end makes every wait possible.
+        // Some activity may end any task, so every wait may be satisfied.
         return;
     }
     for (number, procedure) in program.library.procedures.iter().enumerate() {
@@ -73,7 +73,7 @@ fn place_of(procedure: &Procedure, step: usize, premise: &Premise, report: &mut 
     }
 }
 
-/// `a` waits for the end of `b`.
+/// Returns "`a` waits for the end of `b`".
 fn wait_in_words(procedure: &Procedure, step: usize, premise: &Premise) -> String {
     let own = tags(procedure, [step]).concat();
     let other = tags(procedure, [target(premise)]).concat();
@@ -126,7 +126,7 @@ fn step_before(procedure: &Procedure, step: usize, place: Place, report: &mut Fi
     Some(Fix::look(format!("wait for `?{before}`, the step before it")).replace(task.span, format!("?{before}")))
 }
 
-/// `a, b and c`.
+/// Returns "a, b and c".
 fn listed(names: &[String]) -> String {
     match names.split_last() {
         Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
@@ -148,7 +148,7 @@ fn report_endless(
     let Some(procedure) = program.library.procedures.get(number) else { return };
     let Some(blocker) = procedure.steps.get(target(premise)) else { return };
     if procedure.steps.get(step).is_none_or(|step| step.place == blocker.place) {
-        // The end of a sequence that is not written: the last step continues until its procedure is ended from above.
+        // The sequence's own end, which the text does not contain: the last step continues until its procedure is ended from above.
         return;
     }
     let span = place_of(procedure, step, premise, report);
@@ -212,7 +212,7 @@ fn why_endless(
     }
 }
 
-/// Clauses for the completion of primitives that never complete.
+/// Reports clauses for the completion of primitives that never complete.
 fn unreached_completions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for number in never_completing(program.library, program.names) {
         let Some(primitive) = program.library.primitives.get(number) else { continue };

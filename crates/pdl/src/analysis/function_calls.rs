@@ -30,7 +30,8 @@ pub(super) fn mismatch(library: &Library, expr: &Expr, locator: &mut Locator<'_>
     None
 }
 
-/// Returns the expressions whose values `expr` may have.
+/// Returns the expressions of which one gives the value of `expr`: the parts of an `or`, the branches of an `if` that has both. Empty for
+/// any other expression.
 fn alternatives(expr: &Expr) -> Vec<&Expr> {
     match &expr.kind {
         ExprKind::Or(parts) => parts.iter().collect(),

@@ -201,7 +201,7 @@ impl<'l> Kinds<'l> {
                 let first = self.kind(first);
                 rest.iter().fold(first, |kind, part| kind.join(self.kind(part)))
             }
-            // A text stays a text, and a list a list.
+            // The value has the kind of the argument, also for texts and lists.
             ("abs" | "1+" | "1-" | "reverse", [one]) => self.kind(one),
             ("*", all) => self.product(all, Dimension::times),
             ("/", [first, rest @ ..]) if !rest.is_empty() => {

@@ -40,7 +40,7 @@ fn kept(what: &str) -> String {
     format!("{what}, up to the limit of {HISTORY_SAMPLES_MAX}")
 }
 
-/// Conditions about the past without an earliest time.
+/// Reports conditions about the past without an earliest time.
 fn looking_back(condition: &Condition, report: &mut FindingCollector<'_>) {
     let (limits, what) = match &condition.kind {
         ConditionKind::Measurement(measurement) => (vec![&measurement.timestamp], "every sample is kept"),
@@ -100,7 +100,7 @@ fn logs(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Responses that never end.
+/// Reports responses that never end.
 fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     if ends || !step.responding.as_deref().is_some_and(is_endless) || step.on_failure.is_some() || step.forall.is_some()
     {
@@ -153,7 +153,7 @@ fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut FindingCollecto
     }
 }
 
-/// Lists that a hook of an endless step makes longer each time.
+/// Reports lists that a hook of an endless step makes longer each time.
 fn growing(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     if !goes_on(procedure, step) && !step.responding.as_deref().is_some_and(is_endless) {
         return;

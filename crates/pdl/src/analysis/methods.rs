@@ -98,7 +98,7 @@ impl<'l> Methods<'l> {
         if found.len() > 1 {
             found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
         }
-        // A method after one that certainly matches is never chosen, if every agent knows that one.
+        // A method that follows a certain match is never chosen, if every agent knows the matching method.
         let is_sure = |method: &Method| self.is_known_to_all(*method) && self.surely(goal, *method);
         if found.len() > 1
             && let Some(sure) = found.iter().position(is_sure)
@@ -113,7 +113,7 @@ impl<'l> Methods<'l> {
         self.of_steps.get(procedure)?.get(step)?.as_deref()
     }
 
-    /// Returns the most specific first.
+    /// Returns a sort key that puts the most specific method first.
     fn rank(&self, method: Method) -> Option<Reverse<Specificity>> {
         self.index(method).map(|index| Reverse(specificity(index)))
     }

@@ -14,18 +14,18 @@ use apex_model::quantity::{Dimension, unit_named};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 
-/// A mismatch.
+/// A mismatch between an operand and the function or clause that takes it.
 pub(super) struct OperandFinding {
     code: &'static str,
     place: Place,
     message: String,
-    /// The instant that it does not go together with.
+    /// The place of the instant with which the operand cannot be combined.
     instant: Option<Place>,
     help: Option<&'static str>,
 }
 
 impl OperandFinding {
-    /// Returns the message about it.
+    /// Returns the diagnostic of this mismatch.
     pub(super) fn diagnostic(self, locator: &mut Locator<'_>) -> Diagnostic {
         let mut diagnostic = Diagnostic::error(self.code, locator.span(self.place), self.message);
         if let Some(instant) = self.instant {
@@ -62,7 +62,8 @@ pub(super) fn findings(library: &Library) -> Vec<OperandFinding> {
     found
 }
 
-/// Names of resources are words or lists, `(downlink 1)`: `(hold-resource storage 5)` does not hold five units.
+/// Reports names of resources that are neither words, texts nor lists such as `(downlink 1)`: `(hold-resource storage 5)` does not hold
+/// five units.
 fn resource_names(library: &Library, step: &Step, found: &mut Vec<OperandFinding>) {
     let Activity::BuiltIn(BuiltInActivity::HoldResource | BuiltInActivity::ReleaseResource, arguments) = &step.activity
     else {
@@ -73,7 +74,7 @@ fn resource_names(library: &Library, step: &Step, found: &mut Vec<OperandFinding
     }
 }
 
-/// Urgency and importance are numbers from 0 to 10.
+/// Reports constant urgencies and importances that are not numbers from 0 to 10.
 fn urgencies(step: &Step, found: &mut Vec<OperandFinding>) {
     let pairs = step.priority.iter().filter_map(|clause| match clause {
         PriorityClause::UrgencyImportance(urgency, importance) => Some([urgency, importance]),
@@ -125,7 +126,7 @@ impl Operand {
         }
     }
 
-    /// Returns true if a value of this kind is taken, as far as the kind is known.
+    /// Returns true if the operand accepts a value of this kind, as far as the kind is known.
     fn takes(self, kind: Kind) -> bool {
         match (self, kind) {
             (_, Kind::Unknown)
@@ -232,7 +233,7 @@ fn needs(library: &Library, expr: &Expr, operand: Operand, taker: &str, found: &
     true
 }
 
-/// Reports a unit that does not measure what it is asked of.
+/// Reports a unit whose dimension differs from that of the value to be expressed in it.
 fn unit(library: &Library, arguments: &[Expr], found: &mut Vec<OperandFinding>) {
     let [value, Expr { kind: ExprKind::Constant(name), place }] = arguments else { return };
     let Some(unit) = name.as_symbol().and_then(|name| unit_named(name.printed())) else { return };
@@ -245,7 +246,7 @@ fn unit(library: &Library, arguments: &[Expr], found: &mut Vec<OperandFinding>) 
     }
 }
 
-/// Reports sums and comparisons of instants with something else, and orders of what has none.
+/// Reports sums and comparisons of instants with other values, and ordering of values that have no order.
 fn instants(library: &Library, function: &Symbol, arguments: &[Expr], found: &mut Vec<OperandFinding>) {
     let name = function.folded();
     let is_sum = matches!(name, "+" | "-");
@@ -267,7 +268,7 @@ fn instants(library: &Library, function: &Symbol, arguments: &[Expr], found: &mu
     let wrong = kinds.iter().copied().enumerate().find(|(at, kind)| match (name, kind) {
         ("+", Kind::Instant) => *at != first,
         ("+", Kind::Number(dimension)) => *dimension != Dimension::TIME,
-        // An instant is taken from an instant alone.
+        // An instant can be subtracted only from another instant.
         ("-", Kind::Instant) => *at == 1 && matches!(kinds.first(), Some(Kind::Number(_))),
         ("-", Kind::Number(dimension)) => *at > 0 && *dimension != Dimension::TIME,
         (_, Kind::Number(_)) => true,
@@ -303,7 +304,7 @@ fn is_zero(expr: &Expr) -> bool {
     matches!(&expr.kind, ExprKind::Constant(value) if value.as_number().is_some_and(|(number, _)| number == 0.0))
 }
 
-/// A name that begins like a number, `35knt`, is reported by another warning, which says what was meant.
+/// Returns true for a name that begins like a number, `35knt`: another warning reports it and says what was meant.
 fn resembles_quantity(expr: &Expr) -> bool {
     let ExprKind::Constant(value) = &expr.kind else { return false };
     value.as_symbol().is_some_and(|name| name.printed().starts_with(|first: char| first.is_ascii_digit()))

@@ -58,7 +58,7 @@ fn total(program: &Program<'_>, resource: &Symbol) -> (f64, Dimension) {
     }
 }
 
-/// Returns the least amount that an entry requests, as a number and as text.
+/// Returns the least amount that an entry requests; `None` if the amount is computed, or has another dimension than the resource.
 fn least(program: &Program<'_>, resource: &Symbol, need: &ResourceNeed) -> Option<f64> {
     let (total, dimension) = total(program, resource);
     match need.amount.as_ref().map(|amount| &amount.kind) {
@@ -160,7 +160,7 @@ fn useless_release(step: &Step, holds: bool, report: &mut FindingCollector<'_>) 
     }
 }
 
-/// Reports steps of a concurrent procedure that need a resource that an earlier step takes and never releases.
+/// Reports steps of a concurrent procedure that need a resource that another step takes first and never releases.
 fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     if program.endings.is_wild || procedure.kind == ProcedureKind::Sequential {
         return;
@@ -198,7 +198,7 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
     }
 }
 
-/// Returns true if the step states a priority or rank.
+/// Returns true if the step states a priority, rank or interrupt cost.
 fn has_say(step: &Step) -> bool {
     !step.priority.is_empty() || step.rank.is_some() || step.interrupt_cost.is_some()
 }

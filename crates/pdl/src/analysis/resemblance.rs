@@ -28,7 +28,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     outcomes(program, report);
 }
 
-/// Commands that nothing declares and that resemble a declared one: the vehicle will not know them.
+/// Reports commands that nothing declares and that resemble a declared one: the vehicle will not know them.
 fn commands(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let declared = &program.library.commands;
     if declared.is_empty() {
@@ -63,13 +63,13 @@ fn commands(program: &Program<'_>, report: &mut FindingCollector<'_>) {
 /// Returns the known name that `name` is certainly meant to be.
 fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let found = near(name.printed(), known);
-    // Names that differ in digits are names of different things.
+    // Names that differ only in digits name different things.
     let letters = |text: &str| text.chars().filter(|letter| !letter.is_ascii_digit()).collect::<String>();
     let first = found.first().filter(|_| is_certain(name.printed(), &found))?.name;
     (letters(first).to_lowercase() != letters(name.folded()).to_lowercase()).then_some(first)
 }
 
-/// Messages that steps wait for and none sends, next to messages that are sent and awaited by none.
+/// Reports messages that steps wait for and no step sends, if they resemble messages that are sent and that no step waits for.
 fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut waited: Uses<'_> = BTreeMap::new();
     for procedure in &program.library.procedures {
@@ -187,7 +187,7 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         if let Some(declaration) =
             declared.get(&known_symbol).filter(|_| places.len() > 1 && !used.contains_key(&known_symbol))
         {
-            // Several uses agree, and contradict a declaration that no form uses.
+            // Several uses agree on the undeclared name, and no form uses the declared one: the declaration is probably wrong.
             let span = report.locator.word(declaration.place, &known_symbol);
             let message = format!("state variable `{known}` is declared and never used, but `{name}` is used");
             let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
@@ -243,7 +243,7 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let known: Vec<&str> = common.chain(library.resources.keys()).map(Symbol::printed).collect();
     let suspects = used.iter().filter(|(name, places)| places.len() == 1 && !library.resources.contains_key(**name));
     for (name, places) in suspects.take(SUSPECTS_MAX) {
-        // No known name is itself a suspect.
+        // A suspect is never proposed as the name that was meant.
         let found = meant(name, known.iter().copied());
         let (Some(known), Some(place)) = (found, places.first()) else { continue };
         let span = report.locator.span(*place);

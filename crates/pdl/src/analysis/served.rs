@@ -25,7 +25,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Goals of `plan` that no solver plans for.
+/// Reports goals of `plan` that no solver serves.
 fn plans(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
         for activity in walk::activities(step) {
@@ -43,7 +43,7 @@ fn plans(program: &Program<'_>, report: &mut FindingCollector<'_>) {
             }
             let text = template_text(&template);
             let message = format!("no solver plans for `{text}`");
-            // A handler of the failure has a way to continue.
+            // The step states what to do after a failure, so the procedure can continue.
             let severity = if step.on_failure.is_some() { Severity::Warning } else { Severity::Error };
             let span = report.locator.span(goal.place);
             let diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, span, message)

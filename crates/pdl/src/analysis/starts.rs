@@ -19,7 +19,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// On what a step waits.
+/// A fact that must hold before a step begins.
 #[derive(Clone, Debug)]
 pub(crate) enum Premise {
     /// The end of an instance of the step with this number.
@@ -30,7 +30,7 @@ pub(crate) enum Premise {
     Begin { step: usize, place: Place },
     /// A result that one of these steps binds.
     Result { name: Symbol, steps: Vec<usize> },
-    /// A state that its own task is in only later.
+    /// A state of the step's own task that the task reaches only after its beginning.
     OwnState { place: Place },
     /// A condition that can never hold; a separate message states the reason.
     Impossible,
@@ -124,7 +124,7 @@ impl<'l> Waits<'l> {
     /// Returns every reason why steps never begin, each once, in order of the first step concerned.
     pub(crate) fn blocked(&self) -> Vec<Blocked> {
         let mut found = Vec::new();
-        // For each step, the walk that visited it first.
+        // For each visited step, the step at which that walk began.
         let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
         for start in (0..self.needs.len()).filter(|step| !self.begins(*step)) {
             let mut path: Vec<(usize, Premise)> = Vec::new();

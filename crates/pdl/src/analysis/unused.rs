@@ -144,7 +144,7 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_DEFINITION, span, what);
         report.add(diagnostic.reason(reason).help("remove it, or check the spelling where it should be used"));
     };
-    // A plan may pursue anything.
+    // With solvers a plan may pursue any goal, so nothing is certainly unused.
     if library.solvers.is_empty()
         && let Some(reached) = reached(program)
     {
@@ -223,7 +223,7 @@ struct UsedNames<'l> {
     functions: BTreeSet<&'l Symbol>,
     indexicals: BTreeSet<&'l Symbol>,
     resources: BTreeSet<&'l Symbol>,
-    /// A profile names a resource by a variable.
+    /// True if a profile names a resource by a variable.
     any_resource: bool,
 }
 

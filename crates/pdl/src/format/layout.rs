@@ -208,7 +208,7 @@ enum BreakKind {
     Here,
     /// After a blank.
     SameLine,
-    /// On a new line below the first value of the present option, or as `Below` without an option.
+    /// On a new line below the first value of the option to which it belongs; without an option like `Below`.
     Aligned,
     /// On a new line below the head.
     Below,
@@ -225,7 +225,7 @@ fn takes_keyword(entry: &Entry) -> bool {
     matches!(name.as_deref(), Some(":quality" | ":estimation" | ":type" | ":use-bundles"))
 }
 
-/// Forms that are easier to read on several lines even if they fit on one.
+/// Returns true for forms that are easier to read on several lines even if they fit on one.
 fn always_broken(node: &DatumNode, entries: &[Entry]) -> bool {
     let lists = |name: &str| {
         entries.iter().any(|entry| entry.node().and_then(DatumNode::head).is_some_and(|head| head == name))

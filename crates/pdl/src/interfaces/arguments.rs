@@ -16,13 +16,13 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Words that replace a place in commands: the present position, and straight below it.
+/// Words that a command accepts in place of a named place: the present position, and straight below it.
 const PLACE_WORDS: &[&str] = &["here", "down"];
 
 pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
         if let Receiver::Declared(declaration) = &call.receiver {
-            // Messages of a library are not compared with a declaration by which a program replaced the library's.
+            // A program may replace a library's declaration; the library's own messages are not compared with the replacement.
             if is_shipped(library, call.place) && !is_shipped(library, declaration.place) {
                 continue;
             }
@@ -158,7 +158,7 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
     findings.add(diagnostic);
 }
 
-/// Options that are not declared, of a command or message that declares some.
+/// Reports options that a command or message does not declare, if it declares some.
 fn options(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     if declaration.options.is_empty() {
         return;
@@ -181,7 +181,7 @@ fn options(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut F
     }
 }
 
-/// Too few or too many arguments.
+/// Reports too few or too many arguments.
 fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     let is_keyword =
         |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));
@@ -208,7 +208,7 @@ fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Fin
     ));
 }
 
-/// Returns true for words that need no place of this name.
+/// Returns true for words that are accepted in place of the name of a place.
 pub(super) fn is_place_word(word: &str) -> bool {
     PLACE_WORDS.contains(&word)
 }

@@ -1,4 +1,4 @@
-//! Collector of these checks' messages, with the texts in which their places are found.
+//! Collector of diagnostics about goals, messages and commands, with the texts in which their places are found.
 
 use crate::diagnostic::Diagnostic;
 use crate::locate::Locator;
@@ -8,7 +8,7 @@ use apex_model::source::{Place, SourceFile};
 /// Maximum number of messages; the first ones are kept.
 const MESSAGES_MAX: usize = 200;
 
-/// Collects messages.
+/// Collects diagnostics.
 pub(super) struct Findings<'l> {
     pub(super) locator: Locator<'l>,
     pub(super) diagnostics: Vec<Diagnostic>,

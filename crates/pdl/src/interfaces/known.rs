@@ -48,9 +48,9 @@ impl KnownNames {
     }
 }
 
-/// Agents shown with one message.
+/// Maximum number of agents named in one message.
 const AGENTS_SHOWN: usize = 3;
-/// Names listed in one message.
+/// Maximum number of names listed in one message.
 const NAMES_SHOWN: usize = 12;
 
 /// Checks names among the arguments of goals, messages and commands.
@@ -67,7 +67,7 @@ pub(super) fn arguments(known: &KnownNames, calls: &Calls<'_>, types: &Types<'_>
     }
 }
 
-/// Objects of state variables, in conditions and queries.
+/// Checks the names of objects of state variables, in conditions and queries.
 pub(super) fn objects(library: &Library, known: &KnownNames, findings: &mut Findings<'_>) {
     let mut uses: Vec<(NameKind, &Symbol, apex_model::source::Place)> = Vec::new();
     for procedure in &library.procedures {

@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, findings: &mut Findings<'_>) {
     if calls.is_wild {
-        // A computed message may be any.
+        // A computed message may have any form, so every awaited message may be sent.
         return;
     }
     let mut sent: BTreeMap<&Symbol, Vec<&Call<'_>>> = BTreeMap::new();
@@ -31,7 +31,7 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, fi
     }
     let mut awaited: Vec<(&Pattern, Place)> = Vec::new();
     for procedure in &library.procedures {
-        // A library that ships hears messages that a mission may send or not.
+        // A shipped library may wait for messages that not every mission sends.
         if is_shipped(library, procedure.place) {
             continue;
         }
@@ -126,5 +126,5 @@ fn never_so(
     findings.add(diagnostic.help("give it as many arguments as the message has, with the same words"));
 }
 
-/// Senders shown of one message.
+/// Maximum number of senders shown for one message.
 const SENDERS_SHOWN: usize = 3;

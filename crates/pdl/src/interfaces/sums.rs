@@ -40,7 +40,7 @@ fn sum(library: &Library, expr: &Expr, variables: &BTreeMap<&Symbol, Kind>, find
         .collect();
     let plain: Vec<Kind> =
         counted().map(|argument| Kinds::of(library, argument)).filter(|kind| matches!(kind, Kind::Number(_))).collect();
-    // What differs without the variables is reported elsewhere.
+    // A difference that exists without the variables is reported elsewhere.
     let (Some(different), None) = (differing(&numbers), differing(&plain)) else { return };
     let [known, found] = different.map(Kind::words);
     let message = format!("`{function}` of {known} and {found}");

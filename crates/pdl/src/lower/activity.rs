@@ -148,7 +148,7 @@ impl Lowering {
         }
     }
 
-    /// `(plan GOAL [:with W] [:budget D])`
+    /// Lowers `(plan GOAL [:with W] [:budget D])`.
     fn plan(&mut self, datum: &Datum, items: &[Datum]) -> Option<Activity> {
         let (before, options) = groups(items);
         let [goal] = before else {

@@ -1,4 +1,4 @@
-//! The limits that an agent sets lower for itself: `:limits (:tasks 200 :event-history 50)` (decision 0033).
+//! The limits of the executive that an agent sets lower for itself: `:limits (:tasks 200 :event-history 50)` (decision 0033).
 
 use super::Lowering;
 use super::clauses::{KeywordGroup, groups};
@@ -11,7 +11,7 @@ use apex_model::value::Value;
 const SHAPE: &str = ":limits (:tasks 200 :event-history 50)";
 
 impl Lowering {
-    /// `(:NAME NUMBER ..)`
+    /// Lowers `(:NAME NUMBER ..)`.
     pub(crate) fn agent_limits(&mut self, datum: &Datum) -> Option<Limits> {
         let Some((before, options)) = datum.as_list().map(groups) else {
             return self.missing_part(datum.span, "these are not limits", SHAPE);

@@ -24,7 +24,7 @@ pub(crate) struct NameUse {
     kind: NameKind,
     name: Symbol,
     span: Span,
-    /// Written with a colon.
+    /// True if the name is written with a colon.
     marked: bool,
 }
 
@@ -180,7 +180,7 @@ impl Lowering {
         })
     }
 
-    /// `(router NAME [:carries TOPICS])`
+    /// Lowers `(router NAME [:carries TOPICS])`.
     pub(crate) fn router(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         let (before, options) = groups(form.tail());
         let [Datum { kind: DatumKind::Symbol(name), span }] = before else {

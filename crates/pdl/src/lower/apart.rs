@@ -25,7 +25,7 @@ pub(super) fn apart_from_unit(values: &[Datum]) -> Option<Fix> {
     })
 }
 
-/// Joins each number of a goal with its unit, if some method serves the goal then. `text` returns the written text.
+/// Returns a fix that joins each number of a goal with its unit, if a method serves the joined goal. `text` returns the written text.
 pub(super) fn joined(
     goal: &Datum,
     template: &Template,

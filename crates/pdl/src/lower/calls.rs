@@ -106,7 +106,7 @@ impl Lowering {
         }
     }
 
-    /// `#'name` or `#'(lambda ..)`.
+    /// Lowers `#'name` or `#'(lambda ..)`.
     pub(crate) fn function_value(&mut self, datum: &Datum) -> Option<Expr> {
         let Some(name) = datum.as_symbol() else {
             if datum.head_name() == "lambda" {

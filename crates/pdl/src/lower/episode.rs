@@ -210,7 +210,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// `(:name C..)` with a known name.
+    /// Splits `(:name C..)` into the name, which must be one of `known`, and the constraints.
     fn named_group<'d>(
         &mut self,
         item: &'d Datum,
@@ -234,7 +234,7 @@ impl Lowering {
         )
     }
 
-    /// Constraints or the words `:increasing`, `:decreasing`, `:non-increasing`, `:non-decreasing`.
+    /// Lowers constraints, or the words `:increasing`, `:decreasing`, `:non-increasing`, `:non-decreasing`.
     fn trend_constraints(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<Constraint>> {
         let groups = self.all(items, |lowering, item| {
             let Some(relation) = item.keyword().and_then(direction) else {

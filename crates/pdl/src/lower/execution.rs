@@ -36,7 +36,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Refuses a condition that does not hold, or not, at an instant.
+    /// Refuses a condition that cannot be judged true or false at a single instant.
     fn check_present(&mut self, clause: &str, condition: &Condition, datum: &Datum) -> Option<()> {
         let (reason, help) = match &condition.kind {
             ConditionKind::Function(_) | ConditionKind::TaskEnded(_) => return Some(()),

@@ -32,13 +32,13 @@ pub(crate) enum ExpectedKind {
     Instant,
     /// A duration; 0 is one.
     Duration,
-    /// A state variable that nothing declares: pure numbers only.
+    /// A state variable that nothing declares; it accepts pure numbers only.
     Undeclared,
     /// A value of this dimension; bare numbers have the unit, if there is one.
     Measured(Dimension, Option<&'static Unit>),
     /// Change per second of values of this dimension.
     Rate(Dimension, Option<&'static Unit>),
-    /// Of this dimension; bare numbers times the factor are in SI.
+    /// A value of this dimension; a bare number times the factor is its value in SI units.
     Scaled(Dimension, f64),
 }
 
@@ -53,16 +53,16 @@ impl Expected {
         Expected::plain(subject, ExpectedKind::Measured(Dimension::NONE, None))
     }
 
-    /// Returns a constraint of this kind that no declaration is about.
+    /// Returns an expectation of this kind that comes from no declaration.
     pub(crate) fn plain(subject: &str, kind: ExpectedKind) -> Expected {
         Expected { subject: subject.to_string(), kind, declared: None, value_type: None }
     }
 
-    /// Returns the values of the state variable with this attribute.
+    /// Returns the expectation of the values of the state variable with this attribute.
     pub(crate) fn values_of(lowering: &Lowering, attribute: &Symbol) -> Expected {
         let subject = format!("`({attribute} ..)`");
         let Some((declaration, span)) = lowering.names.state_variables.get(attribute) else {
-            // Levels have the unit of their resource, which only the object names.
+            // The unit of a level is that of its resource, which the object names and not the attribute.
             if attribute.is(RESOURCE_LEVEL) {
                 return Expected::anything();
             }

@@ -113,7 +113,7 @@ impl Lowering {
         Some(ExprKind::Variable { name: name.clone(), must_be_bound })
     }
 
-    /// `+name+`: a constant or an indexical.
+    /// Lowers `+name+`: a constant or an indexical.
     pub(crate) fn indexical(&mut self, name: &Symbol, span: Span) -> ExprKind {
         if !self.names.constants.is_empty() || !self.names.computed.is_empty() {
             let written = Symbol::new(&format!("+{name}+"));

@@ -119,7 +119,7 @@ impl Lowering {
         Some(Parameter { name: name.clone(), argument_type })
     }
 
-    /// `(:name TYPE)`.
+    /// Lowers `(:name TYPE)`.
     fn typed_option(&mut self, item: &Datum, shape: &str) -> Option<Parameter> {
         let Some([name, argument_type]) = item.as_list() else {
             return self.missing_part(item.span, "an option is written `(:name TYPE)`", shape);

@@ -32,7 +32,7 @@ impl Lowering {
         vec![Condition { tag: None, kind: ConditionKind::And(conditions, constraints), place: clause.place() }]
     }
 
-    /// Reports variables that a part uses alone, but that get their value in another part.
+    /// Reports variables that one part needs to be judged, and that only another part binds.
     fn report_apart(&mut self, condition: &Condition, clause: Span) {
         let mut leaves = Vec::new();
         each_leaf(condition, &mut |leaf| leaves.push(leaf));
@@ -167,7 +167,7 @@ fn of_pattern(pattern: &Pattern, names: &mut Names) {
     }
 }
 
-/// Turns `<?v>` of an earlier part into `?v`, whose values must agree.
+/// Turns `<?v>` into `?v` where an earlier part binds the variable; the join then requires equal values.
 fn take_over(condition: &mut Condition, bound: &Names) {
     match &mut condition.kind {
         ConditionKind::And(parts, _)
@@ -219,7 +219,8 @@ fn open_constraints(constraints: &mut [Constraint], bound: &Names) {
     }
 }
 
-/// Compares a sample in terms of an earlier part with both together: the sample's value is bound.
+/// Moves constraints on a sample that use variables of an earlier part to the constraints on the parts together. The sample's value is
+/// bound to a variable for them.
 fn compare_together(condition: &mut Condition, bound: &Names, constraints: &mut Vec<Expr>) {
     let place = condition.place;
     let ConditionKind::Measurement(measurement) = &mut condition.kind else { return };

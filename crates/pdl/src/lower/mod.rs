@@ -61,14 +61,14 @@ use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Messages kept; a text with more flaws is not read to its end.
+/// Maximum number of stored messages; further ones are dropped.
 const DIAGNOSTICS_MAX: usize = 1_000;
 
 /// State of lowering: the definitions so far and the findings.
 pub(crate) struct Lowering {
     /// Definitions of all files.
     pub(crate) names: Names,
-    /// Undefined names are notes.
+    /// True if the text is a fragment; undefined names are then notes.
     pub(crate) fragment: bool,
     /// Messages so far.
     pub(crate) diagnostics: Vec<Diagnostic>,
@@ -90,7 +90,7 @@ pub(crate) struct Lowering {
     pub(crate) pure_in: Option<&'static str>,
     /// Functions called since the last reset, to find out which functions have effects.
     pub(crate) called: BTreeSet<Symbol>,
-    /// An effect was seen since the last reset.
+    /// True if an effect was seen since the last reset.
     pub(crate) had_effect: bool,
     /// The bundle of the present forms; `None` is the default bundle.
     pub(crate) bundle: Option<Symbol>,

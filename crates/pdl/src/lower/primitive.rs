@@ -86,7 +86,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// `(update [INTERVAL] FORM..)`
+    /// Lowers `(update [INTERVAL] FORM..)`.
     fn update(&mut self, clause: &Datum) -> Option<(Option<Expr>, Vec<Expr>)> {
         let is_interval = |datum: &Datum| {
             matches!(

@@ -49,7 +49,7 @@ impl Lowering {
             interrupt_cost: None,
             transitions: Transitions::default(),
             hooks: Hooks::default(),
-            // One more may end it.
+            // One more, because a step that ends the procedure may be added.
             steps: Vec::with_capacity(steps.len() + 1),
             bundle: self.bundle.clone(),
             place: datum.span.place(),

@@ -32,9 +32,9 @@ pub(crate) struct Scope {
     pub(crate) step: Option<usize>,
     /// Parameters and `let` variables, innermost last; a name written `?x` keeps its question mark.
     pub(crate) locals: Vec<Symbol>,
-    /// Patterns bind in the surrounding task: false inside a function or an indexical.
+    /// True if patterns bind variables of the surrounding task: false inside a function or an indexical.
     pub(crate) has_variables: bool,
-    /// A condition is being lowered.
+    /// True while a condition is lowered.
     pub(crate) in_condition: bool,
     /// Words of goals, which may be variables without their question mark.
     pub(crate) words: Vec<(Symbol, Option<usize>, Span)>,
@@ -47,9 +47,9 @@ pub(crate) struct Scope {
 /// Binders of a variable.
 #[derive(Default)]
 struct Binders {
-    /// For the whole procedure, where first.
+    /// The first binder that is visible in the whole procedure.
     everywhere: Option<Span>,
-    /// For each step that uses it, the first place, in the order of the steps.
+    /// For each step with a binder that only this step sees, the first one, in the order of the steps.
     steps: Vec<(usize, Span)>,
 }
 
@@ -220,7 +220,7 @@ impl Lowering {
 /// Maximum number of variables of one procedure that are compared with each other.
 const COMPARED_MAX: usize = 200;
 
-/// `?line` and `?lines` are two things.
+/// Returns true if the names differ only in an ending, such as `?line` and `?lines`: both are then probably intended.
 fn is_inflected(one: &str, other: &str) -> bool {
     let (short, long) = if one.len() < other.len() { (one, other) } else { (other, one) };
     long.strip_prefix(short).is_some_and(|rest| matches!(rest, "s" | "d" | "es" | "ed"))

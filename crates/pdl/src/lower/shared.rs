@@ -94,7 +94,7 @@ impl Lowering {
         Some(())
     }
 
-    /// `(profile NAME.. (NAME AMOUNT)..)`
+    /// Lowers `(profile NAME.. (NAME AMOUNT)..)`.
     pub(crate) fn profile(&mut self, clause: &Datum) -> Option<Vec<ResourceNeed>> {
         let (options, entries): (Vec<&Datum>, Vec<&Datum>) =
             clause.tail().iter().partition(|item| item.is(":refuse-if-busy"));
@@ -207,7 +207,7 @@ impl Lowering {
         })
     }
 
-    /// Messages that are logged are named by their first word.
+    /// Checks that logged messages are named by their first word.
     fn logged_messages(&mut self, subject: &Datum) -> Option<()> {
         let Some((first, rest)) = subject.as_list().and_then(<[Datum]>::split_first) else { return Some(()) };
         if !first.is(":events") {
@@ -224,7 +224,7 @@ impl Lowering {
         }
     }
 
-    /// Returns a limit of a log in time: more than nothing.
+    /// Returns a duration in a clause `log`, which must be greater than zero.
     fn log_span(&mut self, datum: &Datum) -> Option<Duration> {
         let span = self.literal_duration(datum)?;
         if span > Duration::ZERO {

@@ -171,7 +171,7 @@ impl Lowering {
         Some(step)
     }
 
-    /// Returns the pattern of a `=>` binds for the whole procedure.
+    /// Lowers the pattern after a `=>`; its variables are bound for the whole procedure.
     fn result_pattern(&mut self, datum: &Datum) -> Option<apex_model::pattern::Pattern> {
         if let Some(name) = datum.as_symbol().filter(|name| !name.is("nil") && !name.is("t")) {
             let message = format!("`{name}` is a word here, not a variable for the result");
@@ -327,7 +327,7 @@ impl Lowering {
 
     fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
         let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
-        // The clause's name counts as the value of a keyword, so that its first word may be an option, too.
+        // The items include the clause's name, so that the first word after it is checked as well.
         let of = format!("`{}`", clause.head_name());
         if self.report_missing_colon(clause.as_list().unwrap_or_default(), known, &of) {
             return None;

@@ -82,7 +82,7 @@ fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSour
     missed.retain(|name, _| !tags.contains(*name));
     let number = |of: &StepSource<'_>| steps.iter().position(|step| step.span == of.span).unwrap_or(0);
     if let (Some((name, by)), 1) = (missed.first_key_value(), missed.len()) {
-        // A step that waits for the tag is not the step that the tag names.
+        // The step that gets the tag must not be one that waits for it.
         let renamed = if by.contains(&number(second)) || !by.contains(&number(first)) { first } else { second };
         let fix = Fix::look(format!("tag this step `{name}`, which others wait for"));
         return Some(fix.replace(renamed.tag_span, name.printed()));

@@ -45,7 +45,7 @@ fn keep(names: &mut Vec<Symbol>, name: &Symbol) {
     }
 }
 
-/// Variables whose first place is in the activity of a step, without those that name steps.
+/// Returns the variables whose first place is in the activity of a step, without those that name steps.
 fn given_to_steps(items: &[Datum]) -> Vec<Symbol> {
     let steps = || items.iter().filter(|item| item.head_name() == "step").map(Datum::tail);
     let tags: Vec<&Symbol> = steps().filter_map(|step| step.first()?.as_symbol()).collect();
@@ -119,10 +119,10 @@ fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
             (None, Some(word)) if same => Some(word.printed().to_string()),
             _ => None,
         });
-        // Any word but the first may match many.
+        // A constant word after the first may be the value of a variable, so the pattern is then a guess.
         is_certain &= at == 0 || variable.is_some();
     }
-    // A variable without a binding, and no part of the goal for it: one word of the goal was an argument.
+    // Of the procedure's variables some have no binding and no part of the goal: one word of the goal was probably meant as an argument.
     let mut open = parts.iter().filter(|part| part.is_none()).count();
     for part in parts.iter_mut().skip(1).rev() {
         if open < free.len() && part.as_ref().is_some_and(|word| !word.starts_with('?')) {

@@ -29,7 +29,7 @@ struct Nearest<'s> {
     served: &'s Served,
     index: Datum,
     difference: Difference,
-    /// No other index is as near.
+    /// True if no other index is as near.
     is_only: bool,
 }
 
@@ -142,7 +142,7 @@ impl<'s, 'l> Search<'s, 'l> {
         Some((place, diagnostic.fixes(fixes)))
     }
 
-    /// Returns the place of the first goal of the same shape: whatever these goals lack, it is the same.
+    /// Returns the place of the first goal of the same shape: goals of one shape lack the same procedure and share a message.
     fn cause(&self, goal: &Goal, source: &Datum) -> Place {
         let shape = Shape::of(source);
         let first = self.shapes.iter().find(|(_, other)| *other == shape);
@@ -260,7 +260,7 @@ impl<'s, 'l> Search<'s, 'l> {
                 let name = written.as_symbol()?.printed();
                 let agreeing = words(source).filter(|word| words(&nearest.index).any(|other| other == *word)).count();
                 let found = near(name, [wanted.printed()]);
-                // A slip in a word of two letters proves little alone; two other equal words confirm it.
+                // A slip in a word of two letters is weak evidence; two other equal words confirm it.
                 let certain = nearest.is_only && (is_certain(name, &found) || (agreeing >= 1 && !found.is_empty()));
                 let title = format!("replace `{name}` by `{wanted}`");
                 let fix = if certain { Fix::safe(title) } else { Fix::look(title) };

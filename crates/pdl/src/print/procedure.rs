@@ -239,7 +239,7 @@ fn built_in_text(which: BuiltInActivity, arguments: &[Expr]) -> String {
     }
 }
 
-/// Arguments behind their keywords; nil is left out.
+/// Returns the arguments, each after its keyword; `nil` is left out.
 fn named_arguments(names: &[&str], arguments: &[Expr]) -> Vec<String> {
     let is_nil = |expr: &Expr| matches!(&expr.kind, ExprKind::Constant(value) if !value.is_true());
     let text = |(name, expr): (&&str, &Expr)| match *name {

@@ -116,7 +116,7 @@ fn number_length(text: &str) -> Option<usize> {
     Some(end)
 }
 
-/// `FL120`.
+/// Reads `FL120`.
 fn flight_level(text: &str) -> Option<Quantity> {
     let (letters, digits) = text.split_at_checked(2)?;
     let is_number = letters.eq_ignore_ascii_case("fl")

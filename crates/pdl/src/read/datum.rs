@@ -122,7 +122,7 @@ impl Datum {
         }
     }
 
-    /// Variables and indexicals anywhere inside; a literal has none.
+    /// Returns true if a variable or indexical occurs anywhere inside; a literal has none.
     pub(crate) fn has_holes(&self) -> bool {
         match &self.kind {
             DatumKind::Variable(_)

@@ -12,7 +12,7 @@ pub(super) struct Forgotten {
     pub(super) is_certain: bool,
 }
 
-/// Closing parentheses at the end of a line that may have stood outside of the string.
+/// Maximum number of closing parentheses at the end of a line that may have stood outside of the string.
 const CLOSERS_MAX: usize = 12;
 
 /// Returns the place of the forgotten mark; `None` if no line is suspect.
@@ -30,7 +30,7 @@ pub(super) fn forgotten(text: &str) -> Option<Forgotten> {
     None
 }
 
-/// Places in a line with an odd number of marks where another one may belong, likelier ones first.
+/// Returns the places in a line with an odd number of marks where another one may belong, likelier ones first.
 fn in_line(line: &str) -> Option<Vec<usize>> {
     let is_word = |letter: char| !letter.is_whitespace() && !matches!(letter, '(' | ')' | '"' | '\'' | ';');
     let mut opened: Option<usize> = None;

@@ -53,7 +53,7 @@ struct Reader<'t> {
     open: Vec<OpenList>,
     /// End of the last token, in bytes.
     end: usize,
-    /// Each name of the text once: equal names then are equal at a glance.
+    /// The symbol of each name that has occurred: equal names share one symbol, which makes their comparison fast.
     symbols: FxHashMap<&'t str, Symbol>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -97,7 +97,7 @@ impl<'t> Sink<'t> for Reader<'t> {
         let Some(prefix) = open.prefix else {
             return self.push(list_kind(items), open.at);
         };
-        // A prefix before nothing has been reported.
+        // A prefix without a datum has been reported.
         let Some(inner) = items.into_iter().next().map(Box::new) else { return };
         let kind = match prefix {
             SyntaxKind::Quote => DatumKind::Quote(inner),
@@ -164,7 +164,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// Places fit: a source text has at most `SOURCE_BYTES_MAX` bytes.
+/// Converts a byte offset or a column. It fits, because a source text has at most `SOURCE_BYTES_MAX` bytes.
 fn size(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }

@@ -95,7 +95,7 @@ enum Balance {
     Even,
     LacksClose,
     LacksOpen,
-    /// More than one parenthesis is wrong.
+    /// No single parenthesis repairs the form.
     Hopeless,
 }
 
@@ -114,7 +114,7 @@ fn balance(form: &[Piece<'_>]) -> Balance {
         (0, 0) => Balance::Even,
         (1, 0) => Balance::LacksClose,
         (0, 1) => Balance::LacksOpen,
-        // Closed too early and opened again later: a closing one too early, or an opening one too late.
+        // Among others `(1, 1)`: a list is closed too early and opened again, so that two parentheses are wrong.
         _ => Balance::Hopeless,
     }
 }

@@ -11,7 +11,7 @@ pub(super) struct Piece<'t> {
     pub(super) kind: PieceKind,
     pub(super) text: &'t str,
     pub(super) start: usize,
-    /// Of the text as written, in bytes.
+    /// Length in the text as written, in bytes.
     pub(super) length: usize,
     /// Column from 1, if it is the first item of its line.
     pub(super) first_column: Option<usize>,
@@ -154,7 +154,7 @@ fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// Returns an item that is not a list and not the first of its list.
+/// Returns the cost of an item that is not a list and not the first item of its list.
 fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     let Some(list) = list else { return MISPLACED };
     let after_list = list.lists > 0;
@@ -170,7 +170,7 @@ fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// Counts the items that the ended list needs and lacks.
+/// Returns the cost of a list that has ended: for items that it lacks or has too many.
 fn closed(list: &List<'_>) -> usize {
     let exactly = |count: usize| if list.items == count { 0 } else { MISPLACED };
     match list.head {
