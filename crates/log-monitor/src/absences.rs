@@ -1,7 +1,7 @@
 //! Final intervals of absences in a log: `(:absent C :for D)` is recognised when D has passed, and the absence lasts until C comes.
 //!
-//! For each such condition C is watched next to it. A recognised absence is held back until C begins or the input ends; what it is
-//! for tasks stays as it is.
+//! For each such condition C is watched by a separate monitor. A recognised absence is held back until C begins or the input ends, because
+//! only then its interval is known.
 
 use apex_executive::state::clause::MonitorId;
 use apex_executive::{MonitorResult, ResultEvent};
@@ -14,13 +14,13 @@ use std::collections::BTreeMap;
 /// Absences whose end is not known yet.
 #[derive(Default)]
 pub(crate) struct Absences {
-    /// The condition whose absence is watched, by the monitor of what is absent.
+    /// The monitor of each absence, by the monitor of the absent condition.
     watched: BTreeMap<MonitorId, MonitorId>,
-    /// The last recognised absence of a condition.
+    /// The last recognised absence of each absence monitor; `None` before the first one.
     lasting: BTreeMap<MonitorId, Option<MonitorResult>>,
 }
 
-/// Returns what is absent where `condition` is an absence.
+/// Returns the condition that is absent, if `condition` is an absence.
 pub(crate) fn absent(condition: &Condition) -> Option<&Condition> {
     match &condition.kind {
         ConditionKind::Absent(part, _) => Some(part),
@@ -29,13 +29,13 @@ pub(crate) fn absent(condition: &Condition) -> Option<&Condition> {
 }
 
 impl Absences {
-    /// Notes that the monitor `part` watches what is absent in `absence`.
+    /// Notes that the monitor `part` watches the condition that is absent in `absence`.
     pub(crate) fn add(&mut self, absence: MonitorId, part: MonitorId) {
         self.watched.insert(part, absence);
         self.lasting.insert(absence, None);
     }
 
-    /// Returns the result that can be reported after `result`: an absence when it is over, all others at once.
+    /// Takes a result and returns the one that can be reported now: an absence when it is over, all other results at once.
     pub(crate) fn pass(&mut self, result: MonitorResult) -> Option<MonitorResult> {
         if let Some(absence) = self.watched.get(&result.watch) {
             let lasting = self.lasting.get_mut(absence)?;

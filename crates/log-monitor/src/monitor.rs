@@ -62,12 +62,12 @@ pub struct LogMonitor<'a> {
     /// The state variables that the input is known to have.
     known: Vec<StateVariable>,
     heard: bool,
-    /// True once the input had something after the span, so that the input continues beyond it.
+    /// True once the input contained something after the span: the input then continues beyond the span.
     over: bool,
 }
 
 impl<'a> LogMonitor<'a> {
-    /// A watch that has seen nothing yet.
+    /// Returns a monitor that has read no input yet.
     ///
     /// # Errors
     /// The library needs functions that this program does not have.
@@ -106,12 +106,12 @@ impl<'a> LogMonitor<'a> {
         fed.map(|_| verdicts)
     }
 
-    /// True once any part of the input counted, or the watch ended.
+    /// Returns true once any part of the input counted, or once the monitor has ended.
     pub fn has_begun(&self) -> bool {
         self.heard
     }
 
-    /// A picture (SVG) of the watched variables; `None` if no sample is a number.
+    /// Returns a picture (SVG) of the watched variables; `None` if no sample is a number.
     ///
     /// # Errors
     /// The picture cannot be drawn.
@@ -192,7 +192,7 @@ impl<'a> LogMonitor<'a> {
             self.begin(created)?;
         }
         let now = self.session.now().max(created);
-        // The input may end before.
+        // The input may end before the span does.
         let now = self.terms.span.1.filter(|_| self.over).map_or(now, |until| now.max(until));
         self.session.advance(now);
         self.session.finish();
@@ -243,7 +243,7 @@ impl<'a> LogMonitor<'a> {
     }
 }
 
-/// A result or verdict with the name of its input: the first member of an object, or in front of the first line.
+/// Returns a result or verdict with the name of its input: the first member of an object, or in front of the first line.
 fn named(name: &str, text: &str, json: bool) -> String {
     match text.strip_prefix('{').filter(|_| json) {
         Some(members) => format!("{{\"input\":{},{members}", serde_json::Value::from(name)),
@@ -255,7 +255,7 @@ fn unwritten(error: std::io::Error) -> MissionError {
     MissionError::output("cannot write to standard output").because(error)
 }
 
-/// The error of a table that could not be written; without a path, the table goes to standard output.
+/// Returns the error of a table that could not be written; without a path, the table goes to standard output.
 pub fn unwritten_table(path: Option<&Path>, error: &std::io::Error) -> MissionError {
     let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
     MissionError::output(format!("cannot write {name}"))

@@ -24,22 +24,22 @@ pub enum Scale {
 /// Distribution of a quantity over targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Spread {
-    /// Half the targets have little, half have much.
+    /// Half of the targets have little of it, half have much.
     Clustered,
-    /// All have the same.
+    /// All targets have the same amount.
     Fixed,
-    /// Anything between little and much.
+    /// Each target has a random amount between little and much.
     Uniform,
 }
 
 /// Distribution of targets in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
-    /// In two crowds.
+    /// In two clusters.
     TwoClusters,
-    /// In one crowd.
+    /// In one cluster.
     Globular,
-    /// Everywhere.
+    /// Anywhere on the map.
     Uniform,
 }
 
@@ -125,8 +125,8 @@ impl Cell {
         cells
     }
 
-    /// 27 cells that represent all: every pair of levels of any two of count, scale, space and the two spreads occurs
-    /// equally often (an orthogonal array of strength two).
+    /// Returns 27 cells that represent all: every pair of levels of any two of count, scale, space and the two spreads occurs equally often
+    /// (an orthogonal array of strength two).
     pub fn subset() -> Vec<Cell> {
         let level = |number: usize| (number / 9, number / 3 % 3, number % 3);
         let kept = |(index, cell): (usize, Cell)| {

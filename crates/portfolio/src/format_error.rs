@@ -5,9 +5,9 @@ use std::fmt;
 /// An error in a file: place, failure, reason and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormatError {
-    /// From 1; 0 where the file as a whole is meant.
+    /// Line, from 1; 0 if the error concerns the file as a whole.
     pub line: usize,
-    /// From 1, in characters.
+    /// Column, from 1, in characters.
     pub column: usize,
     /// The line's text.
     pub text: String,

@@ -41,7 +41,7 @@ pub fn each<T: Send>(
             done();
         }
     });
-    // Tasks begin in order: none before the first failure was left out.
+    // Tasks begin in order of their numbers, so every task before the first failed one has run.
     results.into_iter().flatten().collect()
 }
 

@@ -28,7 +28,7 @@ struct ErrorBody {
 }
 
 impl ApiError {
-    /// The request itself is wrong.
+    /// Returns the error for a request that is itself wrong (400).
     pub(crate) fn bad_request(error: impl Into<String>, help: impl Into<String>) -> ApiError {
         ApiError { status: StatusCode::BAD_REQUEST, error: error.into(), help: help.into() }
     }
@@ -38,7 +38,7 @@ impl ApiError {
         ApiError { status: StatusCode::NOT_FOUND, error: error.into(), help: help.into() }
     }
 
-    /// The server may not answer this caller.
+    /// Returns the error for a request that this caller may not make (403).
     pub(crate) fn forbidden(error: impl Into<String>, help: impl Into<String>) -> ApiError {
         ApiError { status: StatusCode::FORBIDDEN, error: error.into(), help: help.into() }
     }

@@ -29,7 +29,7 @@ pub(crate) async fn page(uri: Uri, headers: HeaderMap) -> Response {
     }
     let name = if path.is_empty() { "index.html" } else { path };
     let about = [(CONTENT_TYPE, content_type(name)), (CACHE_CONTROL, caching(name)), (VARY, "accept-encoding")];
-    // Compressed when the page was built.
+    // The compressed file was made when the page was built.
     let packed = if takes_gzip(&headers) { Pages::get(&format!("{name}.gz")) } else { None };
     if let Some(file) = packed {
         return (about, [(CONTENT_ENCODING, "gzip")], file.data.into_owned()).into_response();
@@ -50,7 +50,7 @@ fn takes_gzip(headers: &HeaderMap) -> bool {
     })
 }
 
-/// Names below `assets/` carry a hash of their content; all others may change with the program.
+/// Returns the rule for caches: names below `assets/` carry a hash of their content, all other files may change with the program.
 fn caching(name: &str) -> &'static str {
     if name.starts_with("assets/") { "public, max-age=31536000, immutable" } else { "no-cache" }
 }

@@ -31,7 +31,7 @@ pub(crate) struct WantedWindow {
 }
 
 impl MissionFacts {
-    /// The facts of `mission`.
+    /// Returns the facts of `mission`.
     pub(crate) fn of(mission: &Mission) -> MissionFacts {
         MissionFacts {
             kind: match mission.model.airframe {

@@ -64,7 +64,7 @@ fn tokens_of(path: &Path) -> MissionResult<Vec<AccessToken>> {
     Ok(tokens)
 }
 
-/// A file of secrets that other users of the machine can read holds no secrets.
+/// Refuses a file of tokens that other users of the machine can read.
 #[cfg(unix)]
 fn check_secrecy(path: &Path) -> MissionResult {
     use std::os::unix::fs::PermissionsExt;
@@ -81,7 +81,7 @@ fn check_secrecy(_: &Path) -> MissionResult {
     Ok(())
 }
 
-/// A token of this run, called like its role.
+/// Returns a token for this run, named after its role, and adds its secret to the lines for the user.
 fn made(role: ActorRole, said: &mut Vec<String>) -> MissionResult<AccessToken> {
     let generated = AccessToken::generate(Actor { name: role.word().into(), role });
     let (token, secret) = generated.map_err(|error| MissionError::flight("no tokens can be made").because(error))?;

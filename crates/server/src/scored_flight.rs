@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct ScoredFlight(Mutex<Option<Fold>>);
 
 struct Fold {
-    /// None: the mission is not measured by a score, or the record holds no mission.
+    /// `None` if the mission is not measured by a score, or if the record holds no mission.
     history: Option<ScoreHistory>,
     last: (i64, Time),
 }

@@ -50,7 +50,7 @@ async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> Ap
     Ok(Json(holdings).into_response())
 }
 
-/// Facts of the record's mission; `null` if the record is not of a mission.
+/// Returns facts of the record's mission; `null` if the record is not of a mission.
 async fn facts(State(state): Shared) -> ApiResult<Response> {
     let facts = blocking(move || {
         if let Some(known) = state.facts.get() {

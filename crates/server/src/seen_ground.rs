@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct SeenGround(Mutex<Option<Fold>>);
 
 struct Fold {
-    /// None: the mission observes nothing, or cannot be loaded.
+    /// `None` if the mission observes nothing, or cannot be loaded.
     flown: Option<FlownScore>,
     last: (i64, Time),
 }

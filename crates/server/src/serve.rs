@@ -24,10 +24,10 @@ use tokio::sync::Semaphore;
 /// Longest time for which open connections may delay the end of the program.
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
 
-/// Time that the index of the log is built without a pause, and the pause.
+/// Time for which the index of the log is built without a pause; then follows `INDEXING_PAUSE`.
 const INDEXING_TURN: Duration = Duration::from_millis(100);
 const INDEXING_PAUSE: Duration = Duration::from_millis(10);
-/// WebSockets at a time.
+/// Maximum number of simultaneous WebSockets.
 const LIVE_PLACES: usize = 64;
 
 /// Tokens, names and encryption of a server.
@@ -197,7 +197,7 @@ fn filled_shelf(record: Option<&RecordView>, agent: usize, others: &[PathBuf]) -
     Ok(shelf)
 }
 
-/// Reads the log of the record into its index, in pauses between queries. Queries read later steps themselves.
+/// Reads the log of the record into its index, in turns with pauses. A query that needs steps after the indexed ones reads them itself.
 fn index_log(view: &RecordView) {
     // An error occurs again in the next query, which reports it.
     let _ = view.prepare();

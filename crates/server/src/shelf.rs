@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Records on a shelf; more are left out.
+/// Maximum number of records on a shelf; further ones are left out.
 const ENTRIES_MAX: usize = 64;
 
 /// Further records that the page can show, without the shown agent of the served record.

@@ -134,10 +134,10 @@ pub(crate) struct Views {
     returned: Condvar,
 }
 
-/// Connections that no question uses.
+/// Connections that no query uses at present.
 struct Connections {
     views: Vec<RecordView>,
-    /// Rises when the record continues in a new file: connections to the file before are not used again.
+    /// Number of the record's file, counted up when the record continues in a new file: connections to earlier files are not used again.
     file: u64,
 }
 
@@ -145,7 +145,7 @@ impl Views {
     /// Returns the connection `first` and copies of it. They follow a record that is still being written into its next segments.
     ///
     /// # Errors
-    /// A view of the same record with another connection.
+    /// The record cannot be read, or another connection to it cannot be opened.
     pub(crate) fn new(first: RecordView) -> Result<Arc<Views>, RecordError> {
         let is_growing = !first.growth()?.status.is_final();
         let free = Mutex::new(Connections { views: copies(first)?, file: 0 });
@@ -157,7 +157,7 @@ impl Views {
         Ok(views)
     }
 
-    /// Changes over to the file in which the record continues, if there is one. True if the record cannot grow any longer.
+    /// Connects to the file in which the record continues, if there is one. Returns true if the record cannot grow any longer.
     fn look_for_segment(&self) -> Result<bool, RecordError> {
         let looked = self.lend(|view| {
             let is_final = view.growth()?.status.is_final();
@@ -203,7 +203,7 @@ impl Views {
 struct Lent<'a> {
     views: &'a Views,
     view: Option<RecordView>,
-    /// [`Connections::file`] when it was lent.
+    /// The value of [`Connections::file`] when the connection was lent.
     file: u64,
 }
 
@@ -280,7 +280,7 @@ mod tests {
     use apex_runtime::record::RecordOptions;
     use std::path::Path;
 
-    /// A flight of two minutes whose first file takes no more than 200 kB; returns its end.
+    /// Flies for two minutes with a first file of at most 200 kB; returns the end of the flight.
     fn fly_into_a_segment(first: &Path, spare: &Path) -> i64 {
         let mission = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/first-picture");
         let mission = Arc::new(Mission::load(&mission).unwrap());

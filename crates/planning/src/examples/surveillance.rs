@@ -79,7 +79,7 @@ pub fn turning(count: usize, seed: u64, side_m: f64, turn_s: f64) -> Surveillanc
     problem
 }
 
-/// `count` equal targets with linear cost and a horizon of very many laps.
+/// Returns `count` equal targets with linear cost and a horizon of very many laps.
 pub fn equal(count: usize, seed: u64) -> SurveillanceProblem {
     let mut problem = random(count, seed);
     for target in &mut problem.targets {

@@ -251,7 +251,7 @@ impl SurveillanceTravel {
         }
     }
 
-    /// Returns the obstacle that contains the target, if the target can therefore not be visited.
+    /// Returns the reason for which the target cannot be visited; `None` if it can.
     pub fn trouble(&self, target: usize) -> Option<&TravelError> {
         self.troubles.get(target).and_then(Option::as_ref)
     }

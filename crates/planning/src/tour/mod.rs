@@ -20,7 +20,7 @@ const IMPROVEMENTS_MAX: usize = 100_000;
 /// Fixed work of a row of reversals or moves, in nanoseconds.
 const ROW_NS: u64 = 100;
 
-/// Returns the factor of an access to travel times that the processor's cache does not hold any longer.
+/// Returns the factor by which an access to the travel times of `count` targets costs more when they do not fit into the processor's cache.
 fn memory(count: usize) -> u64 {
     1 + count as u64 / 400
 }

@@ -85,7 +85,7 @@ impl Classification {
 pub trait Classifier: Sync {
     /// Returns the feature's name in tables.
     fn name(&self) -> &'static str;
-    /// Words of its bins.
+    /// Returns the words of its bins.
     fn bins(&self) -> &'static [&'static str];
     /// Reads the feature.
     fn read(&self, given: &ClassifierInput<'_>) -> Classification;

@@ -1,8 +1,8 @@
 //! Pattern of the profile table that a set of points resembles most: the likelihood of nine patterns, three
 //! distributions on maps of three sizes, for any centre.
 //!
-//! Size and kind are estimated together because they are confused otherwise: four targets in one cluster on a large map are as far apart
-//! as four random ones on a medium map. Only their distances given the kind say more than their shape.
+//! Size and kind are estimated together, because neither is known from the distances alone: four targets in one cluster on a large map are
+//! as far apart as four random ones on a medium map.
 
 use super::classifier::ClassifierInput;
 use crate::cell::{Scale, Space};
@@ -12,12 +12,12 @@ use std::f64::consts::PI;
 /// Standard deviation of a cluster as a share of the map's side: a single cluster, each of two clusters; and the distance of the two.
 const GLOBULAR: f64 = 0.08;
 const TWO_CLUSTERS: (f64, f64) = (0.05, 0.76);
-/// Width of the passage, as a share of the side, in which a map becomes too small for its points.
+/// Width of the transition, as a share of the side, in which the likelihood of a map that is too small for its points falls.
 const EDGE: f64 = 0.05;
 /// Maximum rounds of the division into two clusters; it converges in a few.
 const CLUSTER_ROUNDS_MAX: usize = 50;
 
-/// Minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
+/// Returns minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
 pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
     let points: Vec<Point> = given
         .points()
@@ -71,7 +71,7 @@ impl PointStatistics {
         }
     }
 
-    /// Returns the logarithm of the density of the points, the place of the map integrated over the plane.
+    /// Returns the logarithm of the density of the points, integrated over all positions of the map.
     fn log_likelihood(&self, side_m: f64, space: Space) -> f64 {
         match space {
             Space::Uniform => {

@@ -5,7 +5,8 @@ use super::variability;
 use apex_metrics::eci;
 use apex_model::problem::CostFunction;
 
-/// Halvings of the horizon by which the age of half the cost is found: to a billionth.
+/// Number of halvings of the horizon in the search for the age at which half of the cost is reached: the result is exact to a billionth of
+/// the horizon.
 const HALVINGS: usize = 30;
 
 /// The classifier.

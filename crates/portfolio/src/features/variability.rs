@@ -10,7 +10,7 @@ const ALIKE: f64 = 0.1;
 /// Share of the variance explained by two groups above which there are two groups. Equally spaced numbers leave a quarter of the variance
 /// unexplained; groups with a spread of a tenth leave a hundredth.
 const TWO_GROUPS: f64 = 0.975;
-/// Width of the passage from none to two.
+/// Width of the smooth transition around [`TWO_GROUPS`].
 const PASSAGE: f64 = 0.01;
 
 /// Reads the spread of `numbers`.

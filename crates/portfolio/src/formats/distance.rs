@@ -5,12 +5,12 @@ const EARTH_RADIUS_KM: f64 = 6378.388;
 #[expect(clippy::approx_constant, reason = "with another the distances would be others")]
 const PI: f64 = 3.141592;
 
-/// A rule that makes a distance of two points.
+/// A rule for the distance between two points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Metric {
-    /// On a line, rounded to the nearest whole number.
+    /// Straight-line distance, rounded to the nearest whole number.
     Euclidean,
-    /// On a line, rounded up.
+    /// Straight-line distance, rounded up.
     EuclideanUp,
     /// The Euclidean distance truncated to this number of decimals: Solomon 1, Cordeau 2.
     EuclideanCut(u8),
@@ -62,13 +62,14 @@ fn nearest(number: f64) -> f64 {
     libm::floor(number + 0.5)
 }
 
-/// Cut, not rounded. A whole number of units that floating point shows a hair below is taken as whole.
+/// Returns the length truncated to `decimals` decimals. A length that is below a whole number of units only by rounding errors counts as
+/// that number.
 fn cut(length: f64, decimals: u8) -> f64 {
     let scale = (0..decimals).fold(1.0, |scale, _| 10.0 * scale);
     libm::floor(length * scale + 1e-9) / scale
 }
 
-/// TSPLIB: the whole part of a coordinate is degrees, the rest minutes.
+/// Returns TSPLIB's geographical distance: the whole part of a coordinate is degrees, the rest minutes.
 fn geographical((x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f64 {
     let radians = |coordinate: f64| {
         let degrees = libm::trunc(coordinate);

@@ -97,7 +97,7 @@ fn solomon(places: Places, day: Day, number: u64) -> String {
     };
     let profits: Vec<usize> = at.iter().map(|_| profit(&mut chance)).collect();
     let mut chance = Generator::new(of_family * 1_000 + u64::from(long) * 500 + number);
-    // Every fourth instance has fewer targets with windows; each group of four has wider windows.
+    // Instances come in groups of four: within a group ever fewer targets have windows, and each group has wider windows than the last.
     let share = 1.0 - 0.25 * ((number - 1) % 4) as f64;
     let half_width = 0.02 * f64::from(closes) * (1.0 + 1.5 * ((number - 1) / 4) as f64);
     let mut text = format!("4 10 {} 1\n0 200\n0 50 50 0 0 0 0 0 {closes}\n", at.len());
@@ -204,7 +204,7 @@ pub fn atsp(nodes: usize, number: u64) -> String {
     text
 }
 
-/// Returns a standard normal number, near enough: the sum of twelve.
+/// Returns an approximately standard normal number: the sum of twelve uniform ones.
 fn normal(chance: &mut Generator) -> f64 {
     (0..12).map(|_| chance.unit()).sum::<f64>() - 6.0
 }

@@ -82,7 +82,7 @@ pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, us
     problem
 }
 
-/// All must be visited in the least time: time costs 1 a second, and a visit is worth more than any detour.
+/// Turns the problem into one of a shortest tour of all: time costs 1 a second, and a visit is worth more than any detour.
 fn tour(problem: &mut SingleVisitProblem) {
     let legs = problem.travel.iter().flat_map(|travel| {
         let legs = travel.from_start_s.iter().chain(&travel.to_base_s).chain(travel.between_s.iter().flatten());
@@ -122,7 +122,7 @@ pub(super) fn check_window(vertex: &Vertex, closes: &TextToken<'_>) -> Result<()
     Ok(())
 }
 
-/// The file has no target or more than are planned for.
+/// Rejects a file without targets, and one with more targets than planners accept.
 pub(super) fn check_count(count: usize, at: &TextToken<'_>) -> Result<(), FormatError> {
     let most = apex_planning::validate::TARGETS_MAX;
     if count == 0 || count > most {

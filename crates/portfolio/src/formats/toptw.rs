@@ -1,7 +1,7 @@
 //! TOPTW text: the format in which the team orienteering problem with time windows is exchanged.
 //!
 //! ```text
-//! k v N t          v paths would do for all; N vertices in addition the depot
+//! k v N t          v: number of paths that suffice for all; N: number of vertices in addition to the depot
 //! D Q              not relevant
 //! i x y d S f a list O C      N + 1 lines; i = 0 is the depot; d service time, S profit, O opening, C closing
 //! ```

@@ -19,7 +19,7 @@ pub(super) struct TextToken<'a> {
 }
 
 impl<'a> TextToken<'a> {
-    /// Returns a mistake at this word.
+    /// Returns the error at this word.
     pub(super) fn trouble(
         &self,
         message: impl Into<String>,
@@ -80,7 +80,7 @@ impl<'a> TextToken<'a> {
         Ok(number as usize)
     }
 
-    /// Digits after its point.
+    /// Returns the number of digits after its decimal point.
     pub(super) fn decimals(&self) -> usize {
         let digits = self.text.split_once('.').map_or("", |(_, digits)| digits).trim_end_matches('0');
         digits.len().min(DECIMALS_MAX)
@@ -113,7 +113,7 @@ pub(super) fn words(line: &str, number: usize) -> Vec<TextToken<'_>> {
     }
 }
 
-/// The file ends too early.
+/// Returns the error for a file that ends too early.
 pub(super) fn ends_early(text: &str, message: impl Into<String>, reason: impl Into<String>) -> FormatError {
     let line = text.lines().count();
     let last = text.lines().last().unwrap_or_default();

@@ -21,7 +21,7 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// As text for operators.
+    /// Returns the comparison as text for operators.
     pub fn text(&self) -> String {
         let Compared { budget, cells, same_planner, contradictions } = self;
         let mut text = format!("at {budget}: the same planner in {same_planner} of {cells} cells\n");
@@ -32,7 +32,7 @@ impl Compared {
         text
     }
 
-    /// As an object for programs.
+    /// Returns the comparison as an object for programs.
     pub fn json(&self) -> Value {
         let cells: Vec<String> = self.contradictions.iter().map(|(one, _)| one.cell.to_string()).collect();
         json!({

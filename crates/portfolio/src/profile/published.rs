@@ -105,7 +105,7 @@ impl Agreement {
         self.sum([(1, 0), (2, 1)].into_iter())
     }
 
-    /// As an object for programs.
+    /// Returns the agreement as an object for programs.
     pub fn json(&self) -> Value {
         json!({
             "budget": self.budget, "counts": self.counts, "agreed": self.agreed(), "comparable": self.comparable(),
@@ -114,7 +114,7 @@ impl Agreement {
         })
     }
 
-    /// As a table for operators.
+    /// Returns the agreement as a table for operators.
     pub fn text(&self) -> String {
         let mut text = format!("Figure 4 (rows) and ours at {} (columns): 2-Opt or WAM\n", self.budget);
         // Writing to a string cannot fail.

@@ -17,9 +17,9 @@ pub const UNSEEN: u64 = 1_000_000;
 pub struct MissionRegret {
     /// Name of the chosen planner.
     pub chosen: String,
-    /// Logarithm of each planner's cost over the least, in the order given: 0 is the best.
+    /// For each planner, in the order given, the logarithm of the ratio of its cost to the least cost: 0 is the best.
     pub excess: Vec<f64>,
-    /// Relative additional cost of the chosen planner.
+    /// The same logarithm for the chosen planner.
     pub regret: f64,
 }
 
@@ -65,9 +65,9 @@ pub struct Summary {
     pub budget: String,
     /// Number of missions.
     pub missions: usize,
-    /// Additional cost of the chosen planner over the best, on average and at worst, in percent.
+    /// Additional cost of the chosen planner over the best one, in percent: the geometric mean over the missions.
     pub regret_percent: f64,
-    /// The worst of one mission.
+    /// The greatest additional cost of the chosen planner on one mission, in percent.
     pub worst_percent: f64,
     /// Missions for which the best was chosen.
     pub best_chosen: usize,
@@ -94,7 +94,7 @@ impl Summary {
         }
     }
 
-    /// As an object for programs.
+    /// Returns the summary as an object for programs.
     pub fn json(&self) -> Value {
         let always: Map<String, Value> =
             self.always_percent.iter().map(|(name, percent)| (name.clone(), json!(percent))).collect();
@@ -105,7 +105,7 @@ impl Summary {
         })
     }
 
-    /// As text for operators.
+    /// Returns the summary as text for operators.
     pub fn text(&self) -> String {
         let always: Vec<String> =
             self.always_percent.iter().map(|(name, percent)| format!(" {name} {percent:.2} %")).collect();

@@ -52,7 +52,7 @@ pub fn signed_rank(differences: &[f64]) -> f64 {
     if sizes.len() <= EXACT_PAIRS_MAX { exact(&doubled, smaller) } else { normal(&doubled, smaller) }
 }
 
-/// Returns the twice the rank of each size, in rising order: mean ranks of ties are halves.
+/// Returns twice the rank of each size, in rising order: the mean ranks of ties can be halves.
 fn doubled_ranks(sizes: &[(f64, bool)]) -> Vec<usize> {
     let mut ranks = Vec::with_capacity(sizes.len());
     while let Some((size, _)) = sizes.get(ranks.len()) {
@@ -64,7 +64,7 @@ fn doubled_ranks(sizes: &[(f64, bool)]) -> Vec<usize> {
     ranks
 }
 
-/// Counts the choices of signs by their sum of (doubled) ranks.
+/// Returns the exact two-sided probability, from the distribution of the sum of (doubled) ranks over all choices of signs.
 fn exact(ranks: &[usize], smaller: usize) -> f64 {
     // chances[sum]: probability that the ranks of the positive differences add up to `sum`.
     let mut chances = vec![0.0; ranks.iter().sum::<usize>() + 1];

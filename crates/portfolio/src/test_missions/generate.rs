@@ -27,7 +27,7 @@ const DRAWS_MAX: usize = 1_000;
 /// Centre of the map, at which every test mission starts; for display.
 pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };
 
-/// The chance of one mission.
+/// The random numbers of one mission.
 struct Chance(ChaCha20Rng);
 
 impl Chance {
@@ -94,7 +94,7 @@ impl Cell {
         }
     }
 
-    /// Places in metres east and north of the centre.
+    /// Returns places in metres east and north of the centre.
     fn places(&self, chance: &mut Chance) -> Vec<(f64, f64)> {
         let side_m = self.scale.side_m();
         let mut places: Vec<(f64, f64)> = Vec::with_capacity(self.count);
@@ -129,7 +129,7 @@ impl Cell {
     }
 }
 
-/// Factors of a quantity over the targets, in a random order.
+/// Returns factors of a quantity over the targets, in a random order.
 fn factors(spread: Spread, count: usize, chance: &mut Chance) -> Vec<f64> {
     let mut factors: Vec<f64> = (0..count)
         .map(|index| match spread {
@@ -146,7 +146,7 @@ fn factors(spread: Spread, count: usize, chance: &mut Chance) -> Vec<f64> {
     factors
 }
 
-/// Degrees of a place near the centre of the map; for display and features only, travel is computed in the plane.
+/// Returns latitude and longitude of a place near the centre of the map; for display and features only, travel is computed in the plane.
 fn position((east_m, north_m): (f64, f64)) -> Position {
     let metres_per_deg = 111_195.0;
     let parallel = libm::cos(CENTRE.latitude_deg.to_radians());

@@ -18,9 +18,9 @@ use std::sync::Arc;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Opening {
-    /// A token, where tokens are needed.
+    /// A token, if this server needs tokens.
     token: Option<String>,
-    /// A name, where none are.
+    /// A name, if this server needs no tokens.
     name: Option<String>,
     /// The requested role of a caller without a token; the default is operator.
     role: Option<String>,

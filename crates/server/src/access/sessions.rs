@@ -22,7 +22,7 @@ const THIS_MACHINE: &str = "this-machine";
 /// The sessions of one server.
 pub(crate) struct Sessions {
     tokens: Vec<AccessToken>,
-    /// Callers need a session or a token.
+    /// True if callers need a session or a token.
     required: bool,
     /// The name of the cookie.
     cookie: String,
@@ -64,7 +64,7 @@ impl Sessions {
     /// Returns the sender of a request with these headers.
     ///
     /// # Errors
-    /// 401 if that is not known and must be, or if its token is wrong.
+    /// 401 if the headers identify no session and callers need one, or if their token is wrong.
     pub(crate) fn caller(&self, headers: &HeaderMap) -> ApiResult<Actor> {
         if let Some(value) = headers.get(AUTHORIZATION) {
             let secret = value.to_str().ok().and_then(|value| value.strip_prefix("Bearer "));
@@ -114,7 +114,7 @@ impl Sessions {
     /// Begins a session of this machine under another name, where no tokens are needed.
     ///
     /// # Errors
-    /// 401 if tokens are needed, 400 for a bad name, 409 if a session of another role has it.
+    /// 401 if tokens are needed, 400 for an invalid name, 409 if a session of another role has the name.
     pub(crate) fn begin_by_name(&self, name: &str, role: ActorRole) -> ApiResult<(Actor, String)> {
         if self.required {
             return Err(wrong_token());

@@ -4,11 +4,11 @@ use apex_runtime::authority::{Actor, ActorRole};
 use sha2::{Digest, Sha256};
 use std::fmt;
 
-/// Characters of the shortest token: 16 characters of 64 kinds are not found by trying.
+/// Minimum number of characters of a token: 16 characters of 64 kinds cannot be guessed.
 const SECRET_MIN: usize = 16;
 /// Bytes of a new secret.
 const SECRET_BYTES: usize = 24;
-/// Characters of a name.
+/// Maximum number of characters of a name.
 const NAME_MAX: usize = 64;
 
 /// A token with its name and role. The secret itself is not kept.
@@ -32,7 +32,7 @@ impl AccessToken {
     /// Returns the token with this secret.
     ///
     /// # Errors
-    /// The secret is too short, or the name is not a name.
+    /// The secret is too short, or the name is invalid.
     pub fn new(actor: Actor, secret: &str) -> Result<AccessToken, String> {
         if secret.chars().count() < SECRET_MIN {
             return Err(format!("the secret of {} has fewer than {SECRET_MIN} characters", actor.name.escape_debug()));

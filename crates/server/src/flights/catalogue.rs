@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NAME_MAX: usize = 100;
 /// Maximum number of missions in one answer; the others can still be flown.
 const LISTED_MAX: usize = 200;
-/// Names in the help of an unknown name.
+/// Maximum number of names in the help of an unknown name.
 const NAMES_TOLD_MAX: usize = 12;
 
 /// One mission in `/api/missions`.
@@ -81,7 +81,7 @@ pub(crate) fn missions(folder: &Path) -> ApiResult<Vec<MissionEntry>> {
 /// Returns the folder of the mission called `name`.
 ///
 /// # Errors
-/// If the name is not one of a sub-folder, or there is no such mission.
+/// The name is not that of a sub-folder, or the folder has no mission of this name.
 pub(crate) fn folder_of(folder: &Path, name: &str) -> ApiResult<PathBuf> {
     if !is_name(name) {
         return Err(ApiError::bad_request(

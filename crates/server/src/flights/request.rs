@@ -4,7 +4,7 @@ use crate::answer::{ApiError, ApiResult};
 use apex_model::time::{Duration, Time};
 use serde::Deserialize;
 
-/// The fastest pace. Faster is as fast as possible, which needs no pace.
+/// Maximum pace. A flight as fast as possible has no pace.
 const PACE_MAX: f64 = 1e9;
 /// Latest end of a requested flight: a year.
 const UNTIL_MAX_S: f64 = 366.0 * 86_400.0;

@@ -20,9 +20,9 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, TryAcquireError};
 
 /// Maximum number of simultaneous flights: each uses a core, and so do its solvers.
 const FLIGHTS_MAX: usize = 2;
-/// Plans at a time that are made without flying.
+/// Maximum number of simultaneous plans without a flight.
 const PLANS_MAX: usize = 1;
-/// Flights that the server remembers; the oldest that have ended are forgotten, their records stay.
+/// Maximum number of flights that the server remembers; the oldest ended ones are forgotten, their records stay.
 const REMEMBERED_MAX: usize = 100;
 /// Stack of a flight's thread: as much as the main thread of `apex fly` has.
 const STACK_BYTES: usize = 8 << 20;
@@ -86,7 +86,7 @@ impl Tower {
         let (id, record) = self.reserve(&request.mission)?;
         let recorder = apex_simulation::create_record(&record, &mission, Some(seed))?;
         let (door, controls) = FlightDoor::new(&mission, pace, Arc::clone(&self.options.read));
-        // The run need not wait for further commands.
+        // The server sends no further commands, so the run need not wait for any.
         door.be_quiet();
         let terms = FlyOptions {
             pace,

@@ -21,7 +21,7 @@ use tokio::sync::watch;
 use tokio_rustls::TlsAcceptor;
 use tower::ServiceExt;
 
-/// Connections at a time: browsers open six each.
+/// Maximum number of simultaneous connections: a browser opens six.
 const CONNECTIONS_MAX: usize = 256;
 /// Maximum number of simultaneous connections of one other machine.
 const CONNECTIONS_OF_ONE_MAX: usize = 32;
@@ -31,11 +31,11 @@ const HEAD_PATIENCE: Duration = Duration::from_secs(10);
 const HANDSHAKE_PATIENCE: Duration = Duration::from_secs(5);
 /// Time that a peer may let an answer wait.
 const WRITE_PATIENCE: Duration = Duration::from_secs(20);
-/// Bytes of the head of a request.
+/// Maximum size of the head of a request, in bytes.
 const HEAD_MAX_BYTES: usize = 32 << 10;
-/// Headers of a request.
+/// Maximum number of headers of a request.
 const HEADERS_MAX: usize = 64;
-/// Pause after the system refused a connection, for example because files ran out.
+/// Pause after the system refused to accept a connection, for example because it has no free file descriptors.
 const REFUSED_PAUSE: Duration = Duration::from_millis(50);
 
 /// The address of this machine to which a connection was made: an extension of every request.
@@ -46,14 +46,14 @@ pub(crate) struct Endpoint(pub(crate) IpAddr);
 #[derive(Default)]
 struct Census(Mutex<BTreeMap<IpAddr, usize>>);
 
-/// A place among the connections.
+/// The permit of one connection; when it is dropped, the connection no longer counts.
 struct ConnectionPlace {
     census: Arc<Census>,
     peer: IpAddr,
 }
 
 impl Census {
-    /// Returns a place for a connection of `peer`; `None` beyond the caps.
+    /// Returns a permit for a connection of `peer`; `None` if a limit is reached.
     fn admit(self: &Arc<Census>, peer: IpAddr) -> Option<ConnectionPlace> {
         let mut open = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let own = open.get(&peer).copied().unwrap_or(0);
@@ -126,7 +126,7 @@ pub(crate) async fn serve_connections(
     tokio::time::timeout(patience, stopping.closed()).await.ok();
 }
 
-/// Answers that there is no capacity, if the peer can read that.
+/// Answers that the server has no capacity for the connection, if the peer can read that.
 async fn turn_away(mut stream: TcpStream, encrypted: bool) {
     if encrypted {
         return;

@@ -11,14 +11,14 @@ pub(crate) struct AuthorityState {
     epoch: u64,
     /// The holder; `None` while authority is free.
     holder: Option<ActorState>,
-    /// The holder was silent until another operator may take authority.
+    /// True if the holder is silent: another operator may then take authority.
     silent: bool,
     offer: Option<OfferState>,
     /// The caller.
     you: ActorState,
-    /// The caller holds it.
+    /// True if the caller holds authority.
     yours: bool,
-    /// True if the caller may take it now.
+    /// True if the caller may take authority now.
     may_take: bool,
     /// Other callers with a recent request that may hold it.
     stations: Vec<ActorState>,

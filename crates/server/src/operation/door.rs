@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// Wall time after which a command that the run has not taken expires.
 pub(crate) const EXPIRES_AFTER: Duration = Duration::from_secs(10);
-/// Commands on their way at a time.
+/// Maximum number of commands that have no end yet.
 const OPEN_MAX: usize = 16;
 /// Maximum number of remembered commands with their ends; the record contains all.
 const REMEMBERED_MAX: usize = 50;
@@ -45,7 +45,7 @@ struct Shared {
 struct Sent {
     last_number: u64,
     entries: VecDeque<SourceEntry>,
-    /// The pace before the first remembered command.
+    /// The pace that was set before the first remembered command.
     pace: Option<f64>,
     /// The last pace above 0.
     running: Option<f64>,
@@ -100,7 +100,7 @@ pub(crate) struct TargetNews {
 }
 
 impl FlightDoor {
-    /// Returns a door to a run of `mission` that begins at `pace`, and the end of it for the run.
+    /// Returns a door to a run of `mission` that begins at `pace`, and the receiver of the door's commands for the run.
     pub fn new(mission: &Mission, pace: Option<f64>, read: ReadDatum) -> (FlightDoor, Receiver<Control>) {
         let (controls, receiver) = mpsc::channel();
         let targets = mission
@@ -116,12 +116,12 @@ impl FlightDoor {
         (FlightDoor { shared: Arc::new(shared) }, receiver)
     }
 
-    /// Returns the authority over the run, for the terms of the run.
+    /// Returns the authority over the run; the run needs it in its terms.
     pub fn authority(&self) -> AuthorityBoard {
         self.shared.authority.clone()
     }
 
-    /// Notes that an actor was heard: a holder of authority is not silent.
+    /// Notes a request of an actor: a holder of authority that sends requests is not silent.
     pub(crate) fn hear(&self, name: &str) {
         self.shared.authority.hear(name);
     }
@@ -147,18 +147,18 @@ impl FlightDoor {
         !self.shared.seen.state().is_over
     }
 
-    /// Ends the run in an orderly way, for the system and not for an operator.
+    /// Ends the run in an orderly way. The record has no command of an operator for it.
     pub fn stop(&self) {
         self.say(Control::Stop);
     }
 
-    /// Lets a paused run continue, because no operator can any longer: not an operator's command.
+    /// Lets a paused run continue if no operator can do it any longer. The record has no command of an operator for it.
     pub fn resume(&self) {
         let running = self.sent().running;
         self.say(Control::Pace(running));
     }
 
-    /// Informs the run that it need not wait for operators.
+    /// Informs the run that it need not wait for commands of operators.
     pub fn be_quiet(&self) {
         self.say(Control::Quiet);
     }
@@ -267,7 +267,7 @@ impl SourceEntry {
 
     fn state(&self) -> CommandState {
         if self.at.elapsed() >= EXPIRES_AFTER {
-            // Without effect if the run was first.
+            // No effect if the run has settled the command already.
             self.ticket.settle(CommandEnd::Expired);
         }
         let (state, at_ns, reason) = match self.ticket.end() {
@@ -286,7 +286,7 @@ impl SourceEntry {
 }
 
 impl CommandState {
-    /// True until the command has an end.
+    /// Returns true until the command has an end.
     pub(crate) fn is_open(&self) -> bool {
         self.state == "sent"
     }

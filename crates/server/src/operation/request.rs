@@ -11,10 +11,9 @@ use apex_runtime::target_state::TARGET_VALUE_MAX;
 use serde::Deserialize;
 use serde_json::Value as Json;
 
-/// The fastest pace. Faster is as fast as possible, which has none.
+/// Maximum pace. A flight as fast as possible has no pace.
 const PACE_MAX: f64 = 1e6;
-/// The largest value of a target, as in the mission's own files.
-/// Characters of a message.
+/// Maximum number of characters of a message.
 const MESSAGE_MAX: usize = 2000;
 
 /// The body of `POST /api/commands`.
@@ -24,16 +23,16 @@ const MESSAGE_MAX: usize = 2000;
 pub(crate) enum Wish {
     /// Stops mission time.
     Pause,
-    /// Mission time continues at the last pace.
+    /// Continues mission time at the last pace.
     Resume,
-    /// Mission seconds per second of wall time; `None` is as fast as possible.
+    /// Sets the mission seconds per second of wall time; `None` is as fast as possible.
     Pace {
         /// The pace.
         pace: Option<f64>,
     },
     /// Continues to the next instant at which something happens, then pauses.
     Step,
-    /// The flight ends.
+    /// Ends the flight.
     Stop,
     /// An answer to a question.
     Answer {
@@ -57,7 +56,7 @@ pub(crate) enum Wish {
         /// Its id.
         target: String,
     },
-    /// A target needs no observation any longer.
+    /// A target need not be observed any longer.
     RemoveTarget {
         /// Its id.
         target: String,

@@ -32,7 +32,7 @@ pub(crate) struct SeenState {
     pub(crate) questions: Vec<OpenQuestion>,
     /// The request on which planners work; mission time stops meanwhile.
     pub(crate) planning: Option<Planning>,
-    /// The run has ended.
+    /// True once the run has ended.
     #[serde(skip)]
     pub(crate) is_over: bool,
     /// Targets that messages have announced (true) or declared gone (false).

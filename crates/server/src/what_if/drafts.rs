@@ -22,9 +22,9 @@ pub(crate) struct DraftAnswer {
     /// The plan, if all visits can be made.
     #[cfg_attr(test, ts(type = "PlanInForce | null"))]
     plan: Option<PlanInForce>,
-    /// Its expected score, or its expected cost of ignorance.
+    /// The expected score of the plan, or its expected cost of ignorance.
     worth: Option<Worth>,
-    /// Reason if there is no plan.
+    /// The reason, if there is no plan.
     violation: Option<DraftViolation>,
 }
 

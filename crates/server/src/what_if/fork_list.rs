@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Forks that are remembered.
+/// Maximum number of remembered forks.
 pub(super) const FORKS_MAX: usize = 20;
 
 /// The forks of a server.

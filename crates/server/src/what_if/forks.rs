@@ -103,7 +103,7 @@ fn start(state: &Arc<AppState>, request: &ForkRequest) -> ApiResult<Arc<ForkFlig
     Ok(flight)
 }
 
-/// `flight.apex` -> `flight-fork-1.apex`, the first that does not exist.
+/// Returns the first path that does not exist among `flight-fork-1.apex`, `flight-fork-2.apex`, .. for the record `flight.apex`.
 fn free_path(record: &Path) -> PathBuf {
     let stem = record.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let named = |number: u32| record.with_file_name(format!("{stem}-fork-{number}.apex"));

@@ -82,7 +82,7 @@ pub(crate) struct DraftRequest {
     pub(crate) at_ns: Option<i64>,
     /// Targets in the order of visits.
     pub(crate) visits: Vec<String>,
-    /// The order is flown again and again.
+    /// True if the order is flown again and again.
     #[serde(default)]
     pub(crate) repeat: bool,
 }

@@ -94,7 +94,7 @@ fn section(
     Ok(())
 }
 
-/// Rows of a node's number and `N` numbers, for each node from 1 to `count` in any order.
+/// Returns rows of a node's number and `N` numbers, for each node from 1 to `count` in any order.
 fn numbered<const N: usize>(
     at: &TextToken<'_>,
     numbers: &[TextToken<'_>],

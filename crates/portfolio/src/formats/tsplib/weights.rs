@@ -16,7 +16,7 @@ pub(super) enum Weights {
 }
 
 impl Weights {
-    /// From node to node, of `count`.
+    /// Returns the distance from one node to another, of `count` nodes.
     pub(super) fn between(&self, from: usize, to: usize, count: usize) -> f64 {
         match self {
             Weights::Places(metric, places) => match (places.get(from), places.get(to)) {
