@@ -94,7 +94,7 @@ impl<'a> AgentGroup<'a> {
         }
     }
 
-    /// The end of the application for `reason`: a failure if the initial task of an agent failed.
+    /// Returns the end of the application for `reason`: a failure if the initial task of an agent failed.
     pub(crate) fn ended(&self, reason: String) -> EndReason {
         let initial_task = |agent: &Agent| agent.tasks.iter().next().and_then(|(_, task)| task.outcome.clone());
         let failed = self.agents.iter().any(|agent| initial_task(agent).is_some_and(|outcome| outcome.is_failure()));

@@ -233,8 +233,8 @@ impl Authority {
         Err(format!("epoch {stale} of authority is stale: this is epoch {}, {holder}", self.epoch))
     }
 
-    /// Checks that a command of `actor` may be executed; `epoch` is the epoch that it states, if any. An actor that could take free
-    /// authority must take it first.
+    /// Checks that a command of `actor` may be executed; `epoch` is the epoch that it states, if any. While authority is free, operators
+    /// and the pilot in command may command; the run then lets the command's author take authority.
     ///
     /// # Errors
     /// Why it is refused.

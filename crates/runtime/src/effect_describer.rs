@@ -54,7 +54,7 @@ struct TaskGoal {
 /// Describes the effects of one agent, which must come in order and completely.
 #[derive(Clone, Debug)]
 pub struct EffectDescriber {
-    /// Only its sources are used and extended.
+    /// The library of the run; only its sources are used and extended.
     library: Library,
     goals: BTreeMap<TaskId, TaskGoal>,
     /// Tasks that have ended, oldest first, each with the number of its end.
@@ -234,7 +234,7 @@ impl EffectDescriber {
         }
     }
 
-    /// `procedure first-picture.pdl:3:1`
+    /// Returns the method as text: `procedure first-picture.pdl:3:1`.
     pub fn method(&self, method: &Method) -> String {
         match method {
             Method::Procedure(place) => format!("procedure {}", self.place(*place)),

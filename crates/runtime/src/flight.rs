@@ -321,7 +321,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             }
         }
         for mut input in inputs {
-            // A vehicle that runs ahead of us must not bring future inputs to the executive.
+            // A vehicle may be ahead of the flight, but no input may reach the executive with a later instant than the present one.
             input.at = input.at.min(now);
             self.group.deliver(input)?;
         }
@@ -382,7 +382,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         let waits = self.hold_for_solvers || !self.pacer.is_paced();
         self.pool.request(request, now, posed.job, waits);
         if waits {
-            // The time that the solver took on the wall is not mission time.
+            // The wall time that the solver took does not count as mission time.
             self.pacer.hold(now);
         }
         self.show_answers(now)

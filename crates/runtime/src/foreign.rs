@@ -38,13 +38,13 @@ pub struct Cues {
 }
 
 impl Cues {
-    /// Those of a program's application.
+    /// Returns the messages of a program's application.
     pub fn of(library: &Library) -> Cues {
         let forms = |name: &str| forms(library, name);
         Cues { init: forms("init"), start: forms("start"), step: forms("step"), stop: forms("stop") }
     }
 
-    /// Returns the messages of the next episode, after a reset: its greeting is the application's `:reset`.
+    /// Returns the messages of the run after a reset: its greeting is the application's `:reset`.
     pub fn after_reset(self, library: &Library) -> Cues {
         Cues { init: forms(library, "reset"), ..self }
     }
@@ -164,7 +164,7 @@ enum SimulatorRequest {
     Reset,
 }
 
-/// Returns the next line; `None` at the end of the simulator's words. Empty lines are skipped.
+/// Returns the next line; `None` at the end of the simulator's lines. Empty lines are skipped.
 fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String>, RunError> {
     loop {
         let mut bytes = Vec::new();

@@ -130,7 +130,7 @@ pub fn survey(name: &str, file: impl BufRead, read_value: ReadValue<'_>) -> Resu
 struct Lines<R> {
     name: String,
     file: R,
-    /// Of the last line.
+    /// Number of the last line that was read, from 1.
     number: usize,
 }
 

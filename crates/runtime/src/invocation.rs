@@ -231,7 +231,7 @@ impl Invocation {
         self.shared.pause(true);
     }
 
-    /// Lets it continue.
+    /// Lets the solver continue.
     pub fn resume(&self) {
         self.shared.pause(false);
     }

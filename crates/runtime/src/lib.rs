@@ -1,7 +1,7 @@
 //! The imperative shell: clock, inbox, outbox, solver pool, flight record, replay, ports.
 //!
-//! Everything with side effects that is not an adapter, the web server or the command line belongs here. The executive is called in one
-//! place only (`mission_loop.rs`); `replay.rs` and `record/restore.rs` call it again with recorded input.
+//! Everything with side effects that is not an adapter, the web server or the command line belongs here. A flight calls the executive in
+//! one place (`flight.rs`); replay, forks, restoration and explanations call it again with recorded inputs.
 
 pub mod agent_group;
 pub mod answer_lines;

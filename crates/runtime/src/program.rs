@@ -60,12 +60,13 @@ pub struct NoVehicle {
     named: Vec<Input>,
     /// Number of the commands that were sent.
     sent: u64,
-    /// Another source acknowledges.
+    /// True if another source acknowledges the commands.
     silent: bool,
 }
 
 impl NoVehicle {
-    /// Leaves the commands that `inputs` acknowledge by number to them, and moves acknowledgements by form out of `inputs`.
+    /// Returns a replacement that leaves the commands that `inputs` acknowledge by number to them, and moves acknowledgements by form out
+    /// of `inputs`.
     pub fn beside(inputs: &mut Vec<Input>) -> NoVehicle {
         let (named, others) = std::mem::take(inputs).into_iter().partition(|input| input.command_form.is_some());
         *inputs = others;
@@ -76,7 +77,7 @@ impl NoVehicle {
         NoVehicle { numbered: numbered.collect(), named, ..NoVehicle::default() }
     }
 
-    /// Acknowledges nothing, for an outside vehicle whose reports arrive like other inputs.
+    /// Returns a replacement that acknowledges nothing, for an outside vehicle whose reports arrive like other inputs.
     pub fn silent() -> NoVehicle {
         NoVehicle { silent: true, ..NoVehicle::default() }
     }

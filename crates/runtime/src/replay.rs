@@ -44,7 +44,7 @@ const SIDE_CHARS_MAX: usize = 600;
 pub struct Difference {
     /// Instant.
     pub at: Time,
-    /// In which batch.
+    /// Number of the batch.
     pub batch: i64,
     /// Kind of difference.
     pub what: Differing,

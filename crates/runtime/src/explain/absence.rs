@@ -79,7 +79,7 @@ pub(super) fn named(sites: &[ProgramStep], name: &str, phrase: &Phrase) -> Vec<P
         .collect()
 }
 
-/// Steps that mention a word, as plans mention their targets.
+/// Returns the steps whose activities mention a word; steps of plans so mention their targets.
 pub(super) fn mentioning(sites: &[ProgramStep], word: &str) -> Vec<ProgramStep> {
     sites.iter().filter(|site| site.activities().any(|activity| activity.mentions(word))).cloned().collect()
 }

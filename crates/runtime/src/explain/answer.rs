@@ -108,7 +108,7 @@ pub struct Choice {
     pub method: String,
     /// Its index.
     pub index: String,
-    /// It matches the goal.
+    /// True if it matches the goal.
     pub matches: bool,
     /// Reason for its order: first, later, or not matching.
     pub because: String,
@@ -241,13 +241,13 @@ pub struct Blocked {
     pub since: f64,
     /// The winner's priority or rank, with its interrupt cost where it defended.
     pub winner_priority: f64,
-    /// The loser's.
+    /// The loser's priority or rank.
     pub loser_priority: f64,
     /// The part of the winner's priority that is its interrupt cost.
     pub winner_cost: f64,
-    /// The part of the loser's.
+    /// The part of the loser's priority that is its interrupt cost.
     pub loser_cost: f64,
-    /// Both for operators: `5 against 0 + interrupt cost 0.1`.
+    /// Both strengths as text for operators: `5 against 0 + interrupt cost 0.1`.
     pub strengths: String,
 }
 

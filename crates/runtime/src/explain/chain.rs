@@ -212,7 +212,7 @@ impl<'a> Chain<'a> {
             | Cause::ForAll { .. }
             | Cause::NoProcedureMatched
             | Cause::NoMethod { .. } => log.transition_before(own, "enabled", row.id)?,
-            // For the others the evidence is all.
+            // All other causes rest on their evidence alone.
             _ => None,
         };
         Ok(found.into_iter().collect())
@@ -235,7 +235,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Returns the change of state, or the clause that became true without one.
+    /// Returns the change to this state, or, if the task did not change its state then, the clause that became true.
     fn either(&self, task: TaskId, state: &str, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
         let changed = self.log.decisions.transition(task, state, here)?.filter(|row| row.at == here.1);
         if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }

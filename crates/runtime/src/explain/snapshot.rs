@@ -110,7 +110,7 @@ impl<'a> RecordSnapshot<'a> {
         }
     }
 
-    /// Returns the same, never cut.
+    /// Returns the goal of a task as [`RecordSnapshot::goal`] does, but never cut.
     pub(super) fn whole_goal(&self, task: TaskId) -> String {
         let living =
             self.agent().and_then(|agent| explanation::describe_task(agent, task)).map(|view| view.goal.to_string());
@@ -124,7 +124,7 @@ impl<'a> RecordSnapshot<'a> {
     }
 }
 
-/// The instant of a question; the end of the record if the instant is later.
+/// Returns the instant of a question; the end of the record if the instant is later.
 ///
 /// # Errors
 /// Nothing was decided by then.
@@ -139,7 +139,7 @@ pub(super) fn instant_of(reader: &RecordReader, at: Time) -> Result<Time, Record
     Ok(at)
 }
 
-/// The agent restored to `at`.
+/// Returns the agent restored to `at`.
 ///
 /// # Errors
 /// Why it cannot be restored.
@@ -155,7 +155,7 @@ pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
 }
 
-/// `procedure file.pdl:3:1`
+/// Returns the method as text: `procedure file.pdl:3:1`.
 pub(super) fn method_text(agent: &Agent, method: &Method) -> String {
     match method {
         Method::Procedure(place) => format!("procedure {}", place_text(agent, *place)),

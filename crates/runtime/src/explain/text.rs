@@ -5,7 +5,7 @@ use super::{Link, Moment};
 use apex_model::time::Time;
 use std::fmt;
 
-/// Moments that a text shows; a step that repeats for hours has more than a reader needs.
+/// Maximum number of moments that a text shows; a step that repeats for hours has more than a reader needs.
 const MOMENTS_MAX: usize = 40;
 /// Number of the first moments shown when the history is shortened.
 const MOMENTS_FIRST: usize = 8;

@@ -40,7 +40,7 @@ pub(super) fn answer(snapshot: RecordSnapshot<'_>, asked: &str) -> Result<WhyNot
     }
 }
 
-/// An answer that still lacks the task on which all depends.
+/// An answer, and the task that is still to be explained in it.
 struct Draft {
     answer: WhyNot,
     task: Option<TaskId>,
@@ -103,7 +103,7 @@ fn sentence(task: &Why) -> String {
     }
 }
 
-/// Returns a step or goal of the program without a task.
+/// Explains why a step or goal of the program has no task.
 fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(agent) = snapshot.agent() else { return Ok(None) };
     let all = absence::program_steps(agent);
@@ -195,7 +195,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
     Ok(Some(Draft { answer: draft(snapshot, "procedure", asked, text), task }))
 }
 
-/// Returns a resource with its holders.
+/// Explains a resource with its holders.
 fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(found) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
     let names = |list: &[super::Holder]| {

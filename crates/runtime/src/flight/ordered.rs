@@ -24,7 +24,7 @@ impl Flight<'_, '_> {
             Ok(change) => (CommandEnd::Accepted { at }, change),
             Err(reason) => (CommandEnd::Rejected { reason }, None),
         };
-        // The sender may have ended the command first: it then expired, or was refused before it arrived here.
+        // The sender may have settled the command first: as expired, or as rejected before it arrived here.
         let settled = command.ticket.settle(end.clone());
         let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
         let agent = match &command.order {
@@ -81,7 +81,7 @@ impl Flight<'_, '_> {
                 if authority.holder.is_some() {
                     return Ok(None);
                 }
-                // A command takes authority that is free.
+                // An accepted command takes authority that is free.
                 &AuthorityRequest::Take
             }
         };

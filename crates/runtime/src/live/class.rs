@@ -13,7 +13,7 @@ pub enum SourceClass {
     Feed,
 }
 
-/// Ranks of classes: a lower rank is heard first.
+/// Number of ranks of classes; sources of a lower rank are heard first.
 pub(super) const RANKS: usize = 3;
 
 impl SourceClass {

@@ -18,15 +18,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Simultaneous connections, including those that are not admitted yet: each has a thread.
+/// Maximum number of simultaneous connections, including those that are not admitted yet: each has a thread.
 const CONNECTIONS_MAX: usize = 96;
-/// Inputs that are passed to the run at once.
+/// Maximum number of inputs that are passed to the run at once.
 const GROUP_MAX: usize = 256;
-/// Texts of state variables that a source repeats.
+/// Maximum number of remembered texts of state variables that a source repeats.
 const KNOWN_TEXTS_MAX: usize = 4_096;
-/// Bytes of such a text.
+/// Maximum length of such a text in bytes.
 const KNOWN_TEXT_BYTES_MAX: usize = 200;
-/// Bytes that are read at once.
+/// Maximum number of bytes that are read at once.
 const READ_BYTES: usize = 64 << 10;
 /// Time limit for an answer to a source; a source that does not read gets none.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(20);

@@ -9,7 +9,7 @@ use std::thread::{self, JoinHandle};
 
 /// The running thread; dropping it ends the thread.
 pub(super) struct Checkpoints {
-    /// Its end ends the thread.
+    /// Dropping this end of the channel ends the thread.
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }

@@ -41,8 +41,8 @@ pub(super) struct Variable {
 pub(super) struct Variables {
     list: Vec<Variable>,
     numbers: BTreeMap<Vec<u8>, u64>,
-    /// By number: the variables that came next the last times, the latest first. Telemetry repeats its order; groups that come at two
-    /// rates meet in two orders.
+    /// For each variable by number, the two variables that followed it last, the latest first. The order of telemetry repeats, and groups
+    /// of different rates can alternate two orders.
     successors: Vec<[u64; 2]>,
 }
 

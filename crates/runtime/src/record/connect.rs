@@ -62,13 +62,13 @@ fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(),
     }
 }
 
-/// A connection that shares the file with a program that writes it. `path` is for messages.
+/// Returns a connection that shares the file with a program that writes it. `path` is for messages.
 pub(super) fn plain(place: &Path, path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     defended(Connection::open_with_flags(place, flags), path)
 }
 
-/// A connection to a file that no program changes: it needs no locks and no files next to it.
+/// Returns a connection to a file that no program changes: it needs no locks and no files next to it.
 pub(super) fn immutable(path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let mut name = String::from("file:");
@@ -82,7 +82,7 @@ pub(super) fn immutable(path: &Path) -> Result<Connection, RecordError> {
     defended(Connection::open_with_flags(name, flags), path)
 }
 
-/// A connection to a copy in the folder for temporary files, where SQLite can complete an interrupted write.
+/// Returns a connection to a copy in the folder for temporary files, where SQLite can complete an interrupted write.
 fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, RecordError> {
     let made = Copied::make(path).map_err(|error| RecordError::Damaged {
         path: path.to_path_buf(),
@@ -98,9 +98,9 @@ fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, Rec
     connection
 }
 
-/// A connection to a copy of a file that lacks its end, such as an interrupted download. SQLite refuses a file that is shorter than its
-/// header states, so the copy has empty pages in place of the missing ones; tables are read up to the first of them. Returns `error` if the
-/// file is not too short.
+/// Returns a connection to a copy of a file that lacks its end, such as an interrupted download. SQLite refuses a file that is shorter than
+/// its header states, so the copy has empty pages in place of the missing ones; tables are read up to the first of them. Returns `error` if
+/// the file is not too short.
 fn extended(path: &Path, copy: &mut Option<Arc<Copied>>, error: RecordError) -> Result<Connection, RecordError> {
     let Ok(Some(length)) = length_before_cut(path) else { return Err(error) };
     let made = Copied::make(path).and_then(|made| {

@@ -59,7 +59,7 @@ impl RecordReader {
     pub(crate) fn effects(&self) -> Result<Effects<'_>, RecordError> {
         let newest = newest_step(&self.connection).map_err(|error| self.damaged("the effects", error))?;
         let is_current = self.table.read().unwrap_or_else(PoisonError::into_inner).read_to >= newest;
-        // Only a reader that finds the table behind excludes the others meanwhile.
+        // Only a reader that must extend the table locks out the other readers.
         if !is_current {
             let mut table = self.table.write().unwrap_or_else(PoisonError::into_inner);
             let refreshed = table.refresh(&self.connection, newest);
@@ -117,7 +117,7 @@ impl Effects<'_> {
         self.scan_items(places, |kind, _, _| wanted(kind), take)
     }
 
-    /// As [`Effects::scan`]; what is wanted depends on the stored effect and its task, too.
+    /// Like [`Effects::scan`], except that `wanted` also receives the task and the stored effect.
     pub(in crate::record) fn scan_items(
         &self,
         places: std::ops::Range<usize>,
@@ -239,7 +239,7 @@ impl Effects<'_> {
         step.or(decision.because.place).map(|place| self.describer.borrow().place(place))
     }
 
-    /// `procedure first-picture.pdl:3:1`
+    /// Returns the method as text: `procedure first-picture.pdl:3:1`.
     pub(crate) fn method(&self, method: &Method) -> String {
         self.describer.borrow().method(method)
     }

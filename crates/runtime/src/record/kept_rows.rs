@@ -45,7 +45,7 @@ pub(super) struct KeptRows {
     bytes: usize,
     bytes_max: usize,
     gap: Option<Gap>,
-    /// The open step alone is more than memory may hold: its rows are dropped.
+    /// True if the open step alone exceeds the memory bound: its rows are dropped.
     is_too_large: bool,
 }
 

@@ -69,8 +69,8 @@ pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
     Ok(Opened { connection, trust, copy, missing, follower: None })
 }
 
-/// Opens a joined copy of the segments of a record: in the folder for temporary files, or next to the last segment where that takes
-/// none, because both are on the disk that is full.
+/// Opens a joined copy of the segments of a record: in the folder for temporary files, or next to the last segment if that folder's disk
+/// accepts no copy.
 fn joined(chain: SegmentChain) -> Result<Opened, RecordError> {
     let path = chain.paths().pop().unwrap_or_default();
     let is_changed = chain.is_changed();

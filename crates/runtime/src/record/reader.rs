@@ -170,7 +170,7 @@ impl RecordReader {
         })
     }
 
-    /// Declarations with the names of the recorded agents, where several ran.
+    /// Returns declarations that contain only the names of the recorded agents, if several ran; empty for a single agent.
     pub(crate) fn stand_ins(&self) -> Vec<AgentDeclaration> {
         let of = |name: &String| AgentDeclaration { name: Symbol::new(name), ..AgentDeclaration::of_program() };
         if self.has_several_agents() { self.agents.iter().map(of).collect() } else { Vec::new() }
@@ -258,7 +258,7 @@ impl RecordReader {
         Ok((!warnings.is_empty()).then(|| warnings.join("\nwarning: ")))
     }
 
-    /// Steps that are not in the record because its disk took none, in order.
+    /// Returns the gaps of the record in order: steps that are missing because the disk accepted no writes.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -14,7 +14,7 @@ use apex_model::time::Time;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Bytes of kept rows that are stored as one group: a file that is nearly full still takes some.
+/// Bytes of kept rows that are stored as one group: small, so that a nearly full disk still accepts some groups.
 const PART_BYTES: usize = 64 << 10;
 
 impl Store {
@@ -49,11 +49,11 @@ impl Store {
         }
     }
 
-    /// Stores what is kept, part by part; false if the file takes no more. What it took is kept no longer.
+    /// Stores the kept rows part by part, and forgets the stored parts. Returns false if the file accepts no more.
     fn store_parts(&mut self, kept: &mut KeptRows) -> bool {
         while let Some(part) = kept.part(PART_BYTES) {
             let stored = self.store_part(kept, &part).or_else(|error| {
-                // The log is as large as a file may be, or its disk is full: the main file may take what the log holds.
+                // The log has reached the size limit of files, or its disk is full; the main file may still accept the contents of the log.
                 self.abandon_group();
                 self.empty_log().map_err(|_| error)?;
                 self.store_part(kept, &part)
@@ -101,7 +101,7 @@ impl Store {
         Ok(())
     }
 
-    /// Continues in the first new file that takes the first part of what was kept.
+    /// Continues in the first new file that accepts the first part of the kept rows.
     fn begin_segment(&mut self, kept: &mut KeptRows) -> Option<PathBuf> {
         let part = kept.part(PART_BYTES)?;
         let candidates = self.places.next(&self.path);
@@ -126,7 +126,7 @@ impl Store {
                 self.abandon_group();
                 let facts = self.counts.get(Table::Meta.index()).copied();
                 (self.connection, self.link, self.counts) = before;
-                // Facts that are kept have made way; the next one comes after them.
+                // The kept facts were moved to higher positions (`make_way`); the next fact comes after them.
                 if let Some((count, facts)) = self.counts.get_mut(Table::Meta.index()).zip(facts) {
                     *count = facts;
                 }

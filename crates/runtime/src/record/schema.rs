@@ -135,7 +135,7 @@ pub(super) fn remove(path: &Path) {
     }
 }
 
-/// The names of the agents in the record, in the order of their numbers.
+/// Returns the names of the agents in the record, in the order of their numbers.
 ///
 /// # Errors
 /// SQLite's own.

@@ -80,7 +80,7 @@ impl SegmentChain {
         Ok((files.len() > 1).then_some(SegmentChain(files)))
     }
 
-    /// The files, the earliest first.
+    /// Returns the files, the earliest first.
     pub(super) fn paths(&self) -> Vec<PathBuf> {
         self.0.iter().map(|file| file.path.clone()).collect()
     }
@@ -156,7 +156,7 @@ impl SegmentFollower {
         let checked = check_groups(&file.connection, progress, &mut joiner);
         let failure = joiner.failure.take();
         *state = joiner.state;
-        // What fits its seal is committed with it.
+        // The groups that fit their seals are committed together; after a failure or damage none of them is.
         let end = if failure.is_none() && checked.is_ok() { "COMMIT" } else { "ROLLBACK" };
         target.execute_batch(end).map_err(fail)?;
         match (failure, checked) {
@@ -222,7 +222,7 @@ impl<'c> Joiner<'c> {
         self.state.extra = extra_snapshots(&file.connection);
     }
 
-    /// True for a row that the joined record needs.
+    /// Returns true for a row that the joined record needs.
     fn takes(&self, table: Table, key: i64, row: &Row<'_>) -> rusqlite::Result<bool> {
         let last = self.state.keys.get(table.index()).copied().unwrap_or(i64::MIN);
         if lasts(table) && key <= last {
@@ -283,7 +283,7 @@ fn extra_snapshots(connection: &Connection) -> Vec<i64> {
 
 impl Visitor for Joiner<'_> {
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
-        // Groups after the last one that the next segment knows were not acknowledged: that segment has their rows.
+        // A segment also has the rows of later groups of the preceding file: those groups were not acknowledged to the recorder.
         let is_over = self.state.until.is_some() && self.state.reached.is_some();
         let Some(table) = ALL.get(table).copied().filter(|_| !is_over) else { return Ok(()) };
         let key: i64 = row.get(0)?;

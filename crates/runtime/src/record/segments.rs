@@ -62,14 +62,14 @@ impl Continuation {
     }
 }
 
-/// The fact [`CONTINUES`] of an open record.
+/// Returns the fact [`CONTINUES`] of an open record.
 pub(super) fn continuation(connection: &Connection) -> rusqlite::Result<Option<String>> {
     use rusqlite::OptionalExtension;
     let sql = "SELECT value FROM main.meta WHERE key = ?1 ORDER BY position DESC LIMIT 1";
     connection.query_row(sql, [CONTINUES], |row| row.get(0)).optional()
 }
 
-/// True if the file at `segment` continues the file at `path`: an older flight may have left a segment of the same name.
+/// Returns true if the file at `segment` continues the file at `path`: an older flight may have left a segment of the same name.
 fn continues(segment: &Path, path: &Path) -> bool {
     let fact = plain(segment, segment).ok().and_then(|connection| continuation(&connection).ok().flatten());
     let Some(continuation) = fact.and_then(|text| Continuation::parse(&text)) else { return false };
@@ -94,13 +94,13 @@ pub(super) struct SegmentPlaces {
 }
 
 impl SegmentPlaces {
-    /// The next name, next to the file at `path` and in the spare folder: no folder has a segment of that number.
+    /// Returns the next name, next to the file at `path` and in the spare folder: no folder has a segment of that number.
     pub(super) fn next(&self, path: &Path) -> Vec<PathBuf> {
         let mut names = self.later(path).take(SEGMENTS_MAX);
         names.find(|names| names.iter().all(|path| !path.exists())).unwrap_or_default()
     }
 
-    /// The names of segments after the file at `path`, by number: in its folder and in the spare folder.
+    /// Returns the names of segments after the file at `path`, by number: in its folder and in the spare folder.
     fn later(&self, path: &Path) -> impl Iterator<Item = Vec<PathBuf>> + use<> {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -114,7 +114,7 @@ impl SegmentPlaces {
         })
     }
 
-    /// The file in which the record that ends with the file at `path` continues, if there is one: the last, if there are several.
+    /// Returns the file in which the record that ends with the file at `path` continues, if there is one: the last, if there are several.
     pub(super) fn successor(&self, path: &Path) -> Option<PathBuf> {
         let mut last = None;
         for _ in 0..SEGMENTS_MAX {
@@ -160,7 +160,7 @@ pub(super) fn leave(connection: Option<Connection>, path: &Path) {
     }
 }
 
-/// A write beyond the largest size of files (`ulimit -f`) is an error of that write from now on. Its signal would end the program.
+/// Lets a write beyond the largest size of files (`ulimit -f`) fail from now on. Without this, its signal would end the program.
 pub(super) fn outlive_file_size_limits() {
     #[cfg(unix)]
     {

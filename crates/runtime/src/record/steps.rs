@@ -71,7 +71,7 @@ pub struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// Steps from batch `first` (0: none) to the instant `to`.
+    /// Returns the steps from batch `first` (0: none) to the instant `to`.
     pub(super) fn new(reader: &'a RecordReader, first: i64, to: Time) -> Result<Steps<'a>, RecordError> {
         let variables = reader.variable_table()?;
         let (page, ended) = (VecDeque::new(), first == 0);

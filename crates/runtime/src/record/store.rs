@@ -99,7 +99,7 @@ impl Durability {
 /// An open record file.
 pub(super) struct Store {
     pub(super) path: PathBuf,
-    /// None after it was closed.
+    /// `None` after the file was closed.
     pub(super) connection: Option<Connection>,
     /// Copies committed rows into the main file from time to time.
     pub(super) checkpoints: Option<Checkpoints>,

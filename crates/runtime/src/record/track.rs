@@ -36,7 +36,7 @@ pub(super) struct TrackWatcher {
 }
 
 impl TrackWatcher {
-    /// Follows the vehicle of that name, `aircraft-1`.
+    /// Returns a watcher of the vehicle called `vehicle`, for example `aircraft-1`.
     pub(super) fn new(vehicle: &str) -> TrackWatcher {
         let nowhere = TrackRow {
             at: Time::BEGINNING,
@@ -99,7 +99,7 @@ impl TrackWatcher {
     }
 }
 
-/// Degrees of an angle; a bare number is in degrees already, as everywhere in PDL's vehicle variables.
+/// Returns the degrees of an angle; a bare number is in degrees already, as everywhere in PDL's vehicle variables.
 fn degrees(value: &Value) -> Option<f64> {
     let (number, dimension) = value.as_number()?;
     let angle = dimension == apex_model::quantity::Dimension::ANGLE;

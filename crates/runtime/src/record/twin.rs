@@ -143,7 +143,7 @@ impl RowStore for Twin {
         Ok(())
     }
 
-    /// Rows that the record has in addition are a difference, too.
+    /// Reports the first stored row that the replay did not make, if no difference was found before.
     fn close(&mut self) -> Result<(), RecordError> {
         for table in ALL {
             if self.difference.is_none()

@@ -103,7 +103,7 @@ impl Solver for SolverProgram {
             if environment.budget.is_stopped()
                 && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_PATIENCE
             {
-                // Dropping kills it.
+                // The program is killed when `running` is dropped.
                 return Err("it was stopped".to_string());
             }
         }

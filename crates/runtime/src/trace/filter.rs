@@ -35,7 +35,7 @@ pub const KINDS: &[&str] = &[
     "end",
 ];
 
-/// Selection of lines. The default selects all but wakes, which contain nothing that their consequences lack.
+/// Selection of lines. The default selects all except wakes: the lines that follow a wake contain its information.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TraceFilter {
     /// Only these kinds, out of [`KINDS`]; empty is all but `wake`.

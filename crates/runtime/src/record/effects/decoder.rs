@@ -133,8 +133,8 @@ impl Item<'_> {
         }
     }
 
-    /// Writes what it consists of: effects with the same signature are equal, at whatever instant. False for an effect that has no
-    /// signature: one without a shape, or with an instant among its values.
+    /// Writes a signature of the effect: effects with equal signatures are equal, whatever their instants. Returns false for an effect that
+    /// has no signature: one without a shape, or with an instant among its values.
     pub(in crate::record) fn signature(&self, bytes: &mut Vec<u8>) -> bool {
         let Content::Shaped { place, shape, values, .. } = &self.content else { return false };
         bytes.clear();
@@ -200,7 +200,7 @@ impl<'d, 'b> EffectReader<'d, 'b> {
         EffectReader { dictionary, now, input, count: 0, task: 0, memory: Memory::default() }
     }
 
-    /// Returns a reader of a row in the memory of another reader.
+    /// Returns a reader of a row that continues with the memory of another reader.
     pub(super) fn in_memory(
         dictionary: &'d Dictionary,
         now: Time,

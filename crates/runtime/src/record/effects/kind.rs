@@ -23,7 +23,7 @@ pub(crate) struct EffectKind {
     pub(crate) to: Option<TaskState>,
     /// `success`, `failure` or `cut`, for the transition to `terminated`.
     pub(crate) outcome: Option<&'static str>,
-    /// Resources are granted by it.
+    /// True if the effect grants resources.
     pub(crate) grants: bool,
     /// True if the effect is about a task.
     pub(in crate::record) has_task: bool,

@@ -92,7 +92,7 @@ impl Parts {
     }
 }
 
-/// The effect contains something that a shape cannot represent.
+/// Error: the effect contains something that a shape cannot represent.
 #[derive(Debug)]
 pub(super) struct Unsplit;
 

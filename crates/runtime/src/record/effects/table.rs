@@ -35,7 +35,7 @@ impl StepRow {
 /// An effect.
 struct EffectEntry {
     task: Option<u64>,
-    /// Place of the kind.
+    /// Index of its kind among the kinds.
     kind: u32,
     /// Index of the preceding effect about the same task, plus 1; 0 if there is none.
     before: u32,
@@ -50,9 +50,9 @@ pub(crate) struct EffectTable {
     pub(in crate::record) read_to: i64,
     entries: Vec<EffectEntry>,
     kinds: Vec<EffectKind>,
-    /// By shape: place of its kind and 1; 0 before the first effect of the shape.
+    /// By shape: the index of its kind plus 1; 0 before the first effect of the shape.
     kinds_of_shapes: Vec<u32>,
-    /// By task: place of its last effect.
+    /// By task: index of its last effect.
     last: BTreeMap<u64, u32>,
     /// Places of the effects that adopt a plan.
     plans: Vec<usize>,

@@ -32,7 +32,7 @@ impl RecordView {
             let sql = "SELECT ifnull(max(id), 0) FROM main.batch";
             connection.prepare_cached(sql)?.query_row([], |row| row.get::<_, i64>(0))
         })?;
-        // Only a view that finds the index behind excludes the others meanwhile.
+        // Only a view that must extend the index locks out the other views.
         if for_reading(&self.indexes.commands).seen_batch() < newest {
             for_writing(&self.indexes.commands).refresh(&self.reader)?;
         }

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 pub(super) const BLOCK_EFFECTS: i64 = 32;
 /// Bits of a block's filter.
 const FILTER_BITS: usize = 1 << 13;
-/// Lengths of the n-grams in bytes: long ones choose well, short ones serve short searches.
+/// Lengths of the n-grams in bytes: long ones exclude more blocks, short ones serve searches for short texts.
 const GRAMS: [usize; 3] = [5, 3, 2];
-/// Effects that are read at once: the lock on the index is held until then.
+/// Effects that are read at once; the index stays locked while they are read.
 const CHUNK_EFFECTS: i64 = 8_192;
 
 /// A block of effects with consecutive numbers.
@@ -63,7 +63,7 @@ impl EffectIndex {
             self.add(told.id, told.at.0, told.row.kind, [&told.row.subject, &told.row.text]);
             Ok(())
         })?;
-        // Numbers are consecutive; after a missing number the index continues.
+        // If numbers are missing, the index continues after them.
         self.seen = self.seen.max(end);
         Ok(())
     }

@@ -25,7 +25,8 @@ pub(super) struct IndexedTask {
     active_before_ns: Vec<i64>,
     /// Sums over the intervals that end by each change.
     sums: Vec<IntervalSums>,
-    /// The longest interval to draw that begins in each block of [`BLOCK_CHANGES`] changes, nanoseconds; without the last, open one.
+    /// For each block of [`BLOCK_CHANGES`] changes, the longest interval to draw that begins in it, nanoseconds. The last interval, which
+    /// is open, does not count.
     longest_ns: Vec<i64>,
     /// The instant of the first change of each block.
     block_ns: Vec<i64>,
@@ -63,7 +64,7 @@ pub(super) struct OutcomeCode(u8);
 const OUTCOMES: [&str; 3] = ["success", "failure", "cut"];
 
 impl OutcomeCode {
-    /// Returns the code of an outcome; none has one, too.
+    /// Returns the code of an outcome; `None` has a code too.
     pub(super) fn of(word: Option<&str>) -> OutcomeCode {
         let place = OUTCOMES.iter().position(|outcome| Some(*outcome) == word);
         OutcomeCode(place.map_or(0, |place| place as u8 + 1))
@@ -195,7 +196,7 @@ impl IndexedTask {
         self.push(change);
     }
 
-    /// Changes come in the order of time, so the last one was in force until now.
+    /// Adds a change. Changes come in the order of time, so the last one was in force until the new one.
     fn push(&mut self, change: Change) {
         let last = self.changes.len().saturating_sub(1);
         let before = self.active_since(last, change.at_ns);
@@ -259,7 +260,7 @@ impl IndexedTask {
         (self.active_until(to_ns) - self.active_until(from_ns)).max(0)
     }
 
-    /// Its goal as known at `at_ns`; empty before its creation.
+    /// Returns its goal as known at `at_ns`; empty before its creation.
     pub(super) fn goal_at(&self, at_ns: i64) -> &str {
         last_known(&self.goals, at_ns).map_or("", |goal| goal)
     }

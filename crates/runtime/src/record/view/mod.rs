@@ -142,13 +142,13 @@ impl RecordView {
         samples.refresh(&self.reader, &[])
     }
 
-    /// The task index, up to date with the record.
+    /// Returns the task index, up to date with the record.
     fn tasks_index(&self) -> Result<RwLockReadGuard<'_, TaskIndex>, RecordError> {
         self.current(&self.indexes.tasks, TaskIndex::read_to, TaskIndex::refresh)
     }
 
-    /// Returns an index, updated to the last effect; `read_to` returns how far an index is. Only a view that must update the index
-    /// excludes the others meanwhile.
+    /// Returns an index, updated to the last effect; `read_to` returns how far an index is. Only a view that must update the index locks
+    /// out the other views.
     fn current<'a, T>(
         &self,
         lock: &'a RwLock<T>,

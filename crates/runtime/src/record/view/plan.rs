@@ -73,7 +73,7 @@ pub enum VisitNeed {
         /// Points of the score that a visit would cost; none if any value is missing.
         more: Option<f64>,
     },
-    /// A lower price: a visit raises the expected cost of ignorance.
+    /// A lower cost: a visit would raise the expected cost of ignorance.
     Cost {
         /// Difference of the expected cost.
         more: f64,
@@ -83,7 +83,7 @@ pub enum VisitNeed {
 }
 
 impl VisitNeed {
-    /// Returns what an obstacle of a planner lacks.
+    /// Returns the change that would remove an obstacle stated by a planner.
     fn of(obstacle: Obstacle) -> VisitNeed {
         match obstacle {
             Obstacle::Late { over_s, limit, alone } => {

@@ -1,7 +1,7 @@
 //! The questions that an agent has asked operators, as known at an instant, kept in memory and extended with the record.
 //!
-//! A question is open from its effect until it is withdrawn (its time is over, its task was interrupted) or its task ends, which is what
-//! an answer does. Bound: each effect is read once.
+//! A question is open from its effect until it is withdrawn (its time is over, its task was interrupted) or its task ends; an answer ends
+//! the task. Bound: each effect is read once.
 
 use crate::error::RecordError;
 use crate::record::RecordReader;

@@ -162,7 +162,8 @@ impl Bounds {
         }
     }
 
-    /// Values in `relation` to `figure` are beyond the limit; of their magnitude if `of_magnitude`.
+    /// Extends the bounds by a comparison: values in `relation` to `figure` are beyond the limit, or, if `of_magnitude`, values whose
+    /// magnitude is. Returns false, and changes nothing, for a comparison that is not a bound.
     fn beyond(&mut self, relation: Relation, figure: f64, of_magnitude: bool) -> bool {
         match relation {
             Relation::Greater | Relation::GreaterOrEqual => {

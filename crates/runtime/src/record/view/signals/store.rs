@@ -39,7 +39,7 @@ pub(in crate::record::view) struct MeasuredVariable {
 pub(in crate::record::view) struct SampleIndex {
     /// The last step that was read.
     seen_batch: i64,
-    /// By name; the numbers are in order of first appearance.
+    /// Variables by number; the numbers are in order of first appearance.
     known: BTreeMap<u64, MeasuredVariable>,
     numbers: BTreeMap<StateVariable, u64>,
     series: BTreeMap<u64, Series>,

@@ -135,7 +135,7 @@ mod tests {
     }
 
     proptest! {
-        /// Rule L4 of the design: extremes, mean and number are those of all samples, however much is thinned.
+        /// Extremes, mean and number of a window are those of all its samples, however much the drawing is thinned.
         #[test]
         fn buckets_hold_every_sample_of_the_window(
             values in prop::collection::vec(-50.0..50.0f64, 1..400),

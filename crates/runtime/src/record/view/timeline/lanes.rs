@@ -86,7 +86,7 @@ pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Opti
     let mut rows: Vec<(i64, Vec<Bar>)> = Vec::new();
     let mut bands = Bands::new(window);
     for (id, pieces) in &mut drawn {
-        // Short intervals where there are few are bars.
+        // Short intervals are bars where there are few of them.
         if pieces.sums.iter().any(|sum| sum.count > 0 && !is_dense(sum.pixel)) {
             *pieces = Pieces::expanded(index.get(*id)?, window);
         }
@@ -133,7 +133,7 @@ fn is_small(interval: Interval, window: Window) -> bool {
     interval.length_ns() < window.pixel_ns
 }
 
-/// The pixels with too many small intervals for bars.
+/// Returns for each pixel true if it has too many small intervals for bars.
 fn dense_pixels(drawn: &[(u64, Pieces)], window: Window) -> Vec<bool> {
     let mut counts = vec![0; window.pixels];
     for (_, pieces) in drawn {

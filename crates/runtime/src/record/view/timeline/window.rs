@@ -25,13 +25,13 @@ impl Window {
         self.to_ns.min(self.at_ns)
     }
 
-    /// The pixel of an instant in the window.
+    /// Returns the pixel of an instant in the window.
     pub(super) fn pixel(self, at_ns: i64) -> usize {
         let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns).unwrap_or(0);
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
     }
 
-    /// Returns the end of a pixel, which the next one begins with; the last pixel has no end.
+    /// Returns the end of a pixel, at which the next one begins; the last pixel has no end.
     pub(super) fn end_ns(self, pixel: usize) -> i64 {
         if pixel + 1 >= self.pixels { i64::MAX } else { self.start_ns(pixel + 1) }
     }
