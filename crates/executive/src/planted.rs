@@ -33,7 +33,7 @@ pub enum Bug {
     ThresholdMisses,
 }
 
-/// All in the monitors of conditions.
+/// All bugs in the monitors of conditions.
 pub const IN_MONITORS: [Bug; 7] = [
     Bug::LongerIsAtLeast,
     Bug::GapToNowForgotten,
@@ -44,7 +44,7 @@ pub const IN_MONITORS: [Bug; 7] = [
     Bug::AbsentWhileItGoesOn,
 ];
 
-/// All in the control of tasks, and in how tasks receive samples.
+/// All bugs in the control of tasks, and in how tasks receive samples.
 pub const IN_CONTROL: [Bug; 7] = [
     Bug::EqualNewcomerWins,
     Bug::ClockStartsOver,

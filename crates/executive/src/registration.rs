@@ -4,7 +4,7 @@ use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 
-/// Checks that the host brings every function that `library` declares.
+/// Checks that the host has registered every function that `library` declares.
 ///
 /// # Errors
 /// Place and name of the first missing function, and the remedy.

@@ -89,7 +89,8 @@ pub(crate) struct Work {
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is arbitrated.
     pub(crate) priorities_changed: bool,
-    /// Contend: tasks inherit from others than before; every contested resource is arbitrated, every turn again.
+    /// Contend: tasks stopped or continue, so that tasks below them may have other priorities; every contested resource is arbitrated, and
+    /// every turn is computed again.
     pub(crate) inheritance_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,

@@ -1,5 +1,5 @@
 //! Planner invocation (DM)
-//! What: requests a procedure from a solver, and pursues a safe goal while the plan is late.
+//! What: requests a procedure from a solver, and pursues a safe goal until the plan arrives.
 //! Runs: act phase.  Reads: SolverDeclaration.  Writes: PlanningController, Effect::Solve.
 //! Bound: O(1); the solver itself runs outside.  PDL: `solver`, `(plan GOAL ..)`.  Paper: sections III and V, planner invocation.
 
@@ -101,7 +101,7 @@ fn declared_budget(
     }
 }
 
-/// Starts the goal that is pursued until the plan is there.
+/// Starts the solver's `:meanwhile` goal, which is pursued until the plan arrives.
 fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
     let seed = Seed {
         parent: Some(id),
@@ -113,7 +113,7 @@ fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
     };
     let child = match instantiation::create(cycle, seed) {
         Ok(child) => child,
-        // The task still waits for the plan.
+        // The task waits for the plan without it.
         Err(cause) => {
             let place = cycle.place_of(id);
             return cycle.trouble_of(Some(id), cause, place);

@@ -107,7 +107,7 @@ pub(crate) fn satisfies_all(
     satisfies_all_as(tests, constraints, value, reading, bindings, context, place)
 }
 
-/// Like the function above, with right sides evaluated by `reading`.
+/// Like [`satisfies_all`], with right sides evaluated by `reading`.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.

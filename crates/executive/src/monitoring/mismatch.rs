@@ -13,7 +13,7 @@ use apex_forms::print::Style::Brief;
 use apex_model::pattern::Pattern;
 use apex_model::value::Value;
 
-/// Returns the first place where `value` does not fit `pattern`; `None` if no single place is to blame.
+/// Returns the first place where `value` does not fit `pattern`; `None` if the mismatch has no single place.
 pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, context: &dyn EvalContext) -> Option<String> {
     find(pattern, value, context, &mut Bindings::new())
 }

@@ -89,7 +89,7 @@ enum MatchStep<'a> {
 }
 
 impl Matcher<'_> {
-    /// Matches a straight pattern, part by part. As deep as the pattern, which the reader bounds.
+    /// Matches a straight pattern, part by part. The recursion is as deep as the pattern, which the reader bounds.
     fn straight(&mut self, pattern: &Pattern, value: &Value) -> Result<bool, EvaluationError> {
         match pattern {
             Pattern::List(parts) => {

@@ -54,7 +54,7 @@ pub(crate) trait Sampled {
         let _ = sample;
         false
     }
-    /// Starts again from the remembered samples.
+    /// Clears the results and processes the remembered samples.
     fn backfill(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
         self.begin_again(site, context, troubles);
         let (known, attribute) = (self.variable().cloned(), self.pattern().attribute.clone());

@@ -33,7 +33,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
         if task.controller.is_none() {
             begin(cycle, id);
         } else if interruption::may_start_over(cycle, id) {
-            // Its resumption is noticed first; a task that starts over does not continue before that.
+            // Its monitors notice the resumption in the next round. Only then does it continue, unless `restart-when` starts it over.
             cycle.work.resuming.insert(id);
             interruption::hold_children(cycle, id);
             // An ongoing task passes its priority to interrupted tasks below it that claim already.

@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub(super) struct WatchedCondition {
     pub(super) condition: Arc<Condition>,
     pub(super) created_at: Time,
-    /// None until `created_at` has arrived.
+    /// `None` until `created_at` has arrived.
     pub(super) monitor: Option<Monitor>,
     pub(super) told: ReportedResults,
     /// Stimuli that the monitor must receive.
@@ -101,7 +101,7 @@ impl WatchedCondition {
         }
     }
 
-    /// Continues the watch of a combination by indexes after a harvest; it has reported `any` result.
+    /// Lets indexes watch a combination again after its results were collected; `any` is true if one was reported.
     pub(super) fn lie_down_again(&mut self, any: bool) {
         if let WatchedCondition { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
             threshold_formula::harvested(monitor, leaves, any);
@@ -109,7 +109,7 @@ impl WatchedCondition {
         }
     }
 
-    /// Returns the new results, after everything of the instant was noticed.
+    /// Collects the new results, after everything of the instant was noticed.
     pub(super) fn harvest(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &mut self.monitor {
             Some(monitor) => result_report::report_results(monitor, &mut self.told, self.lateness, world),

@@ -36,7 +36,7 @@ impl Bindings {
         self.0.retain(|(key, _)| key != name);
     }
 
-    /// Pairs in order of first binding.
+    /// Returns the pairs in order of first binding.
     pub fn iter(&self) -> impl Iterator<Item = (&Symbol, &Value)> {
         self.0.iter().map(|(name, value)| (name, value))
     }

@@ -159,7 +159,7 @@ pub struct PlanningController {
     pub request: SolveRequestId,
     /// The goal that is planned for.
     pub goal: Value,
-    /// Task that runs meanwhile.
+    /// Task that pursues the solver's `:meanwhile` goal until the plan arrives.
     pub meanwhile: Option<TaskId>,
     /// True if the plan is to be pursued as soon as it arrives, because the task's own goal has no procedure.
     pub pursue: bool,
@@ -167,7 +167,7 @@ pub struct PlanningController {
     pub patience: Duration,
     /// Wake at the time limit; `None` once there is an answer.
     pub wake: Option<WakeKey>,
-    /// The plan arrived while the task was interrupted.
+    /// The plan, if it arrived while the task was interrupted.
     pub arrived: Option<ProcedureRef>,
 }
 

@@ -38,7 +38,7 @@ pub struct EpisodeIndex {
     newest: Time,
     /// The sample before the newest.
     previous: Time,
-    /// No deadline is earlier.
+    /// A lower bound of all deadlines.
     deadline_floor: Time,
     gap_least: Duration,
     gap_most: Duration,

@@ -60,12 +60,12 @@ impl Guards {
         self.tasks.is_empty()
     }
 
-    /// Tasks that a sample of this attribute concerns, in addition to [`Guards::restless`].
+    /// Returns the tasks that a sample of this attribute concerns, in addition to [`Guards::restless`].
     pub fn concerned_by(&self, attribute: &Symbol) -> impl Iterator<Item = TaskId> + '_ {
         self.by_attribute.get(attribute).into_iter().flatten().copied()
     }
 
-    /// Tasks that any change may concern, in order of creation.
+    /// Returns the tasks that any change may concern, in order of creation.
     pub fn restless(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.restless.iter().copied()
     }

@@ -59,7 +59,7 @@ impl Heads {
         }
     }
 
-    /// Candidates for a goal that begins with `head`, in order of filing.
+    /// Returns the candidates for a goal that begins with `head`, in order of filing.
     pub fn candidates(&self, head: Option<&Symbol>) -> impl Iterator<Item = IndexCandidate> {
         let filed = head.and_then(|head| self.by_head.get(head));
         filed.into_iter().flatten().chain(&self.general).copied()
@@ -109,7 +109,7 @@ pub struct ProcedureIndex {
     pub tags: HashMap<Symbol, u32, FxBuildHasher>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
-    /// Written order gives each step a distinct rank.
+    /// True if the written order gives each step a distinct rank.
     pub ranked_by_order: bool,
     /// Variables whose values may change while the procedure runs: results of steps, and assignments in its forms.
     pub changing: BTreeSet<Symbol>,
@@ -124,7 +124,7 @@ pub struct LibraryIndex {
     pub solvers: Heads,
     /// By index in the library.
     pub procedures: Vec<Arc<ProcedureIndex>>,
-    /// The program names `(command-state ..)`: only then states of commands are published.
+    /// True if the program names `(command-state ..)`: only then states of commands are published.
     pub names_command_states: bool,
     /// State variables by attribute.
     pub variables: VariableIndex,
@@ -189,7 +189,7 @@ impl ProcedureIndex {
     }
 }
 
-/// Results of steps, and variables that are assigned by hooks, activities and `select`.
+/// Returns the results of steps, and the variables that are assigned by hooks, activities and `select`.
 fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTreeSet<Symbol> {
     let mut names: BTreeSet<Symbol> = results.collect();
     let mut see = |expr: &Expr| {

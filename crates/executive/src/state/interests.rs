@@ -32,7 +32,7 @@ pub struct Interests {
 struct Watchers {
     /// Monitors that must receive every sample. A monitor that is alone is filed here, whatever it compares.
     every: MonitorSet,
-    /// Must receive samples on their side of a bound.
+    /// Monitors that must receive only samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
     /// Monitors that need not receive samples that leave their episodes undecided.
     episodes: Option<Box<EpisodeIndex>>,

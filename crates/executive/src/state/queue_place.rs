@@ -95,7 +95,7 @@ pub struct QueuePlace {
 }
 
 impl QueuePlace {
-    /// The place now; `risen_to` computes a priority from importance and due instant.
+    /// Returns the place now; `risen_to` computes a priority from importance and due instant.
     pub fn now(&self, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         let risen = self.rising.iter().map(|key| key.risen(risen_to(key.importance, key.due)));
         self.steady.into_iter().chain(risen).min()
@@ -108,14 +108,14 @@ impl QueuePlace {
         !self.rising.iter().all(behind)
     }
 
-    /// The number of places.
+    /// Returns the number of places.
     pub(super) fn len(&self) -> usize {
         self.rising.len() + usize::from(self.steady.is_some())
     }
 }
 
 impl RisingKey {
-    /// The place with this priority.
+    /// Returns the place with this priority.
     fn risen(&self, priority: f64) -> QueueKey {
         QueueKey { priority, rank: None, within: 0.0, begun: self.begun, order: self.order }
     }

@@ -38,7 +38,7 @@ impl<T> Slots<T> {
         self.0.get_mut(slot / CHUNK)?.get_mut(slot % CHUNK)
     }
 
-    /// Adds an empty slot; its number.
+    /// Adds an empty slot and returns its number.
     fn add(&mut self) -> u32 {
         if self.0.last().is_none_or(|chunk| chunk.len() == CHUNK) {
             self.0.push(Vec::with_capacity(CHUNK));
@@ -154,7 +154,7 @@ impl<T> Table<T> {
         self.slots.place(slot)?.take()
     }
 
-    /// Lifts the entry with this number out for a moment: its place stays reserved for [`Table::put`].
+    /// Takes the entry with this number out for a moment: its place stays reserved for [`Table::put`].
     pub fn lift(&mut self, number: u64) -> Option<T> {
         let slot = self.slot(number)?;
         self.slots.place(slot)?.take()
@@ -167,7 +167,7 @@ impl<T> Table<T> {
         }
     }
 
-    /// Entries in order of their numbers.
+    /// Returns the entries in order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u64, &T)> {
         self.pages.iter().zip(0_u64..).filter_map(|(page, index)| page.as_ref().map(|page| (page, index))).flat_map(
             move |(page, index)| {

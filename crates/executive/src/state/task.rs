@@ -44,7 +44,7 @@ pub enum Origin {
     Item(StepRef),
     /// The `on-failure` activity of its parent's step.
     OnFailure(StepRef),
-    /// Work of its parent while a plan is late: the solver declaration's index.
+    /// Work of its parent until a plan arrives: the solver declaration's index.
     Meanwhile(u32),
     /// A probe for a condition with `:probing`.
     Probe(ProbingId),

@@ -64,9 +64,9 @@ pub struct OpenResult {
 pub struct IndexedRun {
     /// The run in the form of its monitor, without the result.
     pub run: ObjectRun,
-    /// The run before the newest sample has a result, which was recognised then.
+    /// Instant at which the result of the run before the newest sample was recognised; `None` if that run has none.
     pub found_at: Option<Time>,
-    /// The run with the newest sample has a result, which was recognised then.
+    /// Instant at which the result of the run with the newest sample was recognised; `None` if that run has none.
     pub open_at: Option<Time>,
 }
 

@@ -3,7 +3,7 @@
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::procedure::Activity;
 
-/// Shows `see` the expression and all its parts.
+/// Calls `see` with the expression and all of its parts.
 pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
     see(expr);
     match &expr.kind {
@@ -43,7 +43,7 @@ pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
     }
 }
 
-/// Like the function above, for every expression of an activity.
+/// Like [`each`], for every expression of an activity.
 pub fn each_in_activity(activity: &Activity, see: &mut dyn FnMut(&Expr)) {
     match activity {
         Activity::Goal(template) => of_template(template, see),

@@ -20,7 +20,7 @@ use std::cell::Cell;
 
 /// Shortest span that is halved: a shorter advantage of the challenger may be missed.
 const FINEST: Duration = Duration(1_000);
-/// Horizon of the search: some 34 years.
+/// Horizon of the search: some 36 years.
 const FARTHEST: Duration = Duration(1 << 60);
 /// Shortest unknown span that is divided further.
 const COARSEST_UNKNOWN: Duration = Duration(100_000_000);

@@ -310,7 +310,8 @@ impl<'a> Line<'a> {
 
 /// The instant from which on claims exceed a resource. Unknown instants count as the earliest.
 struct Exhaustion {
-    /// Claims that cannot begin before this instant, and those before it, exceed the whole; `None` if all claims do not.
+    /// The instant by which the claims that cannot begin after it exceed the whole resource; the inner `None` is an unknown instant, the
+    /// outer one means that all claims together do not exceed the resource.
     from: Option<Option<Time>>,
     /// The first instant at which a use may end or a claimant may begin.
     first: Option<Option<Time>>,

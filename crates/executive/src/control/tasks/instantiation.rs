@@ -97,7 +97,7 @@ pub(crate) fn window(task: &Task) -> Window {
     Window { start: task.created_at, after_sequence: task.after_sequence }
 }
 
-/// Arms the preconditions of a pending task. It becomes ready at once when there are none left.
+/// Arms the preconditions of a pending task. It becomes ready at once if nothing holds it back.
 pub(crate) fn arm(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(Origin::Step(_)) = cycle.task(id).map(|task| task.origin) {
         let by_result = awaited(cycle, id, |index| &index.awaits).is_some();

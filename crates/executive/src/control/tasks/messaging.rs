@@ -199,7 +199,7 @@ fn check_router<'r>(
     Err(format!("no router is called {named}; there are {}", known.join(", ")))
 }
 
-/// A topic belongs to no task, so the variables of its pattern are local to it.
+/// Returns true if the topics include this one. A topic belongs to no task, so the variables of its pattern are local to it.
 fn passes(cycle: &Cycle<'_>, topics: &Topics, topic: &Value) -> Result<bool, EvaluationError> {
     let patterns = match topics {
         Topics::All => return Ok(true),

@@ -281,7 +281,7 @@ fn items_done(cycle: &mut Cycle<'_>, id: TaskId, items: u64, last: Option<TaskId
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
 }
 
-/// Handles the end of the work that replaced a late plan: the plan is still awaited.
+/// Handles the end of the work that a task does until its plan arrives: the plan is still awaited.
 pub(crate) fn meanwhile_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     if let Some(Controller::Planning(controller)) = controller(cycle, id) {
         controller.meanwhile = None;

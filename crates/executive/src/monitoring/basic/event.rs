@@ -21,7 +21,7 @@ use apex_model::pattern::Pattern;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Starts again from the remembered messages.
+/// Clears the results and processes the remembered messages.
 pub(crate) fn backfill(
     part: &mut EventPart,
     site: PartContext,

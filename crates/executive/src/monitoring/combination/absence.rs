@@ -22,10 +22,10 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
 
-/// Returns the part, not yet looked back. The length is evaluated now.
+/// Returns the part; it has not processed remembered evidence yet. The length is evaluated now.
 ///
 /// # Errors
-/// When it cannot be.
+/// When the length cannot be evaluated.
 pub(crate) fn create(
     part: Part,
     length: &Expr,
@@ -51,7 +51,7 @@ pub(crate) fn create(
     })
 }
 
-/// Starts again.
+/// Forgets the results of the part and the windows found so far; the part itself is cleared separately.
 pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.found.clear();
     part.seen.clear();

@@ -152,7 +152,7 @@ pub(crate) fn condition_tree(monitor: &Monitor, context: &dyn EvalContext) -> co
     condition_tree::tree(&monitor.root, &mut VerdictQuery::new(context))
 }
 
-/// Errors met while judging since the last call: to be reported as faults.
+/// Takes the errors that occurred in verdicts since the last call; the caller reports them as faults.
 pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<ConditionFault> {
     monitor.notes.as_mut().map(|notes| std::mem::take(&mut notes.troubles)).unwrap_or_default()
 }

@@ -30,9 +30,9 @@ pub(crate) struct OrderedPart<'a> {
     pub(crate) index: usize,
     /// Results that the part keeps, in the order in which they became final.
     pub(crate) kept: &'a [Satisfaction],
-    /// The earlier ones of all results in order of time.
+    /// All results in order of time: the earlier ones.
     first: &'a [Satisfaction],
-    /// The later ones, which follow `first`.
+    /// The later ones, which continue `first`.
     rest: Vec<&'a Satisfaction>,
     pub(crate) gap: Gap,
 }
@@ -92,7 +92,7 @@ pub(crate) fn preceding(start: Time, gap: Gap) -> (Time, Time) {
 }
 
 impl<'a> OrderedPart<'a> {
-    /// Results within the closed span, in order.
+    /// Returns the results within the closed span, in order.
     pub(crate) fn within(&self, (from, to): (Time, Time)) -> impl Iterator<Item = &Satisfaction> {
         let first = self.first.get(self.first.partition_point(|each| each.interval.0 < from)..).unwrap_or_default();
         let rest = self.rest.get(self.rest.partition_point(|each| each.interval.0 < from)..).unwrap_or_default();

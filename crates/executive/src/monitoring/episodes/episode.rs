@@ -32,10 +32,10 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Returns the part for `condition`, not yet looked back. Gap and durations are evaluated now.
+/// Returns the part for `condition`; it has not processed remembered samples yet. Gap and durations are evaluated now.
 ///
 /// # Errors
-/// When they cannot be.
+/// When the gap or a duration cannot be evaluated.
 pub(crate) fn create(
     condition: &Arc<EpisodeCondition>,
     any_pair: bool,
@@ -83,7 +83,7 @@ fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<
     })
 }
 
-/// Starts again from the remembered samples.
+/// Clears the results and processes the remembered samples.
 pub(crate) fn backfill(
     part: &mut EpisodePart,
     site: PartContext,

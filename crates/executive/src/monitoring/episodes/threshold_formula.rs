@@ -177,7 +177,7 @@ pub(crate) fn stand_up(
     troubles.tell(monitor);
 }
 
-/// Updates the monitor after a harvest in place. All results are used up if the harvest reported any.
+/// Updates the leaves after the results of the formula were collected. If any was reported, the results of its leaves are used up.
 pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let alternatives = matches!(monitor.root.kind, PartKind::Or(_));
     let mut each = leaves.0.iter_mut();

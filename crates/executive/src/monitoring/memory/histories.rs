@@ -95,14 +95,14 @@ pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, seq
     (Stimulus::Event { form, at, sequence }, overflows)
 }
 
-/// Returns the message for a dropped first sample of `variable` that a condition may still need.
+/// Returns the message for the first dropped sample of `variable` that a condition may still need.
 pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> String {
     let most = limits.of(Limit::HistorySamples);
     let over = format!("more than {most} samples of {variable} within what conditions or logs ask for");
     forgotten(&over, Limit::HistorySamples, limits)
 }
 
-/// Returns the message for a dropped first message that a condition may still need.
+/// Returns the message for the first dropped message that a condition may still need.
 pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
     let most = limits.of(Limit::EventHistory);
     forgotten(

@@ -69,7 +69,7 @@ pub(crate) struct Survey<'a> {
     pub(crate) library: &'a Library,
     /// Index of the procedures, if it exists.
     index: Option<&'a LibraryIndex>,
-    /// The texts of the demands are not used.
+    /// True if the texts of the demands are not used.
     wordless: bool,
     demands: Vec<Demand>,
 }
@@ -118,12 +118,12 @@ impl Survey<'_> {
         self.demands.push(Demand { subject, reach, why, text, place });
     }
 
-    /// Returns all samples of the attribute.
+    /// Adds a demand of all samples of the attribute.
     fn whole(&mut self, variable: &VariablePattern, why: Why, text: impl Fn() -> String, place: Place) {
         self.demand(Subject::Attribute(variable.attribute.clone()), Reach::Unbounded, why, text, place);
     }
 
-    /// Returns the reach of constraints on time, which without an earliest time written out has no bound.
+    /// Adds the demand of constraints on time: their span, or no bound if they state no earliest time.
     fn times(
         &mut self,
         subject: Subject,

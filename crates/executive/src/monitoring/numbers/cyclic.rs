@@ -35,7 +35,7 @@ use std::sync::Arc;
 /// Cycles that make a pattern when `:cycles` is not stated.
 const CYCLES_DEFAULT: u64 = 2;
 
-/// Returns the part for a condition, not yet looked back. The hysteresis is evaluated now.
+/// Returns the part for a condition; it has not processed remembered samples yet. The hysteresis is evaluated now.
 ///
 /// # Errors
 /// If it cannot be computed, or is not a number of the variable's unit.

@@ -30,7 +30,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Returns the part for `condition`, not yet looked back.
+/// Returns the part for `condition`; it has not processed remembered samples yet.
 ///
 /// # Errors
 /// When the timeout or a value that never changes cannot be evaluated.

@@ -74,10 +74,10 @@ impl fmt::Display for FitFailure {
     }
 }
 
-/// Returns the part for `condition`, not yet looked back. All options are evaluated now.
+/// Returns the part for `condition`; it has not processed remembered samples yet. All options are evaluated now.
 ///
 /// # Errors
-/// When they cannot be.
+/// When an option cannot be evaluated.
 pub(crate) fn create(
     condition: &Arc<MeasurementCondition>,
     options: &[(Symbol, Expr)],
@@ -238,7 +238,7 @@ impl FittedLine {
 /// Returns the line through the samples of one object.
 ///
 /// # Errors
-/// With the reason for which there is none.
+/// The reason for which there is no line.
 fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<FittedLine, FitFailure> {
     let Some(last) = fit.last() else { return Err(FitFailure::NoSample) };
     if part.blind {
@@ -261,19 +261,19 @@ fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<F
     }
 }
 
-/// Statement of one object's line at `now`.
+/// Verdict of one object's line at `now`.
 pub(crate) enum Saying {
     /// The line satisfies the constraints in the window.
     Met(Satisfaction),
-    /// The line will satisfy them at this instant, if no sample arrives before.
+    /// The line will satisfy the constraints at this instant, if no sample arrives before.
     WillBe(Time, f64, FittedLine),
-    /// It does not.
+    /// The line does not satisfy the constraints in the window.
     Unmet(FittedLine),
     /// There is no line, or the window is not known.
     Unknown(FitFailure),
 }
 
-/// Returns the statement of the line of `object` at `now`.
+/// Returns the verdict of the line of `object` at `now`.
 ///
 /// # Errors
 /// When a bound cannot be evaluated.
@@ -347,7 +347,7 @@ fn unmet(part: &RegressionPart, line: FittedLine, now: Time) -> Saying {
     }
 }
 
-/// Returns the statements for the lines of all required objects, in order of first appearance.
+/// Returns the verdicts of the lines of all required objects, in order of first appearance.
 pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Saying> {
     let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
     let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();

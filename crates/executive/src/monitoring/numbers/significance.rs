@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use apex_model::time::Time;
 
-    /// Returns two-sided probability of Student's t.
+    /// Returns the two-sided probability of Student's t.
     fn two_sided(t: f64, freedom: f64) -> f64 {
         beta_ratio(freedom / (freedom + t * t), t * t / (freedom + t * t), freedom / 2.0, 0.5)
     }

@@ -3,7 +3,7 @@
 //! Runs: from statistics, on every sample.
 //! Reads: nothing.
 //! Writes: the window.
-//! Bound: amortised O(1) a sample: each is moved between the stacks once. Nothing is subtracted, so nothing is lost.
+//! Bound: amortised O(1) a sample: each is moved between the stacks once. No sum is reduced by subtraction, so no digits are lost.
 //! PDL: `:stats` and `:trend` with a `:duration` and no `:value`.
 //! Paper: Table 1, row 8.
 

@@ -352,7 +352,7 @@ impl Evaluation<'_> {
         Ok((outcome, Some(Satisfaction { interval: numbers.interval, recognised_at, bindings, evidence })))
     }
 
-    /// Constraints on start and end of the evidence, and of a run that is over on its duration.
+    /// Returns true if the constraints on start and end of the evidence hold, and those on the duration of the run or window up to `at`.
     fn bounds_hold(&self, numbers: &RunStatistics, at: Time) -> Result<bool, EvaluationError> {
         let timing = &self.part.condition.timing;
         let (start, end) = numbers.interval;

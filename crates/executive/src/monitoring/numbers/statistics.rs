@@ -34,10 +34,10 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Returns the part for `condition`, not yet looked back. Gap and durations are evaluated now.
+/// Returns the part for `condition`; it has not processed remembered samples yet. Gap and durations are evaluated now.
 ///
 /// # Errors
-/// When they cannot be.
+/// When the gap or a duration cannot be evaluated.
 pub(crate) fn create(
     condition: &Arc<EpisodeCondition>,
     context: &dyn EvalContext,
@@ -299,7 +299,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
     results
 }
 
-/// Results that grow as long as their statistics hold.
+/// Returns the results that grow as long as their statistics hold.
 pub(crate) fn open_results(
     part: &StatisticalPart,
     site: PartContext,

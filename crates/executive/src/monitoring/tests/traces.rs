@@ -34,7 +34,7 @@ pub(super) fn traces(most: i64, present: u32) -> impl Strategy<Value = Trace> {
     })
 }
 
-/// They arrive in sequence.
+/// Passes the samples of the trace in sequence; a missing value is a NaN.
 pub(super) fn tell(world: &mut World, trace: &[(i64, Option<i64>)]) {
     for (at, value) in trace {
         let value = value.map_or(Value::Real(f64::NAN), Value::Integer);

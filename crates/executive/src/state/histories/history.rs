@@ -132,7 +132,7 @@ pub struct Histories {
 }
 
 impl Histories {
-    /// Samples and messages that are kept.
+    /// Returns the number of samples and messages that are kept.
     pub(crate) fn sample_count(&self) -> usize {
         self.variables.iter().map(|(_, history)| history.samples.len()).sum::<usize>() + self.events.len()
     }
@@ -144,7 +144,7 @@ impl History {
         self.samples.iter()
     }
 
-    /// Samples kept aside because they came too late, in order of arrival.
+    /// Returns the samples kept aside because they came too late, in order of arrival.
     pub fn late_samples(&self) -> impl Iterator<Item = &Sample> {
         self.late.iter()
     }
@@ -170,7 +170,7 @@ impl History {
         near.or_else(|| self.samples.get(self.samples.partition_point(early).checked_sub(1)?))
     }
 
-    /// Samples with `start <= at <= end`, oldest first.
+    /// Returns the samples with `start <= at <= end`, oldest first.
     pub fn between(&self, start: Time, end: Time) -> impl DoubleEndedIterator<Item = &Sample> {
         let first = self.samples.partition_point(|sample| sample.at < start);
         let last = self.samples.partition_point(|sample| sample.at <= end).max(first);

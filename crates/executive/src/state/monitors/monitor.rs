@@ -201,10 +201,10 @@ pub struct Composite {
     pub combines: bool,
     /// The variables that occur in more than one part.
     pub shared: Vec<Symbol>,
-    /// Bookkeeping of an order of samples and messages of which only the first result for each set of bindings is asked.
+    /// Bookkeeping of an order of samples and messages of which only the first result for each set of bindings is required.
     pub order: Option<Box<PointOrder>>,
     /// Number of kept results from which on useless ones are searched and removed, in an `:and` of which only the first result for each set
-    /// of bindings is asked; `None` if another result may be asked.
+    /// of bindings is required; `None` if another result may be required.
     pub sweep_at: Option<usize>,
 }
 

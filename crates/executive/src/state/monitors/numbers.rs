@@ -154,9 +154,9 @@ pub struct Totals {
     pub last_step: Option<(Time, f64, f64)>,
     /// Instant of the number from which the last bad step was made.
     pub bad_step: Option<Time>,
-    /// Moments of all numbers of the run; where a window slides nothing.
+    /// Moments of all numbers of the run; empty if a window slides.
     pub moments: Moments,
-    /// Moments over time; where a window slides nothing.
+    /// Moments over time; empty if a window slides.
     pub held: HeldMoments,
     /// The numbers in order, if a median is required.
     pub ordered: Option<OrderedNumbers>,

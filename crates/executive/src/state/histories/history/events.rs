@@ -58,7 +58,7 @@ impl Histories {
         self.event_logs.require(head, lookback);
     }
 
-    /// Messages that begin with `head` with `start <= at <= end`, oldest first; `None` if they are no longer kept.
+    /// Returns the messages that begin with `head` with `start <= at <= end`, oldest first; `None` if they are no longer kept.
     pub fn events_of(&self, head: &Symbol, start: Time, end: Time) -> Option<Vec<&Occurrence>> {
         let of_it = |event: &&Occurrence| event.at <= end && event.head() == Some(head);
         if self.events_cover(start) {
