@@ -109,7 +109,7 @@ mod tests {
     use crate::words::explain_word;
     use std::collections::BTreeSet;
 
-    /// Keywords in forms of a page, without those of its links and prose.
+    /// Returns the keywords in forms of a page, without those of its links and prose.
     fn keywords(page: &str) -> BTreeSet<&str> {
         let words = page.split(|each: char| !(each.is_alphanumeric() || ":-".contains(each)));
         words.filter_map(|word| word.strip_prefix(':')).filter(|word| word.starts_with(char::is_lowercase)).collect()

@@ -51,7 +51,7 @@ pub trait Budget {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// Limits of the machine for the solver.
+    /// Returns the limits of the machine for the solver.
     fn machine(&self) -> MachineLimits {
         MachineLimits::default()
     }

@@ -18,7 +18,7 @@ struct Fold {
 }
 
 impl ScoredFlight {
-    /// One caller at a time extends the computation; the others wait for its result.
+    /// Returns the score at `at`. Only one caller at a time extends the computation; the others wait for its result.
     pub(crate) fn at(&self, reader: &RecordReader, at: Time) -> ApiResult<Option<ScoreSoFar>> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let fold = match slot.take() {

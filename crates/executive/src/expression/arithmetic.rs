@@ -55,7 +55,7 @@ pub(crate) fn described(value: &Value) -> String {
     }
 }
 
-/// `left + right`.
+/// Returns `left + right`.
 ///
 /// # Errors
 /// When dimensions differ or an integer overflows.
@@ -70,7 +70,7 @@ pub(crate) fn add(left: &Value, right: &Value) -> FunctionResult {
     }
 }
 
-/// `left - right`.
+/// Returns `left - right`.
 ///
 /// # Errors
 /// When dimensions differ or an integer overflows.
@@ -260,7 +260,7 @@ fn quantity(number: &Value, unit: &Value) -> FunctionResult {
     Ok(with_unit(pure_number(number)?, unit_of(unit)?))
 }
 
-/// `number` of `unit` as a value.
+/// Returns `number` of `unit` as a value.
 pub(crate) fn with_unit(number: f64, unit: &'static apex_model::quantity::Unit) -> Value {
     match unit.dimension {
         Dimension::TIME | Dimension::NONE => Value::measured(number * unit.factor, unit.dimension),

@@ -22,9 +22,9 @@ pub(crate) trait EvalContext {
     }
     /// Returns the instant of this step.
     fn now(&self) -> Time;
-    /// `+this-task+`.
+    /// Returns the value of `+this-task+`.
     fn this_task(&self) -> Option<TaskId>;
-    /// `+self+`.
+    /// Returns the value of `+self+`.
     fn agent_name(&self) -> &Symbol;
     /// Returns the instant at which the task became ongoing; before that, the instant of its creation.
     fn task_start(&self, task: TaskId) -> Option<Time>;

@@ -137,7 +137,7 @@ fn nth(list: &Value, index: usize) -> FunctionResult {
     items(list).map(|items| items.get(index).cloned().unwrap_or_else(Value::nil))
 }
 
-/// `value` as an index or count.
+/// Returns `value` as an index or count.
 ///
 /// # Errors
 /// If `value` is not a whole number of at least zero.

@@ -29,7 +29,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     })
 }
 
-/// `text` as a value, within the limit.
+/// Returns `text` as a value, within the limit.
 ///
 /// # Errors
 /// When it is too long.

@@ -38,7 +38,7 @@ fn in_procedure(agent: &Agent, controller: &ProcedureController, name: &Symbol) 
 }
 
 impl View<'_> {
-    /// Variables of the task's own procedure or primitive, chosen or running.
+    /// Returns a variable of the task's own procedure or primitive, chosen or running.
     fn inner(&self, task: &Task, name: &Symbol) -> Option<Value> {
         match task.controller.as_deref() {
             Some(Controller::Procedure(controller)) => in_procedure(self.agent, controller, name),

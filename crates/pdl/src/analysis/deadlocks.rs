@@ -154,7 +154,7 @@ fn add<'l>(taken: Vec<Taken<'l>>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Ac
     held.extend(new);
 }
 
-/// Extends the chain until its last task needs what the first one holds.
+/// Extends the chain until its last task needs what the first one holds. Returns true if that succeeds.
 fn close<'a, 'l>(
     procedure: &Procedure,
     orders: &'a [Vec<AcquisitionOrder<'l>>],

@@ -339,7 +339,7 @@ impl<'l> Reaching<'l> {
     }
 }
 
-/// Primitives that never complete, by their index in the library.
+/// Returns the primitives that never complete, by their index in the library.
 pub(crate) fn never_completing(library: &Library, names: &Names) -> Vec<usize> {
     let reaches = Reaching::new(library, names);
     let numbered = library.primitives.iter().enumerate();

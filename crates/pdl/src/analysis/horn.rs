@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition: apply every rule until nothing changes.
+    /// Solves the clauses as they are defined: applies every rule until nothing changes.
     fn naive(needs: &[u32], rules: &[(u32, u32)]) -> Vec<bool> {
         let mut is_true: Vec<bool> = needs.iter().map(|needs| *needs == 0).collect();
         loop {

@@ -367,7 +367,7 @@ impl NeedReader<'_> {
     }
 }
 
-/// Tags of steps in a row, human-readable.
+/// Returns the tags of steps in a row, human-readable.
 pub(crate) fn tags(procedure: &Procedure, steps: impl IntoIterator<Item = usize>) -> Vec<String> {
     let steps = steps.into_iter().filter_map(|step| procedure.steps.get(step));
     steps.map(|step| format!("`{}`", step.tag)).collect()

@@ -206,7 +206,7 @@ pub(crate) fn transitions(transitions: &Transitions) -> impl Iterator<Item = (&'
     .filter_map(|(name, condition)| condition.as_deref().map(|condition| (name, condition)))
 }
 
-/// Hooks with their names.
+/// Returns the hooks with their names.
 pub(crate) fn hooks(hooks: &Hooks) -> [(&'static str, &[Expr]); 4] {
     [
         ("on-start", &hooks.on_start),

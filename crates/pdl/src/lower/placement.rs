@@ -37,7 +37,7 @@ impl Lowering {
         found
     }
 
-    /// Reports a step inside of another one, whose list was closed too late.
+    /// Reports a step inside of another one, whose list was closed too late; true if there is one.
     fn report_nested_step(&mut self, step: &Datum) -> bool {
         let items = step.as_list().unwrap_or_default();
         let Some(at) = items.iter().position(|item| item.head_name() == "step") else { return false };

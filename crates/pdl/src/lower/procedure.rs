@@ -69,7 +69,7 @@ impl Lowering {
         Some(procedure)
     }
 
-    /// Reports `(proctype ranked)`: the kind of a procedure is its first word.
+    /// Reports `(proctype ranked)`: the kind of a procedure is its first word. Returns true if it did.
     fn report_proctype(&mut self, datum: &Datum) -> bool {
         let Some(clause) = datum.tail().iter().find(|item| item.head_name() == "proctype") else { return false };
         let kind = match clause.tail() {
@@ -154,7 +154,8 @@ impl Lowering {
         }
     }
 
-    /// Reports `=> ?x` in an index: it belongs to the step that pursues the goal, and an index with it matches no goal.
+    /// Reports `=> ?x` in an index: it belongs to the step that pursues the goal, and an index with it matches no goal. Returns true if it
+    /// did.
     fn report_result_in_index(&mut self, datum: &Datum) -> bool {
         let items = datum.as_list().unwrap_or_default();
         let Some(mark) = items.iter().position(|item| item.is("=>")).filter(|mark| *mark > 0) else { return false };
@@ -270,7 +271,7 @@ impl Lowering {
         );
     }
 
-    /// Gives untagged steps the first symbol of their activity, numbered if it repeats.
+    /// Gives untagged steps the first symbol of their activity, numbered if it repeats. Returns true if the stated tags differ.
     fn number_tags(&mut self, steps: &mut [StepSource<'_>]) -> bool {
         let unique = self.report_same_tags(steps);
         if steps.iter().all(|step| !step.tag.is("")) {

@@ -69,8 +69,8 @@ pub(super) const RELATION_SIGNS: &[(&str, &str)] = &[
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
 impl Lowering {
-    /// Reports the first of `items` that is the name of an option of `of` without its colon. An item directly after a keyword is its
-    /// value and never reported.
+    /// Reports the first of `items` that is the name of an option of `of` without its colon; returns true if it did. An item directly after
+    /// a keyword is its value and never reported.
     pub(crate) fn report_missing_colon(&mut self, items: &[Datum], known: &[&str], of: &str) -> bool {
         let mut after_keyword = true;
         for item in items {
@@ -144,7 +144,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// Reports a comparison in the notation of another language: PDL would read it as an event that never occurs.
+    /// Reports a comparison in the notation of another language: PDL would read it as an event that never occurs. Returns true if it did.
     fn report_foreign_relation(&mut self, datum: &Datum) -> bool {
         let items = datum.as_list().unwrap_or_default();
         if let [relation, Datum { kind: DatumKind::List(variable), span }, _] = items
@@ -181,7 +181,8 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the form would be a message.
+    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the form would be a message. Returns true if
+    /// it did.
     fn report_glued_relation(&mut self, items: &[Datum]) -> bool {
         for item in items.iter().skip(1) {
             let Some(name) = item.as_symbol() else { continue };

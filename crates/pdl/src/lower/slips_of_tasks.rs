@@ -65,7 +65,7 @@ impl Lowering {
         true
     }
 
-    /// Reports `(failed a)`, `(state a = failed)` and `(command-state a = done)` for the step `a`.
+    /// Reports `(failed a)`, `(state a = failed)` and `(command-state a = done)` for the step `a`; true if it did.
     fn report_word_for_step(&mut self, items: &[Datum]) -> bool {
         let step = match items {
             [head, step] if OUTCOME_WORDS.iter().any(|word| head.is(word)) => step,
@@ -83,7 +83,7 @@ impl Lowering {
         self.slip(step.span, format!("`{tag}` is a word here, not the step"), fix)
     }
 
-    /// Reports `(state ?a failed)` and `(command-state ?a done)`.
+    /// Reports `(state ?a failed)` and `(command-state ?a done)`; true if it did.
     fn report_state_without_relation(&mut self, items: &[Datum]) -> bool {
         let [head, step, state] = items else { return false };
         let is_condition = head.is("state") && is_state(state)
@@ -97,7 +97,7 @@ impl Lowering {
         self.slip(state.span, message, Fix::safe("write `=` before it").insert_before(start(state.span), "= "))
     }
 
-    /// Reports `(?a failed)` and `(?a = failed)`.
+    /// Reports `(?a failed)` and `(?a = failed)`; true if it did.
     fn report_step_as_head(&mut self, datum: &Datum, items: &[Datum]) -> bool {
         let (step, state) = match items {
             [step, state] => (step, state),
@@ -113,7 +113,7 @@ impl Lowering {
         self.slip(datum.span, "a condition does not begin with a step".to_string(), fix)
     }
 
-    /// Reports `(?a)`, `(started ?a)` and `(failed ?a ?b)`.
+    /// Reports `(?a)`, `(started ?a)` and `(failed ?a ?b)`; true if it did.
     fn report_odd_step(&mut self, datum: &Datum, items: &[Datum]) -> bool {
         match items {
             [step] if self.is_tag_variable(step) => {
@@ -142,7 +142,7 @@ impl Lowering {
         }
     }
 
-    /// Reports `(command-state ?a = finished)`.
+    /// Reports `(command-state ?a = finished)`; true if it did.
     fn report_unknown_command_state(&mut self, items: &[Datum]) -> bool {
         let [head, step, relation, state] = items else { return false };
         let is_compared = relation.is("=") || relation.is("/=");
@@ -157,7 +157,7 @@ impl Lowering {
         true
     }
 
-    /// Reports `(delay 5s)`, `(absent (x) :for 5s)`, `(before (x) (y))`, `(timestamp +now+)`: the colon is missing.
+    /// Reports `(delay 5s)`, `(absent (x) :for 5s)`, `(before (x) (y))`, `(timestamp +now+)`: the colon is missing. Returns true if it did.
     fn report_bare_time(&mut self, datum: &Datum, items: &[Datum]) -> bool {
         let Some((head, rest)) = items.split_first() else { return false };
         let Some(name) = head.as_symbol().map(|name| name.folded()) else { return false };
@@ -180,7 +180,7 @@ impl Lowering {
         true
     }
 
-    /// Reports `(roll uav ">" 15)`, `(roll uav :> 15)` and `(roll uav is > 15)`.
+    /// Reports `(roll uav ">" 15)`, `(roll uav :> 15)` and `(roll uav is > 15)`; true if it did.
     fn report_marked_relation(&mut self, items: &[Datum]) -> bool {
         for pair in items.get(2..).unwrap_or_default().windows(2) {
             let [item, next] = pair else { continue };

@@ -27,7 +27,7 @@ impl Lowering {
         self.report_missing_object(items) || self.report_missing_relation(items)
     }
 
-    /// Reports `(roll > 15)`.
+    /// Reports `(roll > 15)`; true if it did.
     fn report_missing_object(&mut self, items: &[Datum]) -> bool {
         let [head, relation, _, ..] = items else { return false };
         let Some(name) = head.as_symbol().filter(|_| head.keyword().is_none()) else { return false };
@@ -45,7 +45,7 @@ impl Lowering {
         true
     }
 
-    /// Reports `(roll uav 15)` and `(roll uav changed)`, where `roll` is a declared state variable.
+    /// Reports `(roll uav 15)` and `(roll uav changed)`, where `roll` is a declared state variable; true if it did.
     fn report_missing_relation(&mut self, items: &[Datum]) -> bool {
         let [head, object, rest @ ..] = items else { return false };
         let Some(name) = head.as_symbol().filter(|name| self.names.state_variables.contains_key(*name)) else {

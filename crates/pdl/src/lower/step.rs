@@ -222,7 +222,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Reports unknown clauses, and repeated clauses that may occur only once.
+    /// Reports unknown clauses, and repeated clauses that may occur only once. Returns true if there are none.
     pub(crate) fn check_clauses(&mut self, clauses: &[&Datum], known: &[&str], of: &str) -> bool {
         let mut fine = true;
         for (index, clause) in clauses.iter().enumerate() {

@@ -53,7 +53,7 @@ impl Lowering {
         true
     }
 
-    /// Reports steps with the tag of another one.
+    /// Reports steps with the tag of another one. Returns true if there are none.
     pub(crate) fn report_same_tags(&mut self, steps: &[StepSource<'_>]) -> bool {
         let mut taken: Lookup<&Symbol, &StepSource<'_>> = Lookup::default();
         let mut unique = true;

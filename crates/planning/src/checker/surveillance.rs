@@ -63,7 +63,7 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
     found
 }
 
-/// Ages at which a cost function is not smooth.
+/// Returns the ages at which a cost function is not smooth.
 fn jumps(cost: &CostFunction) -> Vec<f64> {
     match cost {
         CostFunction::Step { deadline_s, .. } => vec![*deadline_s],

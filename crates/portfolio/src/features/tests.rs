@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Counts of (feature, true value, determined value) over `missions` missions of every cell.
 type Confusion = BTreeMap<(&'static str, String, &'static str), u32>;
 
-/// The confusion, and how many missions of 4, 8 and 16 targets have all features right.
+/// Returns the confusion, and how many missions of 4, 8 and 16 targets have all features right.
 fn confusion(missions: u64) -> (Confusion, [u32; 3]) {
     let (mut counts, mut whole) = (BTreeMap::new(), [0; 3]);
     for cell in Cell::all() {

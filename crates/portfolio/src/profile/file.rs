@@ -20,7 +20,7 @@ pub(super) fn rounded(cost: f64) -> f64 {
     written(cost).parse().unwrap_or(cost)
 }
 
-/// Seven digits.
+/// Formats a cost with seven digits.
 fn written(cost: f64) -> String {
     format!("{cost:.6e}")
 }

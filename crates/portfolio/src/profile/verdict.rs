@@ -126,7 +126,7 @@ fn judged(ratios: &[f64], probability: f64) -> Comparison {
 mod tests {
     use super::*;
 
-    /// Ratios around `middle`, up and down by `noise`.
+    /// Returns the verdict on ratios that differ from `middle` by `noise`, up and down.
     fn verdict(middle: f64, noise: f64) -> Verdict {
         let ratios: Vec<f64> = (0..50).map(|at| middle + noise * (f64::from(at) - 24.5) / 14.4).collect();
         judged(&ratios, signed_rank(&ratios)).verdict

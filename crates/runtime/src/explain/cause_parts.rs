@@ -22,7 +22,7 @@ fn message(message: &str) -> CausePart {
     CausePart { role: "message", value: PartValue::Message { message: message.into() } }
 }
 
-/// Causes that name tasks above, below and next to, and clauses of PDL.
+/// Returns the parts of causes that name tasks above, below and next to, and clauses of PDL; `None` for other causes.
 fn of_task_tree(cause: &Cause) -> Option<Vec<CausePart>> {
     let parts = match cause {
         Cause::ParentStarted { parent }
@@ -84,7 +84,7 @@ fn of_task_tree(cause: &Cause) -> Option<Vec<CausePart>> {
     Some(parts)
 }
 
-/// Causes that name resources.
+/// Returns the parts of causes that name resources; `None` for other causes.
 fn of_resources(cause: &Cause) -> Option<Vec<CausePart>> {
     let parts = match cause {
         Cause::ResourcesGranted { resources } => resources.iter().map(|share| part("granted", share)).collect(),
@@ -116,7 +116,7 @@ fn of_resources(cause: &Cause) -> Option<Vec<CausePart>> {
     Some(parts)
 }
 
-/// Causes that name vehicles, solvers, operators, and faults.
+/// Returns the parts of causes that name vehicles, solvers, operators, and faults; `None` for other causes.
 fn of_outside(cause: &Cause) -> Option<Vec<CausePart>> {
     let parts = match cause {
         Cause::CommandAcknowledged { command } | Cause::CommandMoved { command } => vec![part("command", command.0)],

@@ -13,7 +13,7 @@ use std::time::Duration;
 const STEP_PACE: f64 = 1e9;
 
 impl Flight<'_, '_> {
-    /// Settles, records and executes a command while the run waits for `instant`. Some: the wait is over.
+    /// Settles, records and executes a command while the run waits for `instant`; `Some` if the command ends the wait.
     pub(super) fn obey(&mut self, command: &Command, instant: Time) -> Result<Option<Waited>, RunError> {
         let at = self.pacer.now(self.now, instant);
         // The lock is held from the decision to the effect, so that authority cannot change between them.

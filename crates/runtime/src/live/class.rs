@@ -55,7 +55,7 @@ impl SourceClass {
         }
     }
 
-    /// Inputs per second that the run takes from all sources of the class's rank together.
+    /// Returns the number of inputs per second that the run takes from all sources of the class's rank together.
     pub(super) fn rank_rate(self) -> u32 {
         match self {
             SourceClass::Operator | SourceClass::Safing => 20_000,

@@ -26,7 +26,7 @@ fn measurement(name: &str, value: i64) -> LiveInput {
     LiveInput::Event(None, EventKind::Measurement(variable, Value::Integer(value)))
 }
 
-/// Inputs that are taken, as text, without reports of introductions.
+/// Returns the inputs that are taken, as text, without reports of introductions.
 fn taken(sources: &LiveSources) -> Vec<String> {
     let text = |control: LiveInput| match control {
         LiveInput::Event(None, EventKind::Occurrence(form)) => form.to_string(),

@@ -47,7 +47,7 @@ impl RecordingLoss {
     }
 }
 
-/// The reason in a few words.
+/// Returns the reason in a few words.
 pub(super) fn reason_of(error: &RecordError) -> String {
     match error {
         RecordError::DiskFull { .. } => "the disk is full".into(),

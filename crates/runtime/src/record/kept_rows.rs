@@ -204,7 +204,7 @@ impl KeptRows {
         self.committed = self.ever_lasting.len();
     }
 
-    /// Steps that are kept.
+    /// Returns the number of steps that are kept.
     pub(super) fn steps(&self) -> u64 {
         self.chunks.iter().map(|chunk| chunk.steps).sum::<u64>() + self.open.steps
     }

@@ -184,7 +184,7 @@ impl Running {
         }
     }
 
-    /// Wall time within which a program that has closed its output must end.
+    /// Returns the wall time within which a program that has closed its output must end.
     fn patience(&self) -> Duration {
         if has_no_files(self.child.id()) { EXIT_PATIENCE } else { END_PATIENCE }
     }

@@ -109,8 +109,8 @@ pub(crate) fn judge_invariants(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// Judges the clauses of this kind. An unknown precondition does not hold; an unknown invariant is not violated. The task fails if a
-/// clause does not hold.
+/// Judges the clauses of this kind; returns true if all hold, otherwise the task fails. An unknown precondition does not hold; an unknown
+/// invariant is not violated.
 fn hold(cycle: &mut Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> bool {
     for (condition, level) in conditions(cycle, id, wanted) {
         let because = match present::judge(&condition, &cycle.view(id, level)) {

@@ -221,7 +221,8 @@ fn settle(
     ObjectRun { run, found, contradicted, gap, ..object_run }
 }
 
-/// Returns true if the sample satisfies the value constraints, with the bindings of the preceding run or without them.
+/// Returns the sample with its bindings if it satisfies the value constraints, and whether these agree with the preceding run and the
+/// constraints on the first and last values hold.
 fn judge(
     part: &EpisodePart,
     site: PartContext,

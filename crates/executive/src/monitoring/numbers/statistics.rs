@@ -171,7 +171,8 @@ fn settle(
     state
 }
 
-/// Returns true if the sample belongs to the run, with its number.
+/// Returns the sample with its number, and with its bindings if it satisfies the value constraints; also whether it belongs to the run and
+/// satisfies the constraints on the first and last values and on steps.
 fn judge(
     part: &mut StatisticalPart,
     site: PartContext,

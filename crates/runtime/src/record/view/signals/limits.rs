@@ -182,7 +182,7 @@ impl Bounds {
     }
 
     /// Recognises `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with such
-    /// comparisons.
+    /// comparisons. Returns true if it did.
     fn predicate(&mut self, library: &Library, name: &Symbol, arguments: &[Expr]) -> bool {
         let Some(function) = library.functions.get(name) else { return false };
         let ([value, others @ ..], [body]) = (&*function.parameters.required, &*function.body) else { return false };
@@ -210,7 +210,7 @@ impl Bounds {
         found
     }
 
-    /// Recognises `(> value figure)` or `(> (abs value) figure)`.
+    /// Recognises `(> value figure)` or `(> (abs value) figure)`; true if it did.
     fn comparison(&mut self, library: &Library, test: &Expr, value: &Symbol, figures: &BTreeMap<&Symbol, f64>) -> bool {
         let ExprKind::Call { function, arguments } = &test.kind else { return false };
         let relation = match function.folded() {
