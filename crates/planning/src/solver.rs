@@ -69,9 +69,9 @@ pub struct MachineLimits {
 /// A budget of a fixed number of work units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkBudget {
-    /// Units allowed.
+    /// Number of units allowed.
     pub allowed: u64,
-    /// Units charged.
+    /// Number of units charged.
     pub used: u64,
 }
 

@@ -132,7 +132,7 @@ pub enum RecordError {
         held: Option<Time>,
         /// The system's reason.
         reason: String,
-        /// Steps that were kept in memory.
+        /// Number of steps that were kept in memory.
         steps: u64,
     },
     /// The file is a record, but parts of it cannot be read.

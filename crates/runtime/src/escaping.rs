@@ -8,7 +8,7 @@ const SECOND_SET: u8 = 0xC2;
 /// A writer that escapes control characters of UTF-8 text.
 pub struct Escaped<W> {
     out: W,
-    /// The last byte was [`SECOND_SET`], which is not written yet.
+    /// True if the last byte was [`SECOND_SET`], which is not written yet.
     is_open: bool,
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct Flight<'a, 'o> {
     until: Time,
     poll: Option<Duration>,
     hold_for_solvers: bool,
-    /// A step is under way: the run pauses after the next instant with a visible effect.
+    /// True if a step is under way: the run pauses after the next instant with a visible effect.
     stepping: bool,
     pool: SolverPool,
     now: Time,

@@ -91,7 +91,7 @@ impl InputStream {
 /// Properties of a file of inputs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Survey {
-    /// Lines are in order of time, and none is an acknowledgement.
+    /// True if lines are in order of time and none is an acknowledgement.
     pub can_be_streamed: bool,
     /// The agents that lines are for by name.
     pub agents: BTreeSet<Symbol>,

@@ -27,7 +27,7 @@ pub struct SolverLimits {
     pub units: u64,
     /// Wall time until the solver is abandoned, without pauses.
     pub timeout: Duration,
-    /// Bytes by which the program may grow meanwhile.
+    /// Number of bytes by which the program may grow meanwhile.
     pub memory_bytes: u64,
 }
 

@@ -22,9 +22,9 @@ use std::fmt;
 /// Result of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplayReport {
-    /// Steps executed again.
+    /// Number of steps executed again.
     pub batches: u64,
-    /// Effects compared.
+    /// Number of effects compared.
     pub effects: u64,
     /// Planning problems posed again and compared; 0 without a mission.
     pub problems: u64,

@@ -139,9 +139,9 @@ pub struct RunEnd {
     pub reason: EndReason,
     /// Executive steps.
     pub steps: u64,
-    /// Events that came in.
+    /// Number of events that came in.
     pub events: u64,
-    /// Effects that went out.
+    /// Number of effects that went out.
     pub effects: u64,
     /// Delay against wall time, if the run was paced.
     pub late: Lateness,
@@ -152,7 +152,7 @@ pub struct RunEnd {
 /// Delay of a paced run against wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lateness {
-    /// Steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
+    /// Number of steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
     pub steps: u64,
     /// The worst, in wall time.
     pub worst: std::time::Duration,

@@ -87,7 +87,7 @@ pub(crate) struct Work {
     pub(crate) refused: TaskList,
     /// Contend: resources whose users may change.
     pub(crate) dirty: BTreeSet<ResourceId>,
-    /// Contend: an input of priorities changed; every contested resource is arbitrated.
+    /// Contend: true if an input of priorities changed; every contested resource is then arbitrated.
     pub(crate) priorities_changed: bool,
     /// Contend: tasks stopped or continue, so that tasks below them may have other priorities; every contested resource is arbitrated, and
     /// every turn is computed again.

@@ -26,7 +26,7 @@ pub struct MethodOption {
     pub index: String,
     /// Position in the PDL text.
     pub place: Place,
-    /// It matches the goal.
+    /// True if it matches the goal.
     pub matches: bool,
     /// Reason for its order: first, after the first, or not matching.
     pub because: String,

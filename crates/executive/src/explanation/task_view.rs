@@ -30,7 +30,7 @@ pub struct TaskView {
     pub created_at: Time,
     /// Instant at which it first became ongoing.
     pub started_at: Option<Time>,
-    /// Suspended by a clause or an activity: claims nothing until resumed.
+    /// True if a clause or an activity has suspended it: it claims nothing until it is resumed.
     pub suspended: bool,
     /// Its priority now.
     pub priority: f64,

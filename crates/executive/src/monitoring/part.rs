@@ -58,7 +58,7 @@ pub(crate) struct ConditionFaults {
     pub(crate) list: Vec<ConditionFault>,
     /// Number of times that a limit was reached; a result may be missing if it is not zero.
     pub(crate) limits_reached: u64,
-    /// Results that a part may keep.
+    /// Maximum number of results that a part may keep.
     pub(crate) results_max: usize,
 }
 

@@ -27,7 +27,7 @@ pub struct MonitorResult {
 pub enum ResultEvent {
     /// The result was recognised just now.
     Recognised {
-        /// Its interval may still grow; it will be reported once more when it is final.
+        /// True if its interval may still grow; it will be reported once more when it is final.
         open: bool,
     },
     /// Its interval is final; it was reported before.

@@ -126,9 +126,9 @@ pub struct Counters {
     pub question: u64,
     /// Generated procedures.
     pub generated: u64,
-    /// Arrivals of samples and messages, the agent's own included.
+    /// Number of samples and messages that have arrived, the agent's own included.
     pub arrival: u64,
-    /// Messages and samples from outside.
+    /// Number of messages and samples that have arrived from outside.
     #[serde(default)]
     pub outside: u64,
 }
@@ -143,11 +143,11 @@ pub struct Generated {
     pub index: Arc<ProcedureIndex>,
     /// The plan as PDL text.
     pub source: apex_model::source::SourceFile,
-    /// Begun again when it ends.
+    /// True if it is begun again when it ends.
     pub repeat: bool,
     /// True while it serves new tasks; a newer plan for the same goal ends that.
     pub current: bool,
-    /// Controllers that run it.
+    /// Number of controllers that run it.
     pub users: u32,
 }
 

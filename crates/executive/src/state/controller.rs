@@ -81,7 +81,7 @@ pub struct ProcedureController {
     pub current: SmallVec<[Option<TaskId>; 1]>,
     /// All children that still exist, ended ones included.
     pub children: Children,
-    /// Steps that the end of the procedure waits for.
+    /// Number of steps that the end of the procedure waits for.
     pub open: u32,
     /// Number of times that a repeating plan began again at `instant`.
     pub rounds: u32,

@@ -17,7 +17,7 @@ struct Listener {
     busy: bool,
     /// Messages without an answer, in order of arrival.
     heard: VecDeque<Occurrence>,
-    /// Messages were dropped because there were more than the limit, and that was reported.
+    /// True if messages were dropped because there were more than the limit, and that was reported.
     overflowed: bool,
 }
 

@@ -65,7 +65,8 @@ pub struct Task {
     pub depth: u32,
     /// Reasons to wait in addition to its conditions, such as its predecessor in a sequence or its least interval.
     pub held_back: HeldBack,
-    /// Suspended by a clause or an activity: claims no resources until resumed. Changed by the agent, which counts.
+    /// True if a clause or an activity has suspended it: it claims no resources until it is resumed. Only the agent changes this, because
+    /// it counts the suspended tasks.
     pub suspended: bool,
     /// Creation of this instance, or the instant at which the task became pending again.
     pub created_at: Time,
@@ -121,20 +122,20 @@ pub struct Extras {
     pub worked: Duration,
     /// Resources held for it by `(hold-resource ..)`.
     pub held: Vec<Need>,
-    /// Open log policies.
+    /// Numbers of its open log policies.
     pub logs: Vec<u64>,
     /// End of the instance before, for recovery and least intervals.
     pub ended_before: Option<Time>,
     /// First creation, if it has started over since: its deadline stays.
     pub first_created: Option<Time>,
-    /// Instances that started at `instant`, to stop loops that take no time.
+    /// Number of instances that started at `instant`, to stop loops that take no time.
     pub instances: u32,
     /// The instant of `instances`.
     pub instant: Time,
     /// Since when `instants` counts.
     #[serde(default)]
     pub counted_since: Time,
-    /// Instants within a second at which instances began although nothing had arrived from outside.
+    /// Number of instants within a second at which instances began although nothing had arrived from outside.
     #[serde(default)]
     pub instants: u32,
     /// Number of inputs from outside that had arrived when an instance last began.

@@ -27,11 +27,11 @@ fn line_breaks(text: &str) -> u32 {
 
 struct Page {
     text: String,
-    /// Characters on the current line.
+    /// Number of characters on the current line.
     column: usize,
     /// Number of the current line, from 1.
     line: u32,
-    /// A `;` comment has been written: nothing may follow on this line.
+    /// True if a `;` comment has been written: nothing may follow on this line.
     line_ended: bool,
     /// Lines on which steps begin.
     steps: Vec<u32>,

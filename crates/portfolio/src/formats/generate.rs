@@ -15,7 +15,7 @@ pub enum Family {
     Cordeau {
         /// Targets.
         targets: usize,
-        /// Twice as long windows.
+        /// True if windows are twice as long.
         wide: bool,
     },
 }

@@ -12,7 +12,7 @@ use std::fmt::Write;
 pub struct Compared {
     /// The budget as text.
     pub budget: String,
-    /// Cells that both have.
+    /// Number of cells that both have.
     pub cells: usize,
     /// Number of cells in which both name the same planner.
     pub same_planner: usize,

@@ -61,7 +61,7 @@ impl Row {
 pub struct Profile {
     /// Version of the test missions' generator.
     pub generator: u32,
-    /// Missions of each cell: numbers 0, 1, ..; a planner's seed is the number of the mission.
+    /// Number of missions of each cell, which have the numbers 0, 1, ..; a planner's seed is the number of the mission.
     pub missions: u64,
     /// Budgets in work units, rising.
     pub budgets: Vec<u64>,

@@ -59,7 +59,7 @@ pub fn cells(count: usize) -> Vec<Cell> {
 /// Regret of many missions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// Targets of each.
+    /// Number of targets of each.
     pub targets: usize,
     /// The budget as text.
     pub budget: String,
@@ -69,7 +69,7 @@ pub struct Summary {
     pub regret_percent: f64,
     /// The greatest additional cost of the chosen planner on one mission, in percent.
     pub worst_percent: f64,
-    /// Missions for which the best was chosen.
+    /// Number of missions for which the best was chosen.
     pub best_chosen: usize,
     /// The regret of each planner, if it were always chosen.
     pub always_percent: Vec<(String, f64)>,

@@ -20,7 +20,7 @@ pub(super) enum DiskNews {
 /// The continuation of a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Resumption {
-    /// Steps that were kept in memory.
+    /// Number of steps that were kept in memory.
     pub(super) kept: u64,
     /// First and last of the batches that memory could not keep.
     pub(super) gap: Option<(i64, i64)>,

@@ -37,7 +37,7 @@ pub(super) struct KeptRows {
     lasting: Vec<u8>,
     /// All rows that every segment needs since the beginning, including committed ones: a new segment begins with them.
     ever_lasting: Vec<u8>,
-    /// Bytes of `ever_lasting` that are committed.
+    /// Number of bytes of `ever_lasting` that are committed.
     committed: usize,
     chunks: VecDeque<Chunk>,
     /// Rows since the last step ended.

@@ -145,9 +145,9 @@ pub(super) fn stamp(path: &Path) -> Stamp {
 pub struct Integrity {
     /// Whether the file equals its seal.
     pub file: FileSeal,
-    /// Groups that fit their seals.
+    /// Number of groups that fit their seals.
     pub groups: i64,
-    /// Steps in them.
+    /// Number of steps in them.
     pub steps: i64,
     /// The instant of the last of these steps.
     pub until: apex_model::time::Time,

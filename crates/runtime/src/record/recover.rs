@@ -19,9 +19,9 @@ use std::path::Path;
 /// Result of a recovery.
 #[derive(Clone, Debug)]
 pub struct Recovered {
-    /// Groups that fit their seals.
+    /// Number of groups that fit their seals.
     pub groups: i64,
-    /// Steps in them.
+    /// Number of steps in them.
     pub steps: i64,
     /// The instant of the last of these steps.
     pub until: Time,

@@ -109,7 +109,7 @@ pub(super) struct Store {
     pub(super) link: ChainPosition,
     /// Number of the last committed step.
     pub(super) committed_batch: i64,
-    /// Instant of that step; none before the first.
+    /// Instant of that step; `None` before the first.
     pub(super) committed_at: Option<Time>,
     pub(super) counts: [u64; TABLES],
     inserts: [String; TABLES],

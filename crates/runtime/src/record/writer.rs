@@ -44,7 +44,7 @@ pub struct RecordOptions {
     pub spare_folder: Option<PathBuf>,
     /// Durability of a committed group.
     pub durability: Durability,
-    /// Bytes of the newest steps kept in memory while the disk accepts none; `None` is [`RECORDING_KEPT_BYTES_MAX`].
+    /// Maximum number of bytes of the newest steps kept in memory while the disk accepts none; `None` is [`RECORDING_KEPT_BYTES_MAX`].
     pub kept_bytes_max: Option<usize>,
 }
 
@@ -58,11 +58,11 @@ pub struct Recorder {
     encoder: EffectEncoder,
     track: Option<TrackWatcher>,
     bytes: Vec<u8>,
-    /// Number of the last batch; the batch that is being executed when `begun`.
+    /// Number of the last batch: if `begun`, of the one that is being executed.
     batch: i64,
     effect: i64,
     begun: bool,
-    /// Changes of targets' states that are stored.
+    /// Number of changes of targets' states that are stored.
     pub(super) stored_changes: usize,
     /// True once the flight has begun: from then on a failed write does not end it.
     flies: bool,
@@ -72,7 +72,7 @@ pub struct Recorder {
 #[derive(Default)]
 struct RecordedAgent {
     snapshots: Snapshots,
-    /// A segment has begun, from which states are to be restored without its earlier files.
+    /// True if a segment has begun, from which states are to be restored without its earlier files.
     begins_segment: bool,
 }
 
@@ -407,7 +407,7 @@ impl Observer for Recorder {
     }
 }
 
-/// Words about the disk for agents, operators and the record.
+/// Returns the message and the note about the disk for agents, operators and the record.
 fn news_of(news: &DiskNews) -> News {
     let word = |word: &str| Value::symbol(word);
     let count = |number: u64| Value::Integer(i64::try_from(number).unwrap_or(i64::MAX));

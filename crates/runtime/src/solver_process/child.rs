@@ -23,7 +23,7 @@ const EXIT_PATIENCE: Duration = Duration::from_secs(10);
 /// Limits of a running program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcessLimits {
-    /// Bytes of memory.
+    /// Memory that it may use, in bytes.
     pub memory_bytes: u64,
     /// Processor time of all its threads together.
     pub processor: Duration,

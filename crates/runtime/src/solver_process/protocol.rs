@@ -18,7 +18,7 @@ pub(super) struct ProgramRequest {
     /// The requested planner, for programs that contain several.
     pub(super) solver: String,
     pub(super) seed: u64,
-    /// Work allowed, in units of a microsecond of flight.
+    /// Work allowed, in units that last a microsecond of the flight.
     pub(super) work_units: u64,
     pub(super) problem: Problem,
     /// The plan that is flown now.
@@ -28,7 +28,7 @@ pub(super) struct ProgramRequest {
 /// The line that requests a program to end soon, because its budget is used up or its answer is no longer required.
 pub(super) const STOP_LINE: &str = "{\"stop\":true}";
 
-/// One line of a program.
+/// A line that the program writes.
 #[derive(Debug, PartialEq)]
 pub(super) enum ProgramLine {
     /// Work units since the last charge.

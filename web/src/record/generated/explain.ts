@@ -525,7 +525,7 @@ method: string,
  */
 index: string, 
 /**
- * It matches the goal.
+ * True if it matches the goal.
  */
 matches: boolean, 
 /**
@@ -595,7 +595,7 @@ since: number,
  */
 winner_priority: number, 
 /**
- * The loser's.
+ * The loser's priority or rank.
  */
 loser_priority: number, 
 /**
@@ -603,11 +603,11 @@ loser_priority: number,
  */
 winner_cost: number, 
 /**
- * The part of the loser's.
+ * The part of the loser's priority that is its interrupt cost.
  */
 loser_cost: number, 
 /**
- * Both for operators: `5 against 0 + interrupt cost 0.1`.
+ * Both strengths as text for operators: `5 against 0 + interrupt cost 0.1`.
  */
 strengths: string, };
 

@@ -106,7 +106,7 @@ epoch: number,
  */
 holder: ActorState | null, 
 /**
- * The holder was silent until another operator may take authority.
+ * True if the holder is silent: another operator may then take authority.
  */
 silent: boolean, offer: OfferState | null, 
 /**
@@ -114,11 +114,11 @@ silent: boolean, offer: OfferState | null,
  */
 you: ActorState, 
 /**
- * The caller holds it.
+ * True if the caller holds authority.
  */
 yours: boolean, 
 /**
- * True if the caller may take it now.
+ * True if the caller may take authority now.
  */
 may_take: boolean, 
 /**
@@ -322,11 +322,11 @@ export type DraftAnswer = { at_ns: number,
  */
 plan: PlanInForce | null, 
 /**
- * Its expected score, or its expected cost of ignorance.
+ * The expected score of the plan, or its expected cost of ignorance.
  */
 worth: Worth | null, 
 /**
- * Reason if there is no plan.
+ * The reason, if there is no plan.
  */
 violation: DraftViolation | null, };
 

@@ -580,7 +580,7 @@ task: number,
  */
 amount: string | null, 
 /**
- * Begin, nanoseconds of mission time.
+ * Begin in nanoseconds of mission time.
  */
 from_ns: number, 
 /**
@@ -605,7 +605,7 @@ resource: string,
  */
 holdings: Array<Holding>, 
 /**
- * Earlier stretches in the window that are left out.
+ * Number of earlier holdings in the window that are left out.
  */
 left_out: number, };
 

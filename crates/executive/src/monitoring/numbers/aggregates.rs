@@ -298,7 +298,7 @@ fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static 
         }
         Measure::Rate => moments.slope_per_s().ok_or(one_instant),
         Measure::Frequency => moments.frequency_hz().ok_or(one_instant),
-        // These three are judged separately, because none of them is a single number.
+        // `CriterionContext::judge` handles these three without this function.
         Measure::Step | Measure::Custom | Measure::Significance(_) => Err(none),
     }
 }

@@ -173,7 +173,7 @@ pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: 
 struct Crossing {
     /// The last tick that is not after the crossing.
     tick: Time,
-    /// The crossing is at the tick itself.
+    /// True if the crossing is at the tick itself.
     exact: bool,
 }
 
@@ -199,7 +199,7 @@ fn crossing(moments: &Moments, value: f64) -> Option<Crossing> {
     Some(Crossing { tick: anchor + Duration(tick as i64), exact })
 }
 
-/// Collects the variables to which the value is bound.
+/// Binds the variables of the interval to the value.
 pub(crate) fn bind(band: &ValueInterval, value: f64, scale: ValueScale, bindings: &mut Bindings) {
     for name in &band.binds {
         bindings.set(name.clone(), crate::monitoring::numbers::aggregates::in_unit(value, scale.dimension, scale.unit));

@@ -20,7 +20,7 @@ pub struct CyclicPart {
     pub variable: Option<StateVariable>,
     /// Distance by which a value must return from an extreme to make it a turning point, SI.
     pub hysteresis: f64,
-    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// Results that no later arrival of the same instant can withdraw.
     pub settled: Vec<Satisfaction>,

@@ -197,7 +197,7 @@ pub struct Composite {
     pub parts: Vec<Part>,
     /// All must be true of a combination of results.
     pub constraints: Vec<Expr>,
-    /// Results of the parts must be combined: they share variables, or have constraints or an order.
+    /// True if results of the parts must be combined: they share variables, or have constraints or an order.
     pub combines: bool,
     /// The variables that occur in more than one part.
     pub shared: Vec<Symbol>,
@@ -215,7 +215,7 @@ pub struct PointOrder {
     pub sweep_at: usize,
     /// For each part how many of its kept results were checked.
     pub checked: Vec<usize>,
-    /// A pattern variable occurs in the order: each set of bindings has separate chains.
+    /// True if a pattern variable occurs in the order: each set of bindings has separate chains.
     pub binds: bool,
 }
 
@@ -245,7 +245,7 @@ pub struct MeasurementPart {
     pub tests: Tests,
     /// The state variable; `None` while its object is unknown.
     pub variable: Option<StateVariable>,
-    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// Received samples; `None` for most monitors that wait, because they receive only samples that may matter.
     pub seen: Option<Box<SeenSamples>>,
@@ -369,9 +369,9 @@ pub struct EpisodePart {
     pub duration_min: Duration,
     /// True if a constraint on end or duration is not a lower bound: it is decided when the run is over.
     pub at_close: bool,
-    /// Any two samples of a run bound an episode, not only the whole run.
+    /// True if any two samples of a run bound an episode; false if only the whole run is one.
     pub any_pair: bool,
-    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// Results of runs that are over.
     pub settled: Vec<Satisfaction>,
@@ -391,7 +391,7 @@ pub struct ObjectRun {
     pub newest: RunSample,
     /// The result of the current run, once it has one.
     pub found: Option<Satisfaction>,
-    /// A sample before the newest contradicted the value constraints, and no gap has followed.
+    /// True if a sample before the newest contradicted the value constraints, and no gap has followed.
     pub contradicted: bool,
     /// The gap that cut the last run.
     pub gap: Option<Duration>,
@@ -423,9 +423,9 @@ pub struct Run {
     pub samples: u64,
     /// Bindings of its samples.
     pub bindings: Bindings,
-    /// Its first sample satisfies the constraints on first values.
+    /// True if its first sample satisfies the constraints on first values.
     pub first_holds: bool,
-    /// Its last sample satisfies the constraints on last values.
+    /// True if its last sample satisfies the constraints on last values.
     pub last_holds: bool,
     /// All instants, kept only where any pair may bound an episode.
     pub instants: Vec<Time>,

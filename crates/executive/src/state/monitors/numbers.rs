@@ -84,11 +84,11 @@ pub struct StatisticalPart {
     pub gap_max: Option<Duration>,
     /// The least duration; of a sliding window the duration.
     pub duration_min: Duration,
-    /// Evaluated over a window of `duration_min`, not over the whole run.
+    /// True if it is evaluated over a window of `duration_min`, not over the whole run.
     pub slides: bool,
     /// True if a constraint on end or duration is not a lower bound: the run is evaluated when it is over.
     pub at_close: bool,
-    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// The first known sample if older ones are no longer kept: a run that starts there may have begun earlier.
     pub first_known: Option<Time>,
@@ -110,7 +110,7 @@ pub struct NumberRun {
     pub newest: NumberSample,
     /// The result that began when the criteria came to hold, while they do.
     pub found: Option<Satisfaction>,
-    /// A sample contradicted the value constraints, and no gap has followed.
+    /// True if a sample contradicted the value constraints, and no gap has followed.
     pub contradicted: bool,
     /// The gap that cut the last run.
     pub gap: Option<Duration>,
@@ -144,9 +144,9 @@ pub struct Totals {
     pub last: Time,
     /// Bindings of its samples.
     pub bindings: Bindings,
-    /// Its first sample satisfies the constraints on first values.
+    /// True if its first sample satisfies the constraints on first values.
     pub first_holds: bool,
-    /// Its last sample satisfies the constraints on last values.
+    /// True if its last sample satisfies the constraints on last values.
     pub last_holds: bool,
     /// The last number and its instant.
     pub previous: Option<(Time, f64)>,
@@ -210,7 +210,7 @@ pub struct PersistedPart {
     pub variable: Option<StateVariable>,
     /// For how long a sample is valid after its instant.
     pub timeout: Duration,
-    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// Results of samples that have been followed by others.
     pub settled: Vec<Satisfaction>,
@@ -251,7 +251,7 @@ pub struct RegressionPart {
     pub gap_max: Option<Duration>,
     /// The fit interval where its ends are stated, closed.
     pub fit: (Option<Time>, Option<Time>),
-    /// The fit interval reaches before the oldest sample that was kept when the monitor was made.
+    /// True if the fit interval reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// The samples of each object.
     #[serde(with = "crate::state::pairs")]

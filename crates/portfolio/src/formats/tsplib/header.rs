@@ -7,12 +7,12 @@ use super::super::words::{self, TextToken};
 use super::HELP;
 use crate::format_error::FormatError;
 
-/// Data of the head.
+/// Data that the head states.
 #[derive(Default)]
 pub(super) struct Header {
     pub(super) name: Option<String>,
     pub(super) question: Option<ProblemKind>,
-    /// Nodes with the depot.
+    /// Number of nodes, the depot included.
     pub(super) dimension: Option<usize>,
     /// The metric; `Some(None)` where weights are given as numbers.
     pub(super) metric: Option<Option<Metric>>,

@@ -25,9 +25,9 @@ const LOOK: char = '/';
 /// The late targets of a record and their announcements so far.
 #[derive(Default)]
 pub(super) struct Announcements {
-    /// The record has targets: without any, no step is read.
+    /// True if the record has targets: without any, no step is read.
     has_targets: bool,
-    /// The identifiers of late targets that are not announced yet; none before the record was first read.
+    /// The identifiers of late targets that are not announced yet; `None` before the record was first read.
     awaited: Option<BTreeSet<String>>,
     /// True if targets that no file marks as late may be announced too.
     others: bool,
@@ -88,7 +88,7 @@ impl Announcements {
         later.checked_sub(1).and_then(|last| values.get(last)).map(|(_, value)| *value)
     }
 
-    /// Returns mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
+    /// Returns the mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
     pub(super) fn known_ns(&self, id: &str) -> Option<i64> {
         let is_awaited = |id: &str| self.awaited.as_ref().is_some_and(|awaited| awaited.contains(id));
         let own = id.split(LOOK).next().unwrap_or(id);
@@ -129,7 +129,7 @@ fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), Recor
 
 /// Returns true if the stored events can hold an announcement: symbols are stored as they are printed.
 fn names_head(bytes: &[u8]) -> bool {
-    // Both heads are `new-..`, and few bytes are a hyphen.
+    // Both heads begin with `new-`, and few bytes are hyphens, so those are looked for.
     let hyphens = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'-').map(|(at, _)| at);
     let has = |start: usize, head: &str| {
         bytes.get(start..start + head.len()).is_some_and(|found| found.eq_ignore_ascii_case(head.as_bytes()))

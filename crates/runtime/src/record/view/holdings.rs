@@ -24,7 +24,7 @@ pub struct ResourceRow {
     pub resource: String,
     /// Spans of time in which a task held the resource, by beginning.
     pub holdings: Vec<Holding>,
-    /// Earlier stretches in the window that are left out.
+    /// Number of earlier holdings in the window that are left out.
     pub left_out: usize,
 }
 
@@ -36,7 +36,7 @@ pub struct Holding {
     pub task: u64,
     /// The share that it held; `None` for the whole resource.
     pub amount: Option<String>,
-    /// Begin, nanoseconds of mission time.
+    /// Begin in nanoseconds of mission time.
     pub from_ns: i64,
     /// End in nanoseconds of mission time; that of the answer if it is still held.
     pub to_ns: i64,
