@@ -159,7 +159,7 @@ impl Pacer {
         Duration::try_from_secs_f64(self.elapsed_s() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
     }
 
-    /// Returns mission time by the wall clock, within `from ..= to`.
+    /// Returns the mission time by the wall clock, within `from ..= to`.
     pub fn now(&self, from: Time, to: Time) -> Time {
         let Some(pace) = self.pace else { return to };
         let passed_s = self.elapsed_s() * pace;

@@ -168,7 +168,7 @@ impl CancelToken {
         CancelToken::default()
     }
 
-    /// Cancels.
+    /// Cancels the request.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Release);
     }

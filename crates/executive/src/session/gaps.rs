@@ -124,7 +124,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against looking at all samples.
+        /// Compares the spacing with that of all samples.
         #[test]
         fn the_largest_spacing_is_that_of_all_samples(steps in prop::collection::vec(1i64..6, 1..40), from in 0usize..40) {
             let times: Vec<Time> = steps.iter().scan(0, |at, step| { *at += step; Some(Time(*at)) }).collect();

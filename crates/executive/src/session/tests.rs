@@ -42,7 +42,7 @@ fn at(seconds: f64) -> Time {
     Time::from_seconds(seconds)
 }
 
-/// `kind start..end @recognised` of all results so far.
+/// Returns `kind start..end @recognised` of all results so far.
 fn told(session: &mut MonitorSession) -> Vec<String> {
     let text = |result: MonitorResult| {
         let kind = match result.telling {

@@ -32,7 +32,7 @@ impl Horn {
         HornAtom(u32::try_from(self.needs.len() - 1).unwrap_or(u32::MAX))
     }
 
-    /// `premise` serves `conclusion`.
+    /// Adds the rule that `premise` serves `conclusion`.
     pub(crate) fn rule(&mut self, premise: HornAtom, conclusion: HornAtom) {
         self.rules.push((premise.0, conclusion.0));
     }

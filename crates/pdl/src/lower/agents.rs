@@ -110,7 +110,7 @@ impl Lowering {
         Some(inner.clone())
     }
 
-    /// Returns names in a list or in a row, without colons.
+    /// Returns the names in a list or in a row, without colons.
     fn bundles(&mut self, values: &[Datum]) -> Vec<Symbol> {
         let mut names = Vec::new();
         for value in values {

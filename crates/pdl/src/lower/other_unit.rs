@@ -27,7 +27,7 @@ impl Lowering {
         Some(Fix::look(title).replace(span, format!("{number}{unit}")))
     }
 
-    /// Returns number and unit of the text at `span`, if it is exactly one quantity.
+    /// Returns the number and the unit of the text at `span`, if it is exactly one quantity.
     fn quantity_at(&self, span: Span) -> Option<(&str, &str)> {
         number_and_unit(self.text_at(span)?)
     }

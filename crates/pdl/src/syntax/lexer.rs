@@ -23,7 +23,7 @@ pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     })
 }
 
-/// Returns kind and length in bytes of the first token of `rest`.
+/// Returns the kind and the length in bytes of the first token of `rest`.
 fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     let single = |kind| (kind, 1, false);
     match first {

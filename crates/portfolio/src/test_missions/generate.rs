@@ -94,7 +94,7 @@ impl Cell {
         }
     }
 
-    /// Returns places in metres east and north of the centre.
+    /// Returns the places in metres east and north of the centre.
     fn places(&self, chance: &mut Chance) -> Vec<(f64, f64)> {
         let side_m = self.scale.side_m();
         let mut places: Vec<(f64, f64)> = Vec::with_capacity(self.count);

@@ -40,7 +40,7 @@ pub(crate) fn needs(
     Ok(())
 }
 
-/// Returns name and amount of one entry of a profile, as `context` see them.
+/// Returns the name and the amount of one entry of a profile, as `context` sees them.
 ///
 /// # Errors
 /// Message and place when one of them cannot be evaluated.

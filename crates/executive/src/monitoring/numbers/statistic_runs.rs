@@ -245,8 +245,8 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Returns instants after `after` at which time alone may change the verdict, within the span for which the sampling quality extends
-    /// the last value.
+    /// Returns the instants after `after` at which time alone may change the verdict, within the span for which the sampling quality
+    /// extends the last value.
     fn licensed(&self, state: &NumberRun, start: Time, after: Time, count: usize) -> Vec<Time> {
         let part = self.part;
         let Some(most) = part.gap_max else { return Vec::new() };

@@ -35,7 +35,7 @@ impl Wanted {
         self.gap.is_none_or(|gap| to - from <= gap)
     }
 
-    /// Maximal runs as (first, last, the next sample's instant) by the definition.
+    /// Returns the maximal runs as (first, last, the next sample's instant) by the definition.
     fn runs(self, samples: &[(i64, i64)]) -> Vec<(i64, i64, Option<i64>)> {
         let mut runs: Vec<(i64, i64, Option<i64>)> = Vec::new();
         let mut open = false;

@@ -52,7 +52,7 @@ fn that_windows_of_an_absence_are_forgotten_is_told_once() {
     assert_eq!(over(&mut world, values, 3 * MOST - 3, 3 * MOST + 30), (vec![], results_limit()));
 }
 
-/// Each sample of 5 or more, alone or as an alternative: results of alternatives are never final.
+/// Returns a condition that each sample of 5 or more satisfies, alone or as an alternative: results of alternatives are never final.
 fn points(attribute: &str, alternative: bool) -> Condition {
     let value = vec![compare(Relation::GreaterOrEqual, int(5))];
     let point = condition(ConditionKind::Measurement(Arc::new(measurement(uav(attribute), value))));

@@ -4,7 +4,7 @@ use crate::monitoring::numbers::sliding_window::{contents, drop_before, push};
 use crate::state::monitors::numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 
-/// Noise of a fixed sequence, as whole multiples of the unit.
+/// Returns noise of a fixed sequence, as whole multiples of the unit.
 fn noise(index: i64, size: i64) -> i64 {
     let mixed =
         (index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((index as u64) >> 7).wrapping_mul(0xD1B5_4A32_D192_ED03);

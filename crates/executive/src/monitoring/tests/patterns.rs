@@ -84,7 +84,7 @@ fn naive_list(parts: &[Pattern], values: &[Value], bindings: &Bindings) -> Vec<B
     naive(first, value, bindings).iter().flat_map(|bindings| naive_list(rest, left, bindings)).collect()
 }
 
-/// `(equalp ?x ?y)`, `(integerp ?x)`, `(listp ?y)`: both variables have values.
+/// Returns the truth of `(equalp ?x ?y)`, `(integerp ?x)` or `(listp ?y)`; both variables have values.
 fn naive_test(test: &Expr, bindings: &Bindings) -> bool {
     let ExprKind::Call { function, arguments } = &test.kind else { return false };
     let of = |expr: &Expr| match &expr.kind {

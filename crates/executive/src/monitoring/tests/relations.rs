@@ -25,7 +25,7 @@ pub(super) const RELATIONS: [AllenRelation; 13] = [
 
 pub(super) type Interval = (i64, i64);
 
-/// The relation as defined in textbooks, with end points equal within `near`.
+/// Returns true if the relation holds as defined in textbooks, with end points equal within `near`.
 fn stands(relation: AllenRelation, a: Interval, b: Interval, near: i64) -> bool {
     let less = |x: i64, y: i64| y - x > near;
     let same = |x: i64, y: i64| (x - y).abs() <= near;
@@ -130,7 +130,7 @@ pub(super) fn decided(
     pairs.into_iter().map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
 }
 
-/// Samples: the variable, the instant, the value. Both variables often have samples at the same instant.
+/// Generates samples: the variable, the instant, the value. Both variables often have samples at the same instant.
 pub(super) fn traces() -> impl Strategy<Value = Vec<(bool, i64, i64)>> {
     proptest::collection::vec((0..4_i64, 0..3_u8, 3..7_i64, 3..7_i64), 1..16).prop_map(|steps| {
         let mut at = 0;

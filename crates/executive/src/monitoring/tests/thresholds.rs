@@ -67,7 +67,7 @@ fn conditions() -> impl Strategy<Value = Condition> {
     })
 }
 
-/// Samples: age now, attribute, value, and whether time advances after it.
+/// Generates samples: age now, attribute, value, and whether time advances after it.
 fn samples() -> impl Strategy<Value = Vec<(i64, usize, Value, bool)>> {
     let late = prop_oneof![5 => Just(0_i64), 1 => 1..5_i64];
     proptest::collection::vec((late, 0..2_usize, values(), proptest::bool::weighted(0.7)), 1..14)

@@ -70,7 +70,7 @@ fn run(
     (session.take_results(), judgements)
 }
 
-/// Samples in order of time, except for the variable with lateness, whose samples may lie in the past.
+/// Generates samples in order of time, except for the variable with lateness, whose samples may lie in the past.
 fn samples() -> impl Strategy<Value = Vec<(u8, i64, i64)>> {
     (prop::collection::vec((0u8..6, -1i64..4, 0i64..60), 0..50), any::<bool>()).prop_map(|(mut samples, late)| {
         samples.sort_by_key(|(which, value, at)| if late && which % 3 == 2 { at + 2 * value } else { *at });

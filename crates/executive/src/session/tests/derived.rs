@@ -38,7 +38,7 @@ fn derived(declaration: &str, series: &Series, advances: bool) -> Vec<(i64, f64)
     history.map(|history| history.samples().map(pair).collect()).unwrap_or_default()
 }
 
-/// By definition: at each instant of any input, the latest value of each, at most `most` old.
+/// Returns the joined values by definition: at each instant of any input, the latest value of each, at most `most` old.
 fn held(series: &Series, most: Option<i64>) -> Vec<(i64, f64)> {
     let latest = |own: &[(i64, i64)], at: i64| {
         let before = own.iter().rev().find(|(instant, _)| *instant <= at)?;
@@ -47,7 +47,7 @@ fn held(series: &Series, most: Option<i64>) -> Vec<(i64, f64)> {
     joined(series, latest)
 }
 
-/// By definition: at each instant of any input, the point on the line between neighbours at most `most` apart.
+/// Returns the joined values by definition: at each instant of any input, the point on the line between neighbours at most `most` apart.
 fn on_lines(series: &Series, most: i64) -> Vec<(i64, f64)> {
     let point = |own: &[(i64, i64)], at: i64| {
         let before = own.iter().rev().find(|(instant, _)| *instant <= at)?;
@@ -100,7 +100,7 @@ proptest! {
     }
 }
 
-/// Results of a session for `condition` over samples `(variable, value, seconds)`.
+/// Returns the results of a session for `condition` over samples `(variable, value, seconds)`.
 fn tells(declarations: &str, condition: &str, samples: &[(&str, Value, f64)]) -> Vec<String> {
     let mut session = MonitorSession::new(library_of(declarations), HostFunctions::default()).unwrap();
     session.watch(read(condition).1, Time::ZERO).unwrap();
