@@ -7,7 +7,7 @@ use apex_model::problem::{
     TravelTimes,
 };
 
-/// Targets of one problem: a hundred times the largest known mission.
+/// Maximum number of targets of one problem: a hundred times the largest known mission.
 pub const TARGETS_MAX: usize = 5_000;
 
 /// Rejects invalid surveillance problems.

@@ -137,7 +137,7 @@ pub struct RunEnd {
     pub at: Time,
     /// Reason.
     pub reason: EndReason,
-    /// Executive steps.
+    /// Number of steps of the executive.
     pub steps: u64,
     /// Number of events that came in.
     pub events: u64,
@@ -154,6 +154,6 @@ pub struct RunEnd {
 pub struct Lateness {
     /// Number of steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
     pub steps: u64,
-    /// The worst, in wall time.
+    /// The greatest delay, in wall time.
     pub worst: std::time::Duration,
 }

@@ -17,13 +17,13 @@ use apex_model::source::Place;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// Bytes of a task that waits, with its controller, its selection and its entries in tables: as `benches` measure it.
+/// Number of bytes of a task that waits, with its controller, its selection and its entries in tables: as `benches` measure it.
 const TASK_BYTES: u64 = 640;
-/// Bytes of a monitor with its parts and interests.
+/// Number of bytes of a monitor with its parts and interests.
 const WATCH_BYTES: u64 = 400;
-/// Bytes of a decision with its values, until the runtime has taken it.
+/// Number of bytes of a decision with its values, until the runtime has taken it.
 const EFFECT_BYTES: u64 = size_of::<Effect>() as u64 + 150;
-/// Decisions about a new task within its first instant: created, enabled, selected, ongoing, ended.
+/// Number of decisions about a new task within its first instant: created, enabled, selected, ongoing, ended.
 const DECISIONS_OF_A_NEW_TASK: u64 = 5;
 /// Values of fewer bytes are counted as part of their task.
 const LARGE_VALUE_BYTES: u64 = 4_096;

@@ -24,7 +24,7 @@ pub struct Table<T> {
 #[derive(Clone, Debug)]
 struct Slots<T>(Vec<Vec<Option<T>>>);
 
-/// Slots of one chunk.
+/// Number of slots of one chunk.
 const CHUNK: usize = 128;
 
 impl<T> Slots<T> {

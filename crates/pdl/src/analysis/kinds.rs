@@ -41,7 +41,7 @@ impl Kind {
     }
 }
 
-/// Calls of functions and indexicals that are followed into each other.
+/// Maximum number of calls of functions and indexicals that are followed into each other.
 const DEPTH_MAX: usize = 8;
 /// Maximum number of expressions inspected for the kind of one expression.
 const STEPS_MAX: usize = 2_000;

@@ -5,7 +5,7 @@ use apex_model::problem::{PlannedVisit, SingleVisitPlan, SingleVisitProblem, Tra
 /// Times are sums of a few thousand numbers: rounding stays far below this.
 const TOLERANCE_S: f64 = 1e-6;
 
-/// Reports legs that are faster than the given times allow, and targets that are visited twice or unknown.
+/// Reports legs that are faster than the given times allow, and targets that are unknown or visited twice.
 pub(super) fn legs(
     problem: &SingleVisitProblem,
     travel: &TravelTimes,

@@ -14,7 +14,7 @@ use apex_model::problem::{
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
-/// Visits of one plan: a visit every second for a day and more.
+/// Maximum number of visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
 
 /// Work per entry of the travel times when a problem is prepared, in nanoseconds.

@@ -13,9 +13,9 @@ use crate::surveillance::scenario::Scenario;
 
 /// Sets up to this size are solved exactly: 9 * 9 * 512 steps.
 pub const EXACT_MAX: usize = 9;
-/// Nearest-neighbour starts of the search beyond that.
+/// Maximum number of nearest-neighbour starts of the search for larger sets.
 pub const STARTS_MAX: usize = 8;
-/// Improvements of one descent: far more than any tour needs; the limit prevents a loop through rounding errors.
+/// Maximum number of improvements of one descent: far more than any tour needs; the limit prevents a loop through rounding errors.
 const IMPROVEMENTS_MAX: usize = 100_000;
 /// Fixed work of a row of reversals or moves, in nanoseconds.
 const ROW_NS: u64 = 100;

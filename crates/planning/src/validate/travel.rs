@@ -2,7 +2,7 @@
 
 use apex_model::problem::{LaterTimes, TravelTimes, UNREACHABLE_S};
 
-/// Departures for which times may be given: a day in steps of ten minutes, with reserve around each change of the wind.
+/// Maximum number of departures for which times may be given: a day in steps of ten minutes, with reserve around each change of the wind.
 const DEPARTURES_MAX: usize = 256;
 /// A later departure may arrive earlier by this much: rounding of given times.
 const OVERTAKEN_S_MAX: f64 = 1e-3;

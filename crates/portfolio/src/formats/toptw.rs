@@ -14,7 +14,7 @@ use super::pose::{self, Frame, Vertex};
 use super::words::{self, TextToken, ends_early};
 use crate::format_error::FormatError;
 
-/// Paths that a file may name.
+/// Maximum number of paths that a file may name.
 const VEHICLES_MAX: usize = 100_000;
 /// Numbers of a vertex before the list of `a` numbers.
 const BEFORE_LIST: usize = 7;

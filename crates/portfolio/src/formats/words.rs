@@ -6,7 +6,7 @@ use crate::format_error::FormatError;
 const SHOWN_MAX: usize = 80;
 /// Greatest number of a coordinate, time or profit: sums of larger ones would not be exact.
 const NUMBER_MAX: f64 = 1e9;
-/// Digits after the point that are counted.
+/// Maximum number of digits after the point that are counted.
 const DECIMALS_MAX: usize = 6;
 
 /// A word with its place.

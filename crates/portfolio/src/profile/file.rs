@@ -12,7 +12,7 @@ const HEADING: &str =
     "# Expected costs that planners come to on test missions. docs/reference/profile-table.md describes this file.";
 /// Replaces costs that equal those of the preceding budget.
 const SAME: &str = "=";
-/// Missions of a cell at most.
+/// Maximum number of missions of a cell.
 pub(super) const MISSIONS_MAX: u64 = 10_000;
 
 /// Rounds a cost to the written digits, so that a profile in memory equals the one in its file.

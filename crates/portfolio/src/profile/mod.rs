@@ -26,7 +26,7 @@ use measure::Measured;
 /// The measured profile that ships with the product.
 pub const SHIPPED: &str = include_str!("../../data/profile.txt");
 
-/// Missions of a cell at most.
+/// Maximum number of missions of a cell.
 pub const MISSIONS_MAX: u64 = file::MISSIONS_MAX;
 
 /// A planner that was measured.

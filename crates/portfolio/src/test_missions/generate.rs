@@ -22,7 +22,7 @@ const SEPARATION: f64 = 0.01;
 const TWO_CLUSTERS: (f64, f64) = (0.05, 0.38);
 /// Standard deviation of a place in a single cluster.
 const GLOBULAR: f64 = 0.08;
-/// Draws of one place; after this number the separation is halved, so that crowded maps can be drawn too.
+/// Maximum number of draws of one place; after this number the separation is halved, so that crowded maps can be drawn too.
 const DRAWS_MAX: usize = 1_000;
 /// Centre of the map, at which every test mission starts; for display.
 pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };

@@ -5,7 +5,7 @@ use apex_model::problem::{CostFunction, SurveillanceProblem};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// Bytes of a cell's hash that are written down.
+/// Number of bytes of a cell's hash that are written down.
 const BYTES: usize = 16;
 
 impl Cell {

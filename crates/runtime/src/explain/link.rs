@@ -25,7 +25,7 @@ pub struct Link {
     pub place: Option<String>,
     /// The text of that line.
     pub source: Option<String>,
-    /// Causes.
+    /// The links on which it rests.
     pub causes: Vec<Link>,
     /// True if further links exist beyond the requested depth.
     pub more: bool,

@@ -6,7 +6,7 @@ use apex_model::expression::Template;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::Activity;
 
-/// A goal as text.
+/// A goal, an activity or an index, or a part of one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Phrase {
     /// A word or number, folded.

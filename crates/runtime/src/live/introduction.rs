@@ -4,7 +4,7 @@ use super::class::SourceClass;
 use crate::unique_json;
 use serde_json::{Map, Value as Json};
 
-/// Characters of a name.
+/// Maximum number of characters of a name.
 const NAME_MAX: usize = 64;
 
 /// The name and the class of a source, as it states them.

@@ -7,9 +7,9 @@ use apex_model::event::{EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Waiting inputs other than telemetry; a reader with more must wait, and so does its source.
+/// Maximum number of waiting inputs other than telemetry; a reader with more must wait, and so does its source.
 pub(super) const COMMANDS_MAX: usize = 1_000;
-/// Values of telemetry that wait; beyond, the oldest is lost.
+/// Maximum number of values of telemetry that wait; beyond, the oldest is lost.
 pub(super) const VALUES_MAX: usize = 4_096;
 
 type ValueKey = (StateVariable, Option<Symbol>);

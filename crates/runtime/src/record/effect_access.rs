@@ -15,7 +15,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, PoisonError, RwLockReadGuard};
 
-/// Blocks of decoded effects that stay in memory for further queries.
+/// Maximum number of blocks of decoded effects that stay in memory for further queries.
 const BLOCKS_KEPT: usize = 16;
 
 /// All effects of an agent up to now, open for questions.

@@ -9,7 +9,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 
 const MARK: &[u8; 24] = b"apex record file seal 1\n";
 const SEAL_BYTES: u64 = 64;
-/// Bytes read at one time.
+/// Number of bytes read at one time.
 const CHUNK_BYTES: usize = 1 << 20;
 
 /// Seal at the end of a file.

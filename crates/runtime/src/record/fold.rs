@@ -10,7 +10,7 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, scope};
 
-/// Batches that the second fold may be behind.
+/// Maximum number of batches that the second fold may be behind.
 const BEHIND_MAX: usize = 4_096;
 
 /// Folds `steps` with `fold`, and the batches of agent 0 into the second value with `see`.

@@ -14,7 +14,7 @@ use apex_model::time::Time;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Bytes of kept rows that are stored as one group: small, so that a nearly full disk still accepts some groups.
+/// Number of bytes of kept rows that are stored as one group: small, so that a nearly full disk still accepts some groups.
 const PART_BYTES: usize = 64 << 10;
 
 impl Store {

@@ -19,7 +19,7 @@ pub(super) const CONTINUES: &str = "continues";
 pub(super) const SPARE_FOLDER: &str = "spare_folder";
 /// The fact that names the step after which a snapshot was taken only because the segment began.
 pub(super) const SEGMENT_SNAPSHOT: &str = "segment_snapshot";
-/// Files of one record: names of segments are looked for up to this number.
+/// Maximum number of files of one record: names of segments are looked for up to this number.
 const SEGMENTS_MAX: usize = 10_000;
 
 /// The place in an earlier file after which a segment continues.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// First line of a signature's file, and beginning of the signed text.
 const MARK: &str = "apex record signature 1";
-/// Bytes of a key file or signature file that are read.
+/// Maximum number of bytes of a key file or signature file that are read.
 const FILE_BYTES_MAX: u64 = 4_096;
 
 /// A secret key.

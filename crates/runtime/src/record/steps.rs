@@ -10,7 +10,7 @@ use apex_model::time::Time;
 use rusqlite::params;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Batches read at one time.
+/// Number of batches read at one time.
 const PAGE_BATCHES: i64 = 256;
 
 /// One recorded executive step.

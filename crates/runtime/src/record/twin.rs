@@ -15,9 +15,9 @@ use rusqlite::types::Value;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-/// Rows read at one time.
+/// Number of rows read at one time.
 const PAGE_ROWS: usize = 256;
-/// Characters of a cell that are shown.
+/// Maximum number of characters of a cell that are shown.
 const SHOWN_MAX: usize = 300;
 
 /// Tables that a replay can derive again.

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Lines that may wait to be read; the program blocks while there are more.
+/// Maximum number of lines that may wait to be read; the program blocks while there are more.
 const LINES_WAITING_MAX: usize = 4;
 /// Wall time within which a program that has closed its output, but has other open files, must end.
 const END_PATIENCE: Duration = Duration::from_millis(500);

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Columns of the instant in text, so that lines within one hour are aligned.
+/// Number of columns of the instant in text, so that lines within one hour are aligned.
 const TIME_COLUMNS: usize = 12;
 
 /// A line before it is written.

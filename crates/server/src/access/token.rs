@@ -6,7 +6,7 @@ use std::fmt;
 
 /// Minimum number of characters of a token: 16 characters of 64 kinds cannot be guessed.
 const SECRET_MIN: usize = 16;
-/// Bytes of a new secret.
+/// Number of bytes of a new secret.
 const SECRET_BYTES: usize = 24;
 /// Maximum number of characters of a name.
 const NAME_MAX: usize = 64;

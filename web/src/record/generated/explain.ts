@@ -194,7 +194,7 @@ place: string | null,
  */
 source: string | null, 
 /**
- * Causes.
+ * The links on which it rests.
  */
 causes: Array<Link>, 
 /**

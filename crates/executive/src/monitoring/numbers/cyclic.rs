@@ -32,7 +32,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Cycles that make a pattern when `:cycles` is not stated.
+/// Number of cycles that make a pattern when `:cycles` is not stated.
 const CYCLES_DEFAULT: u64 = 2;
 
 /// Returns the part for a condition; it has not processed remembered samples yet. The hysteresis is evaluated now.

@@ -18,9 +18,9 @@ use std::sync::Arc;
 /// Largest numbers of shapes and of words.
 const SHAPES_MAX: usize = 4_096;
 const WORDS_MAX: usize = 1 << 16;
-/// Bytes of a word, at most.
+/// Maximum number of bytes of a word.
 const WORD_BYTES_MAX: usize = 200;
-/// Texts and shapes that are remembered until they occur again.
+/// Maximum number of texts and shapes that are remembered until they occur again.
 const SIGHTINGS_MAX: usize = 1 << 14;
 
 /// Writes the effects of one record.

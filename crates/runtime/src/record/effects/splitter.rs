@@ -11,7 +11,7 @@ use serde::ser::{self, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// Bytes of a shape, at most; longer effects are stored as they are.
+/// Maximum number of bytes of a shape; longer effects are stored as they are.
 const SHAPE_BYTES_MAX: usize = 4_000;
 
 /// A literal byte follows.

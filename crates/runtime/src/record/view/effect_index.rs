@@ -11,11 +11,11 @@ use std::collections::BTreeMap;
 
 /// Effects of one block: few, as a search reads all of a block that may match.
 pub(super) const BLOCK_EFFECTS: i64 = 32;
-/// Bits of a block's filter.
+/// Number of bits of a block's filter.
 const FILTER_BITS: usize = 1 << 13;
 /// Lengths of the n-grams in bytes: long ones exclude more blocks, short ones serve searches for short texts.
 const GRAMS: [usize; 3] = [5, 3, 2];
-/// Effects that are read at once; the index stays locked while they are read.
+/// Number of effects that are read at once; the index stays locked while they are read.
 const CHUNK_EFFECTS: i64 = 8_192;
 
 /// A block of effects with consecutive numbers.

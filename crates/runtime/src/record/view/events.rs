@@ -18,7 +18,7 @@ const LIMIT_MAX: usize = 5_000;
 /// where the search continues.
 const SEARCHED_MAX: usize = 16_384;
 
-/// Blocks that a query takes from the index at once.
+/// Number of blocks that a query takes from the index at once.
 const BLOCKS_TURN: usize = 32;
 
 /// Time that a query spends on an index that is behind.

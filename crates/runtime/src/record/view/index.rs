@@ -36,7 +36,7 @@ pub(super) struct IndexedTask {
     methods: Vec<(i64, Option<Arc<str>>)>,
 }
 
-/// Changes of a task in one block of [`IndexedTask::longest_ns`].
+/// Number of changes of a task in one block of [`IndexedTask::longest_ns`].
 pub(super) const BLOCK_CHANGES: usize = 16;
 
 /// Sums over a task's intervals up to a change.

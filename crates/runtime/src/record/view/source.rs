@@ -5,7 +5,7 @@ use crate::error::RecordError;
 use rusqlite::OptionalExtension;
 use serde::Serialize;
 
-/// Lines shown before the place.
+/// Number of lines shown before the place.
 const LINES_BEFORE: usize = 2;
 /// Number of lines of a snippet.
 const LINES: usize = 9;
