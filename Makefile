@@ -18,7 +18,7 @@ LLVM_TOOLS := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/*/bin)
 LLVM_COV ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-cov),$(shell command -v llvm-cov-22))
 LLVM_PROFDATA ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-profdata),$(shell command -v llvm-profdata-22))
 # Packages whose tests count for coverage; COVERAGE_PACKAGES="--package apex-executive .." measures fewer.
-COVERAGE_PACKAGES ?= $(CI_SELECTION)
+COVERAGE_PACKAGES ?= --workspace --exclude apex-benches
 # Seconds for each fuzz target; a planted bug must be found within FUZZ_PLANTED_SECONDS.
 FUZZ_SECONDS ?= 60
 FUZZ_PLANTED_SECONDS ?= 300
@@ -38,9 +38,12 @@ APEX := $(TARGET)/release/apex
 # Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.
 CI_PROFILE := --profile ci
 # One selection of packages for tests, the command and the Python module: with another one, features of third parties
-# differ and half of the workspace is compiled again. Measurements are compiled by `rust-lints` and `bench` only.
-CI_SELECTION := --workspace --exclude apex-benches
-CI_BUILD := cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples --bin xtask
+# differ and half of the workspace is compiled again.
+CI_SELECTION := --workspace
+# Lints come from the build: clippy's driver compiles the packages of the workspace, so that nothing is compiled for lints alone.
+CI_LINTS := RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
+CI_CARGO := $(CI_LINTS) cargo
+CI_BUILD := $(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples --bench '*' --bin xtask
 CI_APEX := $(TARGET)/ci/apex
 # In the profile of all else: `cargo xtask` would compile its packages for development, too.
 CI_XTASK := $(TARGET)/ci/xtask
@@ -73,15 +76,15 @@ quick: ## Check and test what the present change needs: format, rules of the rep
 check: rust-lints web-checks python-checks ## Format, lints, house rules; nothing is run.
 
 test: ## Everything that CI runs: check, tests, spec pages, the Python package, flights with replay, the page in a browser.
-	$(MAKE) web
-	$(MAKE) --jobs=2 --output-sync=target rust-lints web-checks web-tests
+	$(MAKE) --jobs=2 --output-sync=target web rust-rules
+	$(MAKE) --jobs=2 --output-sync=target rust-build web-checks web-tests
 	$(MAKE) rust-tests
 	$(MAKE) flights
 	# The page's tests mostly wait for the browser; the checks of Python need one processor.
 	$(MAKE) --jobs=2 --output-sync=target python-package page-tests
 
 spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (review the diff).
-	UPDATE=$(UPDATE) cargo test --locked $(CI_PROFILE) --package apex-spec
+	UPDATE=$(UPDATE) $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-spec
 
 bench: .venv/.peers ## Measure latency, throughput and load time; peers beside it in the same run, against the bars.
 	rm -rf $(TARGET)/criterion $(TARGET)/bench-rows
@@ -135,7 +138,7 @@ sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 properties: ## Run the property tests with ROUNDS=20 seeds of their own; a failure prints its case and its seed repeats it.
 	for round in $$(seq $(ROUNDS)); do \
 	  seed=$$(od -An -N4 -tu4 /dev/urandom | tr -d ' '); echo "PROPTEST_RNG_SEED=$$seed"; \
-	  PROPTEST_RNG_SEED=$$seed cargo test --locked --quiet $(CI_PROFILE) $(PROPERTIES); \
+	  PROPTEST_RNG_SEED=$$seed $(CI_CARGO) test --locked --quiet $(CI_PROFILE) $(PROPERTIES); \
 	done
 
 deny: ## Check licences, sources, doubled versions and, where their database can be reached, advisories of third-party packages.
@@ -209,26 +212,26 @@ quality: coverage audit sbom ## Measure coverage, packages and bills of material
 
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
-	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
+	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
 	mkdir -p $(TARGET)/quality && rm -f $(TARGET)/quality/crashes.tsv
-	$(MEASURED) APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-simulation --test fault_simulator
-	$(MEASURED) APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
+	$(MEASURED) APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-simulation --test fault_simulator
+	$(MEASURED) APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
 	$(MAKE) fuzz fuzz-planted
 	$(MAKE) quality
 	$(MAKE) wheel
 	$(MAKE) properties
-	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
-	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
-	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
-	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
+	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
+	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
+	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
+	$(CI_CARGO) test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
 	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- soak 100000000
 	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 1ms,3ms,10ms,100ms
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
-	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 cargo test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
-	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
+	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
+	PROPTEST_CASES=$(TRAVEL_WORLDS) $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench
 	$(MAKE) bench-door
@@ -291,20 +294,22 @@ web/dist/index.html: web/node_modules/.installed $(WEB_SOURCES)
 	touch $@
 
 # The server embeds web/dist when it is compiled, so the page comes first.
-rust-lints: web/dist/index.html
-	cargo fmt --all --check
-	cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --bin xtask
-	$(CI_XTASK) tidy
-	cargo clippy --locked --quiet $(CI_PROFILE) --workspace --all-targets -- -D warnings
+rust-lints: rust-rules rust-build
 
-# Libraries, the Python module among them, tests, and the command, which its tests run.
+.PHONY: rust-rules
+rust-rules:
+	cargo fmt --all --check
+	$(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --bin xtask
+	$(CI_XTASK) tidy
+
+# Libraries, the Python module among them, tests, measurements, and the command, which its tests run; their lints.
 .PHONY: rust-build
 rust-build: web/dist/index.html
 	$(CI_BUILD)
 
 # No package has documentation tests; looking for them would take a run of rustdoc for each.
 rust-tests: rust-build
-	$(CI_XTASK) test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
+	$(CI_LINTS) $(CI_XTASK) test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 
 web-checks: web/node_modules/.installed
 	cd web && npm run --silent check
