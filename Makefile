@@ -345,8 +345,8 @@ pictures: $(CI_APEX) web/node_modules/.installed chromium ## Take the pictures o
 bench-page: web/node_modules/.installed chromium ## Measure the time to the next paint of Sherpa at URL while the record plays.
 	cd web && node scripts/paint.mjs $(URL)
 
-bench-record: $(CI_APEX) ## Measure the server on a record of a million lives of tasks with ten clients; the record is made first, in minutes.
-	cd web && node scripts/load.mjs $(abspath $(CI_APEX)) $(abspath $(TARGET))/load.apex
+bench-record: build ## Measure the server on a record of a million lives of tasks with ten clients; the record is made first, in minutes.
+	cd web && node scripts/load.mjs $(abspath $(APEX)) $(abspath $(TARGET))/load.apex
 
 chromium:
 	@if ! command -v chromium > /dev/null; then \

@@ -344,7 +344,7 @@ fn primitive(agent: &Agent, task: &Task, state: &PrimitiveController) -> Vec<Rea
     let mut reasons = Vec::new();
     for (id, open) in state.commands.iter().filter_map(|id| Some((id, agent.commands.get(id)?))) {
         let text = format!("the vehicle's answer to command {} {}", id.0, open.form);
-        let now = Some(format!("it has failed without answer at {}", open.timeout.at));
+        let now = Some(format!("it fails if no answer comes by {}", open.timeout.at));
         reasons.push(Reason { now, since: Some(open.sent_at), place, ..Reason::new(ReasonKind::Command, text) });
     }
     if let Some(end) = state.end {

@@ -49,7 +49,8 @@ fn check_file(path: &Path) -> Result<FileSeal, RecordError> {
     })
 }
 
-fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(), RecordError> {
+/// Compares the version of the format that the file states with `known`.
+pub(super) fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(), RecordError> {
     let fail = |error| read_error(path, "its header", error);
     let found: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
     let path = path.to_path_buf();

@@ -4,8 +4,9 @@ use super::codec::{Variable, Variables};
 use super::connect::Copied;
 use super::effects::EffectTable;
 use super::file_seal::FileSeal;
+use super::gap::RecordGap;
 use super::known_tasks::KnownTasks;
-use super::open::{self, Opened, Trust};
+use super::open::{self, Opened, Stamp, Trust};
 use super::schema::{self, read_error};
 use super::segment_join::SharedFollower;
 use super::segments::{SPARE_FOLDER, SegmentPlaces};
@@ -64,26 +65,6 @@ pub struct Sample {
     pub value: Value,
 }
 
-/// Steps that a record does not have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RecordGap {
-    /// Number of the first step that is missing.
-    pub first_batch: i64,
-    /// Number of the last step that is missing.
-    pub last_batch: i64,
-    /// The instant of the step before.
-    pub after: Time,
-    /// The instant of the step that follows; `None` if none does.
-    pub before: Option<Time>,
-}
-
-impl std::fmt::Display for RecordGap {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "steps {} to {}, after {}", self.first_batch, self.last_batch, self.after)?;
-        self.before.map_or(Ok(()), |before| write!(f, " and before {before}"))
-    }
-}
-
 impl RecordReader {
     /// Opens the record at `path`.
     ///
@@ -102,14 +83,30 @@ impl RecordReader {
         let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref(), self.follower.as_ref()))?;
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
         if agent == self.agent {
-            reader.table = Arc::clone(&self.table);
-            reader.known_tasks = Arc::clone(&self.known_tasks);
+            reader.share(self);
         }
         Ok(reader)
     }
 
     pub(super) fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
         RecordReader::of_opened(path, open::open(path)?, agent)
+    }
+
+    /// As [`RecordReader::open_at`], before the comparison with the seal: nothing that this reader reads may be shown before that has
+    /// succeeded. `None` for a record without a seal, and for one that cannot be read.
+    pub(super) fn of_unchecked(path: &Path, agent: usize) -> Option<RecordReader> {
+        RecordReader::of_opened(path, open::open_unchecked(path)?, agent).ok()
+    }
+
+    /// Returns true if the rows are trusted because the whole file equals its seal, and the file is still the one with this stamp.
+    pub(super) fn is_of_file(&self, stamp: Stamp) -> bool {
+        matches!(&*self.trust.borrow(), Trust::File(checked) if *checked == stamp)
+    }
+
+    /// Shares effects and tasks in memory with another reader of the same agent in the same file.
+    pub(super) fn share(&mut self, other: &RecordReader) {
+        self.table = Arc::clone(&other.table);
+        self.known_tasks = Arc::clone(&other.known_tasks);
     }
 
     fn of_opened(path: &Path, opened: Opened, agent: usize) -> Result<RecordReader, RecordError> {

@@ -37,6 +37,13 @@ pub(super) fn record_samples(path: &Path) -> Recorder {
     recorder
 }
 
+/// A closed record of the samples.
+pub(super) fn closed_record() -> (TempDir, PathBuf) {
+    let (folder, path) = place_for_record();
+    record_samples(&path).finish(Time::from_seconds(300.3), "the root task ended").unwrap();
+    (folder, path)
+}
+
 #[test]
 fn what_goes_in_comes_out_byte_for_byte() {
     let (_folder, path) = place_for_record();

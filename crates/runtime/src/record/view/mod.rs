@@ -10,6 +10,7 @@ mod announcements;
 mod command_index;
 mod commands;
 pub(crate) mod decisions;
+mod early;
 mod effect_index;
 mod events;
 mod holding_index;
@@ -62,6 +63,7 @@ use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
 use command_index::CommandIndex;
+use early::EarlyReading;
 use effect_index::EffectIndex;
 use holding_index::HoldingIndex;
 use index::TaskIndex;
@@ -103,12 +105,18 @@ struct Indexes {
 }
 
 impl RecordView {
-    /// Opens the record at `path` to read agent number `agent`, from 0 in the order of the declarations.
+    /// Opens the record at `path` to read agent number `agent`, from 0 in the order of the declarations. A closed record is read while
+    /// it is compared with its seal: the indexes are complete soon after.
     ///
     /// # Errors
     /// Like [`RecordReader::open`].
     pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
-        Ok(RecordView::of(RecordReader::open_at(path, agent)?, Arc::default()))
+        // An error of the early reading occurs again in the first query, which reports it.
+        let read = |reader: RecordReader, indexes: Arc<Indexes>| drop(RecordView::of(reader, indexes).prepare());
+        let early = EarlyReading::begin(path, agent, read);
+        let mut reader = RecordReader::open_at(path, agent)?;
+        let indexes = early.and_then(|early| early.taken_over_by(&mut reader));
+        Ok(RecordView::of(reader, indexes.unwrap_or_default()))
     }
 
     fn of(reader: RecordReader, indexes: Arc<Indexes>) -> RecordView {
@@ -187,4 +195,64 @@ fn for_reading<T>(lock: &RwLock<T>) -> RwLockReadGuard<'_, T> {
 /// Returns a lock for writing, as [`for_reading`].
 fn for_writing<T>(lock: &RwLock<T>) -> RwLockWriteGuard<'_, T> {
     lock.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::tests::closed_record;
+    use std::fs;
+
+    fn begin(path: &Path) -> Option<EarlyReading<Indexes>> {
+        EarlyReading::begin(path, 0, |reader, indexes| drop(RecordView::of(reader, indexes).prepare()))
+    }
+
+    #[test]
+    fn a_closed_record_is_read_early_and_gives_the_same_answers() {
+        let (_folder, path) = closed_record();
+        let early = begin(&path).unwrap();
+        let mut reader = RecordReader::open_at(&path, 0).unwrap();
+        let indexes = early.taken_over_by(&mut reader).unwrap();
+        let mut view = RecordView::of(reader, indexes);
+        let mut plain = RecordView::of(RecordReader::open_at(&path, 0).unwrap(), Arc::default());
+        assert_eq!(view.mission(None).unwrap(), plain.mission(None).unwrap());
+        let events = view.events(&EventsQuery::default()).unwrap();
+        assert_eq!(events, plain.events(&EventsQuery::default()).unwrap());
+        assert!(!events.events.is_empty());
+    }
+
+    #[test]
+    fn a_file_that_changed_since_it_was_read_is_read_again() {
+        let (_folder, path) = closed_record();
+        let early = begin(&path).unwrap();
+        let file = fs::File::options().write(true).open(&path).unwrap();
+        file.set_modified(std::time::UNIX_EPOCH).unwrap();
+        let mut reader = RecordReader::open_at(&path, 0).unwrap();
+        assert!(early.taken_over_by(&mut reader).is_none());
+    }
+
+    #[test]
+    fn what_was_read_early_is_not_shown_if_a_byte_differs_from_the_seal() {
+        let (_folder, path) = closed_record();
+        let mut bytes = fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&path, bytes).unwrap();
+        let early = begin(&path).unwrap();
+        match RecordReader::open_at(&path, 0) {
+            Err(RecordError::Damaged { .. }) => {}
+            // The byte is in a free page: the groups of rows fit their seals, and the rows are read after their check.
+            Ok(mut reader) => assert!(early.taken_over_by(&mut reader).is_none()),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    #[test]
+    fn a_record_without_a_seal_is_not_read_before_its_check() {
+        let (_folder, path) = closed_record();
+        let length = fs::metadata(&path).unwrap().len();
+        fs::File::options().write(true).open(&path).unwrap().set_len(length - 64).unwrap();
+        assert!(begin(&path).is_none());
+        assert!(RecordView::open(&path, 0).is_ok());
+    }
 }
