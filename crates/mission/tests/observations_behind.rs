@@ -1,4 +1,4 @@
-//! Observations that are accumulated behind the flight: whoever reads them, and whenever, finds those of the flight up to then.
+//! Observations that are accumulated behind the flight: a reader finds those of the flight up to the instant at which it reads.
 
 #![allow(clippy::unwrap_used, clippy::float_arithmetic, reason = "a test stops where it is surprised")]
 
@@ -50,7 +50,7 @@ fn batch(number: u32, (latitude_deg, longitude_deg): (f64, f64), roll_deg: f64) 
 }
 
 #[test]
-fn observations_are_those_of_the_flight_up_to_now_whoever_reads_them_and_when() {
+fn observations_are_those_of_the_flight_up_to_now_at_each_instant_of_reading() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();
     let fire = mission.targets.iter().find(|target| target.outline().is_some()).unwrap();

@@ -1,7 +1,7 @@
 //! The observations of a flight, accumulated behind it: the samples of a scanner are handed over in parts to a thread, because marking the
 //! cells of a swath takes a tenth of the time of a simulated flight, and few instants of a flight read them.
 //!
-//! Whoever reads the observations waits until all samples are in them. So every reader receives what it would receive without the thread.
+//! A reader waits until all samples are in the observations. So it receives what it would receive without the thread.
 
 use crate::ground::MissionGround;
 use apex_observation::assess::Product;
@@ -13,7 +13,7 @@ use std::thread::{self, JoinHandle};
 /// Number of additions that are handed over together.
 const PART: usize = 1024;
 
-/// What a flight adds to its observations most often.
+/// An addition to the observations that is frequent.
 pub(super) enum Addition {
     Sample(FlightSample),
     Sensor(SensorState),

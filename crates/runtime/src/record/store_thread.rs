@@ -1,4 +1,4 @@
-//! A store on a thread of its own: SQLite, hashes and writes take a sixth of the time of a simulated flight, and no decision waits for them.
+//! A store on a separate thread: SQLite, hashes and writes take a sixth of the time of a simulated flight, and no decision waits for them.
 //!
 //! Before the flight, after its end, and from the first failed write on, rows are written on the thread that inserts them. In between
 //! they are handed over in parts of whole steps, in order, and a commit waits until all of them are committed.
@@ -21,16 +21,16 @@ const PART_BYTES: usize = 64 << 10;
 /// Parts that may wait for the thread; then the flight waits for it.
 const PARTS_MAX: usize = 4;
 
-/// A store whose rows are written by a thread of its own while the flight goes on.
+/// A store whose rows are written by a separate thread while the flight continues.
 pub(super) struct StoreThread {
     /// The store while it is on this side.
     here: Option<Box<dyn RowStore>>,
     writer: Option<Writer>,
     /// File of the store when it was handed over.
     path: PathBuf,
-    part: Part,
+    part: RowPart,
     /// Parts that were written, to be filled again.
-    spare: Vec<Part>,
+    spare: Vec<RowPart>,
     news: VecDeque<DiskNews>,
     failed: Option<RecordError>,
 }
@@ -38,26 +38,26 @@ pub(super) struct StoreThread {
 /// The thread that has the store.
 struct Writer {
     requests: SyncSender<Request>,
-    reports: Receiver<Report>,
+    reports: Receiver<WriteReport>,
     thread: JoinHandle<Option<Box<dyn RowStore>>>,
 }
 
 enum Request {
-    Write(Part),
+    Write(RowPart),
     Commit,
 }
 
 /// Result of a request.
-struct Report {
+struct WriteReport {
     /// The part that was written; `None` after a commit.
-    part: Option<Part>,
+    part: Option<RowPart>,
     news: Vec<DiskNews>,
     result: Result<(), RecordError>,
 }
 
 /// Calls of a store in their order.
 #[derive(Default)]
-struct Part {
+struct RowPart {
     calls: Vec<Call>,
     /// Cells of the rows.
     bytes: Vec<u8>,
@@ -75,7 +75,7 @@ enum Call {
     EndStep,
 }
 
-impl Part {
+impl RowPart {
     fn is_large(&self) -> bool {
         self.steps >= PART_STEPS || self.bytes.len() >= PART_BYTES
     }
@@ -113,7 +113,7 @@ impl Part {
 impl StoreThread {
     pub(super) fn new(store: Box<dyn RowStore>) -> StoreThread {
         let path = store.path().to_path_buf();
-        let (part, spare, news) = (Part::default(), Vec::new(), VecDeque::new());
+        let (part, spare, news) = (RowPart::default(), Vec::new(), VecDeque::new());
         StoreThread { here: Some(store), writer: None, path, part, spare, news, failed: None }
     }
 
@@ -140,7 +140,7 @@ impl StoreThread {
         }
     }
 
-    fn take_in(&mut self, Report { part, news, result }: Report) {
+    fn take_in(&mut self, WriteReport { part, news, result }: WriteReport) {
         self.spare.extend(part);
         self.news.extend(news);
         self.failed = self.failed.take().or(result.err());
@@ -192,7 +192,11 @@ impl StoreThread {
 }
 
 /// Writes parts until no more can come; returns the store.
-fn serve(mut store: Box<dyn RowStore>, requests: &Receiver<Request>, reports: &Sender<Report>) -> Box<dyn RowStore> {
+fn serve(
+    mut store: Box<dyn RowStore>,
+    requests: &Receiver<Request>,
+    reports: &Sender<WriteReport>,
+) -> Box<dyn RowStore> {
     for request in requests {
         let (part, result) = match request {
             Request::Commit => (None, store.commit()),
@@ -203,7 +207,7 @@ fn serve(mut store: Box<dyn RowStore>, requests: &Receiver<Request>, reports: &S
             }
         };
         let news = std::iter::from_fn(|| store.take_news()).collect();
-        reports.send(Report { part, news, result }).ok();
+        reports.send(WriteReport { part, news, result }).ok();
     }
     store
 }

@@ -47,7 +47,7 @@ pub struct RecordOptions {
     pub durability: Durability,
     /// Bytes of the newest steps kept in memory while the disk accepts none; `None` is [`RECORDING_KEPT_BYTES_MAX`].
     pub kept_bytes_max: Option<usize>,
-    /// A thread of its own writes the rows: for flights of vehicles that act in simulation only, which end no later than their record.
+    /// A separate thread writes the rows: for flights in simulation, as nothing outside depends on a row.
     pub has_thread: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Records whose rows a thread of its own writes: they hold what records without that thread hold.
+//! Records whose rows a separate thread writes: they hold what records without that thread hold.
 
 use crate::support::{CAMERA, altitude, camera_inputs, load, program};
 use apex_model::effect::Effect;
