@@ -33,6 +33,8 @@ pub fn create_record_with(
     seed: Option<u64>,
     options: RecordOptions,
 ) -> MissionResult<Recorder> {
+    // Nothing outside depends on a simulated flight, so that no step waits for its row.
+    let options = RecordOptions { has_thread: true, ..options };
     let mut recorder = recording::of_mission(path, mission, options)?;
     let seed = seed.unwrap_or(mission.settings.seed).to_string();
     let described = recorder.meta("vehicle_type", BUILT_IN).and_then(|()| recorder.meta("seed", &seed));

@@ -1,6 +1,7 @@
 //! Computes the observations of a flight from its batches.
 
 use super::arrivals::Arrivals;
+use super::deferred::{Addition, DeferredObservation};
 use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
 use crate::ground::MissionGround;
@@ -22,6 +23,7 @@ use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, TargetArea, WantedLook};
 use apex_observation::timing::sun::solar_position;
 use apex_portfolio::parallel::on_all_processors;
+use std::sync::RwLockReadGuard;
 
 /// Longest time between two samples across which the ground counts as seen.
 const SAMPLE_GAP_S_MAX: f64 = 2.5;
@@ -32,8 +34,7 @@ const STEEPNESS_MIN: f64 = 0.2;
 /// Observations until now: a fold over the batches of a flight.
 #[derive(Clone)]
 pub struct FlownScore {
-    observation: FlownObservation,
-    ground: MissionGround,
+    observation: DeferredObservation,
     /// The fires, for outlines that are reported later.
     fires: std::sync::Arc<[Target]>,
     /// Setting of the scanner while it is on; `None` if the vehicle carries none.
@@ -103,8 +104,7 @@ impl FlownScore {
         let epoch_unix_s = mission.settings.epoch_unix_s;
         let fires = mission.targets.iter().filter(|target| target.outline().is_some()).cloned().collect();
         Ok(Some(FlownScore {
-            observation,
-            ground,
+            observation: DeferredObservation::new(observation, ground),
             fires,
             scanner,
             cameras,
@@ -144,7 +144,7 @@ impl FlownScore {
             }
             if variable.attribute.is("on-ground") {
                 let read = self.arrivals.on_ground(value.is_true(), event.at);
-                read.into_iter().for_each(|product| self.observation.product(product));
+                read.into_iter().for_each(|product| self.observation.add(Addition::Product(product)));
             }
             let was_on = self.latest.is_on;
             if self.latest.take(variable, value, event.at) {
@@ -178,7 +178,7 @@ impl FlownScore {
             "image-lost" => return self.arrivals.lost(&camera.to_string()),
             "image-on-ground" => {
                 let arrived = self.arrivals.arrived(&camera.to_string(), at);
-                return arrived.into_iter().for_each(|product| self.observation.product(product));
+                return arrived.into_iter().for_each(|product| self.observation.add(Addition::Product(product)));
             }
             _ => {}
         }
@@ -199,10 +199,10 @@ impl FlownScore {
             }
             picture.sample.clear_share = if is_obscured { Some(0.0) } else { None };
             if let Some(log) = &mut self.footprints {
-                log.picture(&picture, at, self.observation.elevation_m_near(picture.sample.position));
+                log.picture(&picture, at, self.observation.now().elevation_m_near(picture.sample.position));
                 return;
             }
-            self.observation.picture(&picture, &self.ground);
+            self.observation.change(|observation, ground| observation.picture(&picture, ground));
         }
     }
 
@@ -218,7 +218,7 @@ impl FlownScore {
             return;
         };
         // An outline that cannot be divided into cells changes nothing; planners ignore it too.
-        self.observation.reshape(&name, area, &self.ground).ok();
+        self.observation.change(|observation, ground| observation.reshape(&name, area, ground)).ok();
     }
 
     /// Returns a picture as recorded; `None` if the position or the mount angles are unknown.
@@ -230,7 +230,7 @@ impl FlownScore {
         let sight = sight_of(&attitude.unwrap_or_default(), angles, camera.is_stabilised);
         let down = sight(Vector::new(1.0, 0.0, 0.0)).z.max(STEEPNESS_MIN);
         let sun_deg = self.epoch_unix_s.map(|zero| solar_position(position, zero + at.seconds()).elevation_deg);
-        let ground_m = self.observation.elevation_m_near(position);
+        let ground_m = self.observation.now().elevation_m_near(position);
         let motion = ExposureMotion {
             roll_deg: attitude.map(|attitude| attitude.roll_deg),
             ground_speed_mps: self.latest.ground_speed_mps(at),
@@ -269,7 +269,7 @@ impl FlownScore {
         if let Some(log) = &mut self.footprints {
             log.end_swath();
         }
-        self.observation.sensor(state);
+        self.observation.add(Addition::Sensor(state));
     }
 
     fn sample(&mut self, at: Option<Time>) {
@@ -280,12 +280,12 @@ impl FlownScore {
         }
         let Some((position, altitude_m)) = self.latest.place else { return };
         if let (Some(log), Some(setting)) = (&mut self.footprints, &self.scanner) {
-            let ground_m = self.observation.elevation_m_near(position);
+            let ground_m = self.observation.now().elevation_m_near(position);
             log.line(&self.latest, setting, (at, ground_m, SAMPLE_GAP_S_MAX));
             return;
         }
         let sample = self.flight_sample(at, position, altitude_m);
-        self.observation.sample(sample, &self.ground);
+        self.observation.add(Addition::Sample(sample));
     }
 
     /// True while the scanner is on.
@@ -295,28 +295,29 @@ impl FlownScore {
 
     /// Number of looks that cells of a target have received until now.
     pub(super) fn look_count_of(&self, target: &str) -> usize {
-        self.observation.looks(target).map_or(0, TargetLooks::count)
+        self.observation.now().looks(target).map_or(0, TargetLooks::count)
     }
 
     /// Returns the observations until now.
-    pub(crate) fn observation(&self) -> &FlownObservation {
-        &self.observation
+    pub(crate) fn observation(&self) -> RwLockReadGuard<'_, FlownObservation> {
+        self.observation.now()
     }
 
     /// Returns true if a picture of the target between two instants has a value.
     pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
-        self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
+        self.observation.now().valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
     /// Returns the result of the looks of one target; `None` while nothing of it has been seen.
     pub fn result(&self, target: &str) -> Option<TargetResult> {
-        self.observation.result(target)
+        self.observation.now().result(target)
     }
 
     /// Returns the results of each target's looks.
     pub fn results(&self) -> Vec<TargetResult> {
-        let first_valid_s = self.observation.first_valid_s();
-        let result = |number: usize| self.observation.result_of(number, &first_valid_s);
-        on_all_processors(self.observation.target_count(), result).into_iter().flatten().collect()
+        let observation = &*self.observation.now();
+        let first_valid_s = observation.first_valid_s();
+        let result = |number: usize| observation.result_of(number, &first_valid_s);
+        on_all_processors(observation.target_count(), result).into_iter().flatten().collect()
     }
 }

@@ -2,6 +2,7 @@
 //! computes them during the flight, `apex score` again from the record.
 
 mod arrivals;
+mod deferred;
 mod flown;
 mod footprints;
 mod samples;

@@ -271,7 +271,7 @@ fn move_facts(bytes: &mut [u8], count: i64) -> Option<i64> {
     first
 }
 
-fn put(bytes: &mut Vec<u8>, cell: Cell<'_>) {
+pub(super) fn put(bytes: &mut Vec<u8>, cell: Cell<'_>) {
     let (kind, body): (u8, &[u8]) = match cell {
         Cell::Null => return bytes.push(0),
         Cell::Integer(number) => {
@@ -307,7 +307,7 @@ fn take(bytes: &[u8]) -> Option<(Cell<'_>, &[u8])> {
     Some((if *kind == 3 { Cell::Text(body) } else { Cell::Blob(body) }, rest))
 }
 
-fn get<'b>(mut bytes: &'b [u8], cells: &mut Vec<Cell<'b>>) {
+pub(super) fn get<'b>(mut bytes: &'b [u8], cells: &mut Vec<Cell<'b>>) {
     while let Some((cell, rest)) = take(bytes) {
         cells.push(cell);
         bytes = rest;

@@ -33,6 +33,7 @@ mod segments;
 mod signature;
 mod steps;
 mod store;
+mod store_thread;
 mod tables;
 mod task_rows;
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
 /// Destination of the recorder's rows: stores them, or compares them with stored ones.
 pub(super) trait RowStore: Send {
     /// Appends a row. Tables with numbered rows get their first column here. `doing` describes the action in the error message.
-    fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError>;
+    fn insert(&mut self, doing: &'static str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError>;
 
     /// Sets the instant that is being stored, for messages and seals.
     fn set_now(&mut self, now: Time);
@@ -257,7 +257,7 @@ impl Store {
 }
 
 impl RowStore for Store {
-    fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError> {
+    fn insert(&mut self, doing: &'static str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError> {
         if self.broken {
             return Err(self.unwritable(doing, "an earlier write failed".into()));
         }

@@ -9,6 +9,7 @@ use super::layout::STATE_LAYOUT;
 use super::segments::{SEGMENT_SNAPSHOT, SPARE_FOLDER, SegmentPlaces};
 use super::signature::SigningKey;
 use super::store::{Durability, RowStore, SqlValue, Store, real, text};
+use super::store_thread::StoreThread;
 use super::tables::Table;
 use super::track::{TrackRow, TrackWatcher};
 use crate::error::RecordError;
@@ -46,6 +47,8 @@ pub struct RecordOptions {
     pub durability: Durability,
     /// Maximum number of bytes of the newest steps kept in memory while the disk accepts none; `None` is [`RECORDING_KEPT_BYTES_MAX`].
     pub kept_bytes_max: Option<usize>,
+    /// A separate thread writes the rows: for flights in simulation, as nothing outside depends on a row.
+    pub has_thread: bool,
 }
 
 /// Writes a flight record during the flight. Put it first among the observers of a run.
@@ -105,8 +108,11 @@ impl Recorder {
         let spare_folder = options.spare_folder.map(|folder| std::path::absolute(&folder).unwrap_or(folder));
         let spare = spare_folder.as_ref().map(|folder| folder.display().to_string());
         let places = SegmentPlaces { spare_folder, bytes_max: options.bytes_max };
-        let store = Store::create(path, places, options.durability, kept_bytes_max)?;
-        let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
+        let mut store: Box<dyn RowStore> = Box::new(Store::create(path, places, options.durability, kept_bytes_max)?);
+        if options.has_thread {
+            store = Box::new(StoreThread::new(store));
+        }
+        let mut recorder = Recorder::with_store(store, library, options.vehicle.as_deref())?;
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
         recorder.meta(STATE_LAYOUT, env!("APEX_STATE_LAYOUT"))?;
         recorder.meta("complete", "0")?;

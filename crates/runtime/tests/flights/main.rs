@@ -7,6 +7,7 @@ mod explaining;
 mod integrity;
 mod memory;
 mod paced;
+mod record_thread;
 mod recording;
 mod recording_lost;
 mod segments;

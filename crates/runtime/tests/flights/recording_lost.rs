@@ -72,13 +72,14 @@ struct Flown {
 }
 
 /// Returns a flight of 60 s with 10 samples a second.
-fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize) -> Flown {
+fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize, has_thread: bool) -> Flown {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");
     let (library, declaration, host) = program(PDL);
     let options = RecordOptions {
         bytes_max: Some(BYTES_AT_FIRST),
         kept_bytes_max: Some(kept_bytes_max),
+        has_thread,
         ..RecordOptions::default()
     };
     let mut recorder = Recorder::create(&path, &library, options).unwrap();
@@ -106,7 +107,12 @@ fn informs(path: &Path) -> Vec<String> {
 
 #[test]
 fn a_record_whose_disk_was_full_for_a_while_has_no_gap() {
-    let flown = fly_with_a_full_disk((20.0, 40.0), 64 << 20);
+    for has_thread in [false, true] {
+        has_no_gap(fly_with_a_full_disk((20.0, 40.0), 64 << 20, has_thread));
+    }
+}
+
+fn has_no_gap(flown: Flown) {
     assert_eq!((flown.end.reason, flown.closed), (EndReason::Until, Ok(())));
     let [lost, again] = flown.news.as_slice() else { panic!("{:?}", flown.news) };
     assert!(lost.contains(RECORDING_LOST) && lost.contains("disk is full"), "{lost}");
@@ -130,7 +136,12 @@ fn a_record_whose_disk_was_full_for_a_while_has_no_gap() {
 
 #[test]
 fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
-    let flown = fly_with_a_full_disk((20.0, 40.0), 4_000);
+    for has_thread in [false, true] {
+        has_a_told_gap(fly_with_a_full_disk((20.0, 40.0), 4_000, has_thread));
+    }
+}
+
+fn has_a_told_gap(flown: Flown) {
     assert_eq!(flown.closed, Ok(()));
     assert!(flown.news[1].contains("are not in the record"), "{:?}", flown.news);
     let reader = RecordReader::open(&flown.path).unwrap();
@@ -153,7 +164,12 @@ fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
 
 #[test]
 fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
-    let flown = fly_with_a_full_disk((20.0, 1e6), 64 << 20);
+    for has_thread in [false, true] {
+        holds_what_came_before(fly_with_a_full_disk((20.0, 1e6), 64 << 20, has_thread));
+    }
+}
+
+fn holds_what_came_before(flown: Flown) {
     assert_eq!(flown.end.reason, EndReason::Until, "the flight continues to its end");
     let informed = flown.closed.unwrap_err();
     assert!(informed.contains("the recording was lost at ") && informed.contains("the disk is full"), "{informed:#}");
