@@ -112,7 +112,7 @@ fn constants_near(program: &Program<'_>, word: &Expr, report: &mut FindingCollec
     renames(report.locator.span(word.place), name.printed(), program.library.constants.keys().map(Symbol::printed))
 }
 
-fn sides(constraint: &Constraint) -> Vec<&Expr> {
+pub(super) fn sides(constraint: &Constraint) -> Vec<&Expr> {
     match constraint {
         Constraint::Compare { right, tolerance, .. } => std::iter::once(right).chain(tolerance).collect(),
         Constraint::Range(low, high) => low.iter().chain(high).collect(),
