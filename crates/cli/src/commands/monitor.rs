@@ -138,9 +138,11 @@ fn is_parquet(path: &Path) -> CliResult<bool> {
     match extension.as_deref() {
         Some("parquet" | "pq") => Ok(true),
         None | Some("csv" | "txt") => Ok(false),
-        Some(_) => Err(CliError::user(format!("`--results {}` is not a name of a table that can be written", path.display()))
-            .because("tables are written as CSV or Parquet")
-            .help("end the name in .csv or .parquet")),
+        Some(_) => {
+            Err(CliError::user(format!("`--results {}` is not a name of a table that can be written", path.display()))
+                .because("tables are written as CSV or Parquet")
+                .help("end the name in .csv or .parquet"))
+        }
     }
 }
 

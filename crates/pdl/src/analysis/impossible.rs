@@ -1,8 +1,8 @@
 //! Conditions that can never hold: limits that exclude each other, tests that are false as written.
 
-use super::dimensions::sides;
 use super::endings::known_truth;
 use super::kinds::{Kind, Kinds};
+use super::walk::sides;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, Timing};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::{Library, RESOURCE_LEVEL, ResourceKind};
@@ -97,7 +97,11 @@ fn level(condition: &Condition, library: &Library) -> Option<Impossible> {
     let wrong = sides.find(other)?;
     let (level, found) = (Kind::Number(dimension).words(), Kinds::of(library, wrong).words());
     let reason = format!("the level of `{name}` is {level}, as declared, and it is compared with {found}");
-    Some(Impossible { place: wrong.place, reason, help: "write the amount with the unit of the resource, such as `5kg`" })
+    Some(Impossible {
+        place: wrong.place,
+        reason,
+        help: "write the amount with the unit of the resource, such as `5kg`",
+    })
 }
 
 /// Returns true for `+now+` plus durations that are written out and greater than zero.

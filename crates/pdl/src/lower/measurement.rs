@@ -78,11 +78,13 @@ impl Lowering {
         let span = |items: &[Datum]| Some(items.first()?.span.to(items.last()?.span));
         let text = |items: &[Datum]| span(items).and_then(|span| self.text_at(span)).unwrap_or("..").to_string();
         let object = if name.len() < 2 { " OBJECT" } else { "" };
-        let help = format!("write `({}{object})`, and the comparison as an option: `:value ({})`", text(name), text(compared));
+        let help =
+            format!("write `({}{object})`, and the comparison as an option: `:value ({})`", text(name), text(compared));
         let span = span(compared).or_else(|| span(items))?;
-        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, span, "a state variable is named here, not compared")
-            .reason("these words would be parts of its object, so no sample would satisfy this")
-            .help(help);
+        let diagnostic =
+            Diagnostic::error(codes::MALFORMED_CONDITION, span, "a state variable is named here, not compared")
+                .reason("these words would be parts of its object, so no sample would satisfy this")
+                .help(help);
         self.refuse(diagnostic)
     }
 

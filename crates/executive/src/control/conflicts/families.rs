@@ -15,7 +15,7 @@ use crate::control::conflicts::claim_queue::{fixed_ranks, worth_of};
 use crate::control::conflicts::competition::is_eligible;
 use crate::control::conflicts::conflict::{Field, Placement, left_behind};
 use crate::control::conflicts::family_turns::{OwnTurns, is_greater, is_held_back, is_lower, places};
-use crate::control::conflicts::family_watch;
+use crate::control::conflicts::family_watch::{self, Reached};
 use crate::control::conflicts::precedence::OrderKey;
 use crate::control::conflicts::queues::{is_alone, risen_to};
 use crate::control::conflicts::resources::needs_in;
@@ -39,7 +39,9 @@ pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BT
     if !stays || pass.may_leave_a_gap(&result) {
         return None;
     }
-    result.watched = family_watch::watched(&pass, &mut turns, &result);
+    let holders = pass.holders.iter().map(|holder| holder.worth.task()).collect();
+    let reached = Reached { cycle, waiting: pass.waiting, holders, roots: pass.roots };
+    result.watched = family_watch::watched(&reached, &mut turns, &result);
     Some(result)
 }
 
@@ -93,22 +95,22 @@ struct FamilyTurn {
 }
 
 /// A task that holds the common resource.
-pub(super) struct Holder {
+struct Holder {
     /// Its place by its own priority.
-    pub(super) worth: QueueKey,
+    worth: QueueKey,
     /// Its place in its family, if it has one.
-    pub(super) rank: Option<QueueKey>,
+    rank: Option<QueueKey>,
 }
 
 /// Claimants while they take their turns.
-pub(super) struct FamilyPass<'a, 'c> {
-    pub(super) cycle: &'a Cycle<'c>,
+struct FamilyPass<'a, 'c> {
+    cycle: &'a Cycle<'c>,
     field: Field<'a, 'c>,
     concerned: &'a Concerned<'a>,
-    pub(super) waiting: &'a Waiting,
-    pub(super) holders: Vec<Holder>,
+    waiting: &'a Waiting,
+    holders: Vec<Holder>,
     /// Claimants for whose priority others took their turns, and claimants that had been reached before.
-    pub(super) roots: Vec<TaskId>,
+    roots: Vec<TaskId>,
     /// Claimants that had their turn, or have it next.
     reached: BTreeSet<TaskId>,
     next: VecDeque<FamilyTurn>,
@@ -290,7 +292,8 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
             self.reached.iter().copied().filter(|task| self.next.iter().all(|turn| turn.own.task() != *task)).collect();
         let mut turns = BTreeMap::new();
         let behind: BTreeSet<TaskId> = result.granted.iter().flat_map(|task| self.begun_behind(*task)).collect();
-        for task in fresh.union(&behind).filter(|task| !placed.contains(task) && is_eligible(self.cycle.agent, **task)) {
+        for task in fresh.union(&behind).filter(|task| !placed.contains(task) && is_eligible(self.cycle.agent, **task))
+        {
             let Some((worth, own)) = places(self.cycle, self.waiting, *task) else { continue };
             turns.insert(FamilyTurn { lead: self.lead(worth, own)?, own }, worth);
         }

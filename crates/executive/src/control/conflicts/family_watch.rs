@@ -10,29 +10,40 @@
 use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Rival};
 use crate::control::conflicts::claim_queue::{fixed_ranks, worth_of};
 use crate::control::conflicts::competition::is_eligible;
-use crate::control::conflicts::families::FamilyPass;
 use crate::control::conflicts::family_turns::{OwnTurns, is_greater, is_lower};
 use crate::control::conflicts::priority;
+use crate::control::cycle::Cycle;
 use crate::state::queue_place::QueuePlace;
+use crate::state::waiting::Waiting;
 use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
+/// The claimants and holders that a pass through ranked families has reached.
+pub(super) struct Reached<'a, 'c> {
+    pub(super) cycle: &'a Cycle<'c>,
+    pub(super) waiting: &'a Waiting,
+    /// Tasks that held the common resource before.
+    pub(super) holders: Vec<TaskId>,
+    /// Claimants for whose priority others took their turns, and claimants that had been reached before.
+    pub(super) roots: Vec<TaskId>,
+}
+
 /// Returns the claimants of the pass whose priorities may cross those of tasks in their way.
 pub(super) fn watched(
-    pass: &FamilyPass<'_, '_>,
+    pass: &Reached<'_, '_>,
     turns: &mut OwnTurns<'_, '_>,
     result: &Arbitration,
 ) -> Vec<PriorityWatch> {
     let agent = &*pass.cycle.agent;
     let moves = |task: TaskId| priority::moves(agent, task);
-    if !pass.waiting.has_rising() && !pass.holders.iter().any(|holder| moves(holder.worth.task())) {
+    if !pass.waiting.has_rising() && !pass.holders.iter().any(|holder| moves(*holder)) {
         return Vec::new();
     }
     let granted: BTreeSet<TaskId> = result.granted.iter().copied().collect();
     let lost: BTreeSet<TaskId> =
         result.displaced.iter().map(|loss| loss.loser).filter(|id| !granted.contains(id)).collect();
-    let stays = pass.holders.iter().map(|holder| holder.worth.task()).filter(|id| !lost.contains(id));
+    let stays = pass.holders.iter().copied().filter(|id| !lost.contains(id));
     let holders: BTreeSet<TaskId> = granted.iter().copied().chain(stays).collect();
     let waits = pass.roots.iter().copied().chain(lost).filter(|id| !holders.contains(id));
     let waits: BTreeSet<TaskId> = waits.collect();
@@ -64,7 +75,7 @@ pub(super) fn watched(
 }
 
 /// Returns a task that has the resource, with the tasks of its family that it precedes.
-fn rival(pass: &FamilyPass<'_, '_>, task: TaskId, holders: &BTreeSet<TaskId>) -> Rival {
+fn rival(pass: &Reached<'_, '_>, task: TaskId, holders: &BTreeSet<TaskId>) -> Rival {
     let mut stands_for = vec![task];
     if let Some(rank) = fixed_ranks(pass.cycle.agent, task).next() {
         let waiting = pass.waiting.below(rank.parent).filter(|key| is_greater(key, rank.rank)).map(|key| key.task());
@@ -79,7 +90,7 @@ fn rival(pass: &FamilyPass<'_, '_>, task: TaskId, holders: &BTreeSet<TaskId>) ->
 }
 
 /// Returns the first claimant that precedes the holder by rank.
-fn first_before(pass: &FamilyPass<'_, '_>, holder: TaskId, holders: &BTreeSet<TaskId>) -> Option<TaskId> {
+fn first_before(pass: &Reached<'_, '_>, holder: TaskId, holders: &BTreeSet<TaskId>) -> Option<TaskId> {
     let rank = fixed_ranks(pass.cycle.agent, holder).next()?;
     let mut before = pass.waiting.below(rank.parent).take_while(|key| is_lower(key, rank.rank)).map(|key| key.task());
     before.find(|id| is_eligible(pass.cycle.agent, *id) && !holders.contains(id))

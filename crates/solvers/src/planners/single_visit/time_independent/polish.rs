@@ -10,7 +10,7 @@ use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 use std::collections::VecDeque;
 
-/// Looks at legs and moved visits per unit of work.
+/// Inspected legs and moved visits per unit of work.
 const LOOKS_PER_UNIT: u64 = 150;
 /// Fixed work of an iteration, in looks, and for each visit of the route, which is copied.
 const LOOKS_PER_ITERATION: u64 = 120;
@@ -217,7 +217,11 @@ impl<'n> Path<'n> {
     /// Moves the nodes `first..=last` behind the node at `gap`, reversed if `turns`; returns the changed places.
     fn move_run(&mut self, (first, last): (usize, usize), gap: usize, turns: bool) -> std::ops::Range<usize> {
         let count = last + 1 - first;
-        let (changed, run) = if gap > last { (first..gap + 1, gap + 1 - count..gap + 1) } else { (gap + 1..last + 1, gap + 1..gap + 1 + count) };
+        let (changed, run) = if gap > last {
+            (first..gap + 1, gap + 1 - count..gap + 1)
+        } else {
+            (gap + 1..last + 1, gap + 1..gap + 1 + count)
+        };
         if let Some(part) = self.order.get_mut(changed.clone()) {
             if gap > last { part.rotate_left(count) } else { part.rotate_right(count) }
         }

@@ -14,8 +14,7 @@ use std::fmt::Write as _;
 /// Random places on a square, as a file of TSPLIB.
 fn tour(count: usize, seed: u64) -> SingleVisitProblem {
     let mut rng = Generator::new(seed);
-    let mut text =
-        format!("NAME: t\nTYPE: TSP\nDIMENSION: {count}\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n");
+    let mut text = format!("NAME: t\nTYPE: TSP\nDIMENSION: {count}\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n");
     for number in 1..=count {
         let _ = writeln!(text, "{number} {} {}", rng.below(10_000), rng.below(10_000));
     }
