@@ -47,6 +47,8 @@ pub struct Fed {
     pub damages: ReadErrors,
     /// The state variables that its fields make.
     pub variables: Vec<StateVariable>,
+    /// The wanted state variables that none of its fields makes, with the fields that the mapping names for them.
+    pub absent: Vec<(StateVariable, Vec<String>)>,
 }
 
 impl LogFile {
@@ -156,8 +158,8 @@ impl LogFile {
             }
             if !more {
                 let variables = sampler.variables().cloned().collect();
-                let damages = reader.damages().clone();
-                return if empty { Err(not_a_log(&damages)) } else { Ok(Fed { damages, variables }) };
+                let (damages, absent) = (reader.damages().clone(), sampler.absent());
+                return if empty { Err(not_a_log(&damages)) } else { Ok(Fed { damages, variables, absent }) };
             }
         }
     }

@@ -111,6 +111,22 @@ impl Sampler {
         self.chosen.iter().flatten().filter_map(|entry| self.mapping.entries.get(*entry)).map(|entry| &entry.variable)
     }
 
+    /// Returns the wanted state variables that no field of the log has given so far, with the fields that the mapping names for them.
+    pub fn absent(&self) -> Vec<(StateVariable, Vec<String>)> {
+        let present: BTreeSet<&StateVariable> = self.variables().collect();
+        let mut absent: Vec<(StateVariable, Vec<String>)> = Vec::new();
+        for (entry, wanted) in self.mapping.entries.iter().zip(&self.wanted) {
+            if !wanted || present.contains(&entry.variable) {
+                continue;
+            }
+            match absent.iter_mut().find(|(variable, _)| *variable == entry.variable) {
+                Some((_, fields)) => fields.push(entry.field.clone()),
+                None => absent.push((entry.variable.clone(), vec![entry.field.clone()])),
+            }
+        }
+        absent
+    }
+
     /// Returns the mapping.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping

@@ -243,8 +243,8 @@ fn entry(items: &[Value]) -> Result<(Entry, Option<Symbol>), String> {
     for (name, value) in options(items.get(3..).unwrap_or_default())? {
         match name.as_str() {
             ":unit" => own_unit = unit(value)?.map(|unit| Symbol::new(unit.name)),
-            ":scale" => entry.scale = number(value)?,
-            ":integer-scale" => entry.integer_scale = Some(number(value)?),
+            ":scale" => entry.scale = factor(value)?,
+            ":integer-scale" => entry.integer_scale = Some(factor(value)?),
             ":offset" => entry.offset = number(value)?,
             ":missing" => entry.missing = Some(number(value)?),
             ":take" => {
@@ -282,6 +282,14 @@ fn word(value: &Value) -> String {
         Value::Text(text) => text.to_string(),
         Value::Symbol(symbol) => symbol.printed().to_string(),
         other => other.to_string(),
+    }
+}
+
+/// Returns a factor; one of 0 would make all values equal.
+fn factor(value: &Value) -> Result<f64, String> {
+    match number(value)? {
+        0.0 => Err("a scale of 0 makes every value 0".to_string()),
+        factor => Ok(factor),
     }
 }
 

@@ -310,6 +310,29 @@ fn derived_variables_are_declared_on_the_command_line_and_drawn() {
     said.complained(2, &["`(:and ..)` is not a state variable", ":derived (and"]);
     let said = desk.apex(&["monitor", off, "--inputs", "a.csv", "--plot", "a.png"]);
     said.complained(2, &["is not a name of an SVG file", "end the name in .svg"]);
+    let said = desk.apex(&["monitor", off, "--inputs", "a.csv", "--results", "r.xlsx"]);
+    said.complained(2, &["`--results r.xlsx` is not a name of a table", "end the name in .csv or .parquet"]);
+    assert!(!desk.path("r.xlsx").exists());
+}
+
+#[test]
+fn a_field_of_the_mapping_that_the_log_lacks_is_named() {
+    let desk = Desk::new();
+    desk.write("a.csv", "t,roll\n0,0\n1,20\n2,0\n");
+    let watch = ["monitor", "(bank uav > 15)", "--inputs", "a.csv", "--mapping", "m.pdl"];
+    desk.write("m.pdl", "(map \"Roll\" (bank uav))\n(map \"roll_deg\" (bank uav))\n(map \"other\" (pitch uav))");
+    let said = desk.apex(&watch).well();
+    assert!(
+        said.err.contains("takes (bank uav) from `Roll` or `roll_deg`, which this log does not have"),
+        "{}",
+        said.err
+    );
+    assert!(!said.err.contains("pitch"), "{}", said.err);
+    desk.write("m.pdl", "(map \"roll\" (bank uav))");
+    let said = desk.apex(&watch).well();
+    assert!(said.err.is_empty() && said.out.contains("satisfied up to 2s, 1 result"), "{} {}", said.out, said.err);
+    desk.write("m.pdl", "(map \"roll\" (bank uav) :scale 0)");
+    desk.apex(&watch).complained(2, &["a scale of 0 makes every value 0"]);
 }
 
 #[test]

@@ -80,6 +80,9 @@ fn clauses(dice: &mut Dice, taste: &Taste) -> String {
     if dice.chance(taste.urgencies) {
         let _ = write!(text, " (priority :urgency {} :importance {})", 4 + dice.below(4), 1 + dice.below(4));
     }
+    if dice.chance(15) {
+        let _ = write!(text, " (interrupt-cost {})", dice.below(3));
+    }
     if dice.chance(taste.late) {
         let _ = write!(text, " (waitfor (go {}))", dice.below(WAVES));
     }
@@ -115,14 +118,15 @@ fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut 
     let _ = writeln!(text, "{body})");
 }
 
-/// Ranked procedures that compete with one another: families with steady priorities.
+/// Ranked procedures that compete with one another: families with steady priorities, or with urgencies in a part of them.
 fn families(dice: &mut Dice, taste: &Taste, text: &mut String) {
     let kinds = 1 + dice.below(3);
+    let (urgency, urgencies) = if dice.chance(50) { (60, 60) } else { (0, 0) };
     for kind in 0..kinds {
         let mut body = format!("(procedure :ranked (index (family {kind} ?n))\n");
         for number in 0..2 + dice.below(6) {
-            let steady = Taste { urgency: 0, urgencies: 0, profiles: taste.profiles.clone(), ..*taste };
-            let (activity, clauses) = (activity(dice, taste), clauses(dice, &steady));
+            let own = Taste { urgency, urgencies, profiles: taste.profiles.clone(), ..*taste };
+            let (activity, clauses) = (activity(dice, taste), clauses(dice, &own));
             let rank = if dice.chance(taste.ranks) { format!("(rank {})", dice.below(4)) } else { String::new() };
             let _ = writeln!(body, "  (step k{kind}n{number} {activity} {clauses} {rank})");
         }

@@ -82,10 +82,15 @@ fn gaps_in_two_resources_cost_much_less_than_their_number() {
     assert!(many < few * 8, "{few:?} among 100, {many:?} among 1,000");
 }
 
-/// Ranked procedures of ten steps that compete with one another; numbers of their steps differ.
-fn families(profile: &str, count: usize) -> String {
+/// Ranked procedures of ten steps that compete with one another; numbers or urgencies of their steps differ.
+fn families(profile: &str, urgent: bool, count: usize) -> String {
     let step = |number: usize| {
-        format!("  (step s{number} (use {}s) (profile {profile}) (priority {}))\n", 1 + number % 3, number * 7 % 10)
+        let (span, level) = (1 + number % 3, number * 7 % 10);
+        let priority = match urgent {
+            true => format!("(priority :urgency {} :importance {})", level % 7, 3 + level % 5),
+            false => format!("(priority {level})"),
+        };
+        format!("  (step s{number} (use {span}s) (profile {profile}) {priority})\n")
     };
     let steps: String = (0..10).map(step).collect();
     let families = count / 10;
@@ -98,9 +103,9 @@ fn families(profile: &str, count: usize) -> String {
 /// Compared pair by pair, ten times as many took more than a hundred times as long.
 #[test]
 fn ranked_families_cost_much_less_than_their_number() {
-    for profile in ["r", "r q"] {
-        let (few, many) = (least(&families(profile, 100)), least(&families(profile, 1_000)));
-        println!("families of {profile}: {few:?} among 100, {many:?} among 1,000");
-        assert!(many < few * 8, "families of {profile}: {few:?} among 100, {many:?} among 1,000");
+    for (profile, urgent) in [("r", false), ("r q", false), ("r", true), ("r q", true)] {
+        let (few, many) = (least(&families(profile, urgent, 100)), least(&families(profile, urgent, 1_000)));
+        println!("families of {profile}, urgent {urgent}: {few:?} among 100, {many:?} among 1,000");
+        assert!(many < few * 8, "families of {profile}, urgent {urgent}: {few:?} among 100, {many:?} among 1,000");
     }
 }

@@ -221,6 +221,12 @@ fn feed_log<E: From<MissionError>>(
     };
     let fed = log.feed(library, wanted, &mut measured).map_err(|error| unread(&path, format, error))?;
     tell_damages(&path, &fed.damages, note);
+    for (variable, fields) in fed.absent.iter().filter(|_| wanted.is_some()) {
+        let named = fields.join("` or `");
+        note(&format!(
+            "note: the mapping takes {variable} from `{named}`, which this log does not have; `--fields` lists its fields"
+        ));
+    }
     Ok(fed.variables)
 }
 

@@ -190,6 +190,11 @@ impl Maker {
         let relation = self.pick(&all, Before);
         let tolerance = if self.dice.chance(30) { self.steps(1, 3) } else { 0 };
         let mut parts: Vec<Condition> = (0..self.dice.between(2, 3)).map(|_| self.leaf_with_evidence()).collect();
+        if self.dice.chance(15) {
+            let place = self.dice.below(parts.len());
+            let delay = self.delay();
+            parts.splice(place..=place, [delay]);
+        }
         for part in &mut parts {
             if let Kind::Episode(episode) = &mut part.kind {
                 // Statistics are of runs or windows.

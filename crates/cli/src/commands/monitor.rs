@@ -21,8 +21,8 @@ pub fn run(options: &MonitorOptions) -> CliResult {
     let mut table = None;
     if let Some(path) = results {
         table_file::refuse_to_overwrite(path, inputs, "--results")?;
-        let (file, extension) = (table_file::created(path)?, path.extension().map(std::ffi::OsStr::to_ascii_lowercase));
-        let is_parquet = extension.is_some_and(|extension| extension == "parquet" || extension == "pq");
+        let is_parquet = is_parquet(path)?;
+        let file = table_file::created(path)?;
         let begun = if is_parquet { ResultWriter::parquet(file) } else { ResultWriter::csv(file) };
         table = Some(begun.map_err(unwritten)?);
     }
@@ -129,6 +129,20 @@ fn check_picture_name(path: &Path) -> CliResult {
         _ => Err(CliError::user(format!("`--plot {}` is not a name of an SVG file", path.display()))
             .because("pictures are drawn as SVG, which browsers show and other programs convert")
             .help("end the name in .svg")),
+    }
+}
+
+/// Returns true for a Parquet table, false for CSV; refuses names of files of other kinds, which would not be what their names say.
+fn is_parquet(path: &Path) -> CliResult<bool> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("parquet" | "pq") => Ok(true),
+        None | Some("csv" | "txt") => Ok(false),
+        Some(_) => {
+            Err(CliError::user(format!("`--results {}` is not a name of a table that can be written", path.display()))
+                .because("tables are written as CSV or Parquet")
+                .help("end the name in .csv or .parquet"))
+        }
     }
 }
 

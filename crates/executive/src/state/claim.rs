@@ -43,12 +43,10 @@ impl Claim {
         self
     }
 
-    /// Returns true if the claimant has one rank and a constant priority and has not begun.
+    /// Returns true if the claimant has one rank, and its priority stays or rises with its urgency.
     pub(super) fn is_of_family(&self) -> bool {
         let Claim::Queued(claim) = self else { return false };
-        let [rank] = claim.by_rank.as_slice() else { return false };
-        let constant = claim.level.as_ref().is_some_and(|level| level.steady.is_some() && level.rising.is_empty());
-        constant && !claim.varies && !rank.begun
+        claim.by_rank.len() == 1 && claim.level.is_some() && !claim.varies
     }
 }
 

@@ -82,11 +82,6 @@ impl Queue {
         !self.lines.is_empty()
     }
 
-    /// The places that stay, the first first.
-    pub(super) fn steady_places(&self) -> impl Iterator<Item = QueueKey> + '_ {
-        self.steady.iter().copied()
-    }
-
     /// The first steady place from `key` on.
     pub(super) fn first_from(&self, key: QueueKey) -> Option<&QueueKey> {
         self.steady.range(key..).next()

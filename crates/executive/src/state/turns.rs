@@ -52,6 +52,8 @@ pub trait TurnSource {
     fn skip_to(&mut self, position: QueueKey);
     /// The next claimant of each queue.
     fn heads(&self) -> Vec<QueueKey>;
+    /// Skips claimants that do not count now, and returns the next claimant of each queue.
+    fn heads_that(&mut self, counts: &dyn Fn(TaskId) -> bool) -> Vec<QueueKey>;
 }
 
 impl<F: Fn(f64, Time) -> f64> TurnSource for InTurn<'_, F> {
@@ -74,6 +76,15 @@ impl<F: Fn(f64, Time) -> f64> TurnSource for InTurn<'_, F> {
     }
 
     fn heads(&self) -> Vec<QueueKey> {
+        InTurn::heads(self).collect()
+    }
+
+    fn heads_that(&mut self, counts: &dyn Fn(TaskId) -> bool) -> Vec<QueueKey> {
+        for index in 0..self.lines.len() {
+            while self.lines.get(index).is_some_and(|line| line.next.is_some_and(|next| !counts(next.task()))) {
+                self.advance(index);
+            }
+        }
         InTurn::heads(self).collect()
     }
 }

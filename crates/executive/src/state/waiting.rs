@@ -32,7 +32,7 @@ pub struct Waiting {
     sensitive: BTreeSet<TaskId>,
     /// Number of claimants without a place.
     apart: usize,
-    /// Number of claimants that have one rank and a constant priority and have not begun.
+    /// Number of claimants that have one rank, and a priority that stays or rises with urgency.
     #[serde(default)]
     members: usize,
 }
@@ -78,7 +78,7 @@ impl Waiting {
     pub fn remove(&mut self, task: TaskId) -> bool {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
-        self.members -= usize::from(claim.is_of_family());
+        self.members = self.members.saturating_sub(usize::from(claim.is_of_family()));
         match claim {
             Claim::Queued(claim) => {
                 self.apart -= usize::from(claim.place.is_none());
@@ -265,14 +265,26 @@ impl Waiting {
         self.together().flatten().map(|(other, _)| *other)
     }
 
-    /// Returns true if each claimant has one rank, a constant priority, and has not begun.
+    /// Returns true if each claimant has one rank, and a priority that stays or rises with urgency.
     pub fn are_families(&self) -> bool {
         self.members == self.claims.len() && self.members > 0
     }
 
-    /// Returns the claimants of ranked families in the order of priorities without ranks.
-    pub fn by_own_priority(&self) -> impl Iterator<Item = QueueKey> + '_ {
-        self.all.level.steady_places()
+    /// Returns the claimants of ranked families in the order of their present priorities without ranks.
+    pub fn by_own_priority<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
+        self.all.level.in_turn(now, risen_to)
+    }
+
+    /// Returns true if the places in queues do not tell the order of claimants with equal ranks below the parent: a priority rises, or
+    /// one of them has begun.
+    pub fn has_open_ties(&self, parent: TaskId) -> bool {
+        let Some((ranks, keys)) = self.ranks.get(&parent).zip(self.all.below.get(&parent)) else { return false };
+        ranks.counts.len() < keys.len() && self.changes_below(parent)
+    }
+
+    /// Returns true if a claimant with a rank below the parent has begun, or has a priority that rises.
+    pub fn changes_below(&self, parent: TaskId) -> bool {
+        self.ranks.get(&parent).is_some_and(|ranks| ranks.unsteady > 0) || self.below(parent).any(|key| key.begun)
     }
 
     /// Returns the claimants with a rank below the parent, in the order of their ranks.
@@ -280,10 +292,16 @@ impl Waiting {
         self.all.below.get(&parent).into_iter().flatten().copied()
     }
 
-    /// Returns the places of a claimant of a ranked family: by its own priority, and by its rank.
-    pub fn family_places(&self, task: TaskId) -> Option<(QueueKey, QueueKey)> {
+    /// Returns the places of a claimant of a ranked family: by its own priority now, and by its rank.
+    pub fn family_places(&self, task: TaskId, risen_to: impl Fn(f64, Time) -> f64) -> Option<(QueueKey, QueueKey)> {
         let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
-        Some((claim.level.as_ref()?.steady?, *claim.by_rank.first()?))
+        Some((claim.level.as_ref()?.now(risen_to)?, *claim.by_rank.first()?))
+    }
+
+    /// Returns the lowest rank of a claimant.
+    pub fn rank_of(&self, task: TaskId) -> Option<RankAmong> {
+        let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
+        claim.by_rank.first()?.rank
     }
 
     /// Returns the needed amount of a claimant.

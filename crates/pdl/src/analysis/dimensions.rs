@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
 use crate::print::pattern_text;
 use crate::suggest::renames;
-use apex_model::condition::{Condition, ConditionKind, Constraint, Quality, Timing};
+use apex_model::condition::{Condition, ConditionKind, Quality, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, BuiltInActivity, Primitive, Procedure, Step};
@@ -78,7 +78,7 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
     };
     let declared = program.library.state_variables.get(attribute);
     let Some(declared) = declared.filter(|declared| declared.unit.is_some()) else { return };
-    for right in lists.into_iter().flatten().flat_map(sides) {
+    for right in lists.into_iter().flatten().flat_map(walk::sides) {
         let found = match Kinds::of(program.library, right) {
             Kind::Number(found) => found,
             Kind::Other(what) => {
@@ -112,14 +112,6 @@ fn constants_near(program: &Program<'_>, word: &Expr, report: &mut FindingCollec
     renames(report.locator.span(word.place), name.printed(), program.library.constants.keys().map(Symbol::printed))
 }
 
-fn sides(constraint: &Constraint) -> Vec<&Expr> {
-    match constraint {
-        Constraint::Compare { right, tolerance, .. } => std::iter::once(right).chain(tolerance).collect(),
-        Constraint::Range(low, high) => low.iter().chain(high).collect(),
-        Constraint::Matches(_) | Constraint::Predicate(..) => Vec::new(),
-    }
-}
-
 impl Diagnostic {
     /// Shows where an indexical is defined.
     fn help_where(self, expr: &Expr, program: &Program<'_>, report: &mut FindingCollector<'_>) -> Diagnostic {
@@ -136,7 +128,7 @@ impl Diagnostic {
 
 /// Expressions that must yield spans of time.
 fn spans_of_condition<'c>(condition: &'c Condition, visit: &mut dyn FnMut(&'c Expr)) {
-    let mut timing = |timing: &'c Timing| timing.duration.iter().flat_map(sides).for_each(&mut *visit);
+    let mut timing = |timing: &'c Timing| timing.duration.iter().flat_map(walk::sides).for_each(&mut *visit);
     match &condition.kind {
         ConditionKind::Episode(episode) => {
             timing(&episode.timing);
@@ -377,7 +369,10 @@ fn of_procedure<'l>(program: &Program<'l>, procedure: &'l Procedure) -> Requirem
             _ => return,
         };
         if let Some(declared) = program.library.state_variables.get(attribute).filter(|each| each.unit.is_some()) {
-            value.iter().flat_map(sides).for_each(|right| note(&mut requirements, right, declared.dimension, true));
+            value
+                .iter()
+                .flat_map(walk::sides)
+                .for_each(|right| note(&mut requirements, right, declared.dimension, true));
         }
     });
     for step in &procedure.steps {

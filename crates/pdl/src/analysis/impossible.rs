@@ -1,9 +1,12 @@
 //! Conditions that can never hold: limits that exclude each other, tests that are false as written.
 
 use super::endings::known_truth;
+use super::kinds::{Kind, Kinds};
+use super::walk::sides;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, Timing};
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::library::Library;
+use apex_model::library::{Library, RESOURCE_LEVEL, ResourceKind};
+use apex_model::pattern::Pattern;
 use apex_model::quantity::Dimension;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -28,6 +31,9 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
         let reason = contradiction(constraints, library)?;
         Some(Impossible { place: condition.place, reason: format!("{what} {reason}"), help: LIMITS })
     };
+    if let Some(found) = level(condition, library) {
+        return Some(found);
+    }
     match &condition.kind {
         ConditionKind::Measurement(measurement) => {
             let is_declared = library.state_variables.contains_key(&measurement.variable.attribute);
@@ -61,6 +67,41 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
         }
         _ => None,
     }
+}
+
+/// Returns the reason for which the level of a resource is never compared: the resource has none, or an amount of another dimension.
+fn level(condition: &Condition, library: &Library) -> Option<Impossible> {
+    let (variable, constraints) = match &condition.kind {
+        ConditionKind::Measurement(each) => (&each.variable, vec![&each.value]),
+        ConditionKind::Episode(each) => (&each.variable, vec![&each.value, &each.first_value, &each.last_value]),
+        _ => return None,
+    };
+    let Pattern::Literal(Value::Symbol(name)) = &variable.object else { return None };
+    if !variable.attribute.is(RESOURCE_LEVEL) || library.resources.is_empty() {
+        return None;
+    }
+    let without = |reason: String, help| Some(Impossible { place: condition.place, reason, help });
+    let Some(resource) = library.resources.get(name) else {
+        return without(format!("no resource `{name}` is declared"), "declare it: `(resource NAME :renewable AMOUNT)`");
+    };
+    let ResourceKind::Renewable(amount) = &resource.kind else {
+        let reason = format!("the resource `{name}` is not `:renewable`, and only renewable resources have a level");
+        return without(reason, "declare it as `(resource NAME :renewable AMOUNT)`");
+    };
+    let dimension = amount.as_number().map(|(_, dimension)| dimension)?;
+    let mut sides = constraints.into_iter().flatten().flat_map(sides);
+    let other = |right: &&Expr| match Kinds::of(library, right) {
+        Kind::Number(found) => found != dimension,
+        _ => false,
+    };
+    let wrong = sides.find(other)?;
+    let (level, found) = (Kind::Number(dimension).words(), Kinds::of(library, wrong).words());
+    let reason = format!("the level of `{name}` is {level}, as declared, and it is compared with {found}");
+    Some(Impossible {
+        place: wrong.place,
+        reason,
+        help: "write the amount with the unit of the resource, such as `5kg`",
+    })
 }
 
 /// Returns true for `+now+` plus durations that are written out and greater than zero.

@@ -327,3 +327,12 @@ pub(crate) const QUERIES: &[&str] = &[
     "min-over",
     "max-over",
 ];
+
+/// Returns the expressions to which a constraint compares a value.
+pub(super) fn sides(constraint: &Constraint) -> Vec<&Expr> {
+    match constraint {
+        Constraint::Compare { right, tolerance, .. } => std::iter::once(right).chain(tolerance).collect(),
+        Constraint::Range(low, high) => low.iter().chain(high).collect(),
+        Constraint::Matches(_) | Constraint::Predicate(..) => Vec::new(),
+    }
+}

@@ -6,7 +6,10 @@ use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
 use apex_model::condition::{AllenRelation, Condition, ConditionKind};
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
 use std::sync::Arc;
 
 /// Every spelling of an Allen relation; the first spelling of each is printed.
@@ -86,6 +89,9 @@ impl Lowering {
         let tolerance = self.optional(&options, "tolerance", duration);
         let window = self.optional(&options, "for", duration);
         let (mut parts, mut constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
+        if let Some(window) = &window {
+            self.refuse_empty_absence(datum, window)?;
+        }
         if any {
             parts.iter_mut().for_each(bound_by_any_samples);
         }
@@ -109,6 +115,19 @@ impl Lowering {
             },
         };
         Some(Condition { tag, kind, place: datum.span.place() })
+    }
+
+    /// Rejects an absence that lasts no time: it would hold between any two results of its condition.
+    fn refuse_empty_absence(&mut self, datum: &Datum, window: &Expr) -> Option<()> {
+        let ExprKind::Constant(Value::Duration(length)) = &window.kind else { return Some(()) };
+        if *length > Duration::ZERO {
+            return Some(());
+        }
+        let message = format!("an absence of {length} requires nothing");
+        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, message)
+            .reason("it would hold at every instant without a result, and between any two of them")
+            .help("write the time for which the condition must not hold, such as `:for 10s`, or `(:not C)` for this instant");
+        self.refuse(diagnostic)
     }
 
     /// Splits off the tag before composite parts: a plain symbol, because a variable there is the end of a step.

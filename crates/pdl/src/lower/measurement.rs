@@ -66,7 +66,26 @@ impl Lowering {
     /// Returns a state variable in the form used in episodes.
     pub(crate) fn plain_state_variable(&mut self, datum: &Datum) -> Option<VariablePattern> {
         let items = datum.as_list().unwrap_or_default();
+        if let Some(relation) = items.iter().skip(1).position(|item| relation_named(item).is_some()) {
+            return self.refuse_comparison(items, relation + 1);
+        }
         self.state_variable(datum, items)
+    }
+
+    /// Rejects `(ATTR OBJ > 4)` where a state variable is named without a comparison: the words would be parts of its object.
+    fn refuse_comparison<T>(&mut self, items: &[Datum], relation: usize) -> Option<T> {
+        let (name, compared) = items.split_at_checked(relation).unwrap_or_default();
+        let span = |items: &[Datum]| Some(items.first()?.span.to(items.last()?.span));
+        let text = |items: &[Datum]| span(items).and_then(|span| self.text_at(span)).unwrap_or("..").to_string();
+        let object = if name.len() < 2 { " OBJECT" } else { "" };
+        let help =
+            format!("write `({}{object})`, and the comparison as an option: `:value ({})`", text(name), text(compared));
+        let span = span(compared).or_else(|| span(items))?;
+        let diagnostic =
+            Diagnostic::error(codes::MALFORMED_CONDITION, span, "a state variable is named here, not compared")
+                .reason("these words would be parts of its object, so no sample would satisfy this")
+                .help(help);
+        self.refuse(diagnostic)
     }
 
     /// Lowers `(:measurement [tag] (ATTR OBJ [= VAL]) [:value C..] [:object C..] [:timestamp C..] [:estimation E])`.

@@ -137,6 +137,11 @@ impl Network {
         Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, 0.0)))
     }
 
+    /// Returns true if every visit can begin at once.
+    pub(crate) fn is_always_open(&self) -> bool {
+        self.wide.iter().skip(FIRST as usize).all(|node| node.open <= 0)
+    }
+
     fn tightened(nodes: Vec<Node>, legs: Vec<i32>, targets: usize, (tick_s, cost_per_tick): (f64, f64)) -> Network {
         let mut network =
             Network { targets, wide: nodes.clone(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };

@@ -7,18 +7,21 @@
 //!
 //! A family is the claimants and holders with ranks below one task. By priority, each claimant or holder takes
 //! its turn behind those of its family with lower ranks, and these count as much as it does. As all claimants need one common resource,
-//! all are refused once the claims exceed this resource.
+//! all are refused once the claims exceed this resource. Begun work precedes its equals, unless a claimant that has not begun precedes it
+//! by rank.
 
 use crate::control::conflicts::arbitration::{Arbitration, Refusal};
 use crate::control::conflicts::claim_queue::{fixed_ranks, worth_of};
 use crate::control::conflicts::competition::is_eligible;
 use crate::control::conflicts::conflict::{Field, Placement, left_behind};
+use crate::control::conflicts::family_turns::{OwnTurns, is_greater, is_held_back, is_lower, places};
+use crate::control::conflicts::family_watch::{self, Reached};
 use crate::control::conflicts::precedence::OrderKey;
-use crate::control::conflicts::queues::is_alone;
+use crate::control::conflicts::queues::{is_alone, risen_to};
 use crate::control::conflicts::resources::needs_in;
 use crate::control::conflicts::sharing::TOLERANCE;
 use crate::control::cycle::Cycle;
-use crate::state::queue_place::QueueKey;
+use crate::state::queue_place::{QueueKey, RankAmong};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use crate::state::waiting::Waiting;
@@ -30,9 +33,16 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
     let concerned = Concerned::of(cycle, dirty)?;
     let mut pass = FamilyPass::new(cycle, &concerned)?;
-    let result = pass.place_all(fresh)?;
+    let mut turns = OwnTurns::of(cycle, pass.waiting);
+    let mut result = pass.place_all(fresh, &mut turns)?;
     let stays = left_behind(cycle, &result).all(|id| concerned.resources.contains_key(&id));
-    (stays && !pass.may_leave_a_gap(&result)).then_some(result)
+    if !stays || pass.may_leave_a_gap(&result) {
+        return None;
+    }
+    let holders = pass.holders.iter().map(|holder| holder.worth.task()).collect();
+    let reached = Reached { cycle, waiting: pass.waiting, holders, roots: pass.roots };
+    result.watched = family_watch::watched(&reached, &mut turns, &result);
+    Some(result)
 }
 
 /// All resources that claimants and holders need together.
@@ -99,6 +109,8 @@ struct FamilyPass<'a, 'c> {
     concerned: &'a Concerned<'a>,
     waiting: &'a Waiting,
     holders: Vec<Holder>,
+    /// Claimants for whose priority others took their turns, and claimants that had been reached before.
+    roots: Vec<TaskId>,
     /// Claimants that had their turn, or have it next.
     reached: BTreeSet<TaskId>,
     next: VecDeque<FamilyTurn>,
@@ -109,7 +121,17 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
     fn new(cycle: &'a Cycle<'c>, concerned: &'a Concerned<'a>) -> Option<FamilyPass<'a, 'c>> {
         let waiting = &concerned.common.1.waiting;
         let (field, reached, next) = (Field::ranked(cycle), BTreeSet::new(), VecDeque::new());
-        let mut pass = FamilyPass { cycle, field, concerned, waiting, holders: Vec::new(), reached, next, turns: 0 };
+        let mut pass = FamilyPass {
+            cycle,
+            field,
+            concerned,
+            waiting,
+            holders: Vec::new(),
+            roots: Vec::new(),
+            reached,
+            next,
+            turns: 0,
+        };
         for (id, resource) in &concerned.resources {
             if !resource.holders.iter().all(|holding| is_alone(cycle.agent, resource, holding.task)) {
                 return None;
@@ -131,20 +153,20 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         Some(pass)
     }
 
-    /// Returns a holder; `None` if its priority or rank may change.
+    /// Returns a holder; `None` if its priority or rank may change otherwise than by urgency.
     fn holder(&self, task: TaskId) -> Option<Holder> {
         let place = worth_of(self.cycle, task)?;
-        let worth = place.steady.filter(|_| place.rising.is_empty())?;
+        let worth = place.now(risen_to(self.cycle))?;
         let mut ranks = fixed_ranks(self.cycle.agent, task);
         let rank = ranks.next();
         if ranks.next().is_some() {
             return None;
         }
-        // A claimant that has not begun and goes before it by rank takes from it the advantage of begun work.
-        let behind = rank.is_some_and(|rank| {
-            let mut before = self.waiting.below(rank.parent).take_while(|key| is_lower(key, rank.rank));
-            before.any(|key| is_eligible(self.cycle.agent, key.task()))
-        });
+        let changes = |rank: &RankAmong| !place.rising.is_empty() || self.waiting.changes_below(rank.parent);
+        if rank.is_some_and(|rank| self.waiting.has_rank(rank) && changes(&rank)) {
+            return None;
+        }
+        let behind = rank.is_some_and(|rank| is_held_back(self.cycle, self.waiting, rank));
         let worth = QueueKey { begun: !behind, ..worth };
         let rank = rank.map(|rank| QueueKey { priority: 0.0, rank: Some(rank), within: worth.priority, ..worth });
         Some(Holder { worth, rank })
@@ -155,7 +177,7 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         let among = rank.rank?;
         let waiting = self.waiting.below(among.parent).filter(|key| is_greater(key, among.rank));
         let waiting = waiting.filter(|key| is_eligible(self.cycle.agent, key.task()));
-        let waiting = waiting.filter_map(|key| Some(self.waiting.family_places(key.task())?.0));
+        let waiting = waiting.filter_map(|key| Some(places(self.cycle, self.waiting, key.task())?.0));
         let same = |key: &QueueKey| key.rank.is_some_and(|rank| rank.parent == among.parent);
         let holders = self
             .holders
@@ -172,21 +194,20 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
     }
 
     /// Gives turns until no further claimant can get anything, then to the other claims of this round, which are refused.
-    fn place_all(&mut self, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
+    fn place_all(&mut self, fresh: &BTreeSet<TaskId>, claimants: &mut OwnTurns<'_, '_>) -> Option<Arbitration> {
         let (waiting, total) = (self.waiting, self.field.total(self.concerned.common.0));
         let mut roots: Vec<QueueKey> = self.holders.iter().map(|holder| holder.worth).rev().collect();
-        let mut claimants = waiting.by_own_priority().peekable();
         let mut losers: BTreeSet<FamilyTurn> = BTreeSet::new();
         let (mut result, mut claimed) = (Arbitration::default(), 0.0);
         loop {
             while self.next.is_empty() && claimed <= total + TOLERANCE {
                 let holder = roots.last().copied();
-                let root = match (holder, claimants.peek().copied()) {
+                let root = match (holder, claimants.head()) {
                     (Some(holder), other) if other.is_none_or(|other| holder < other) => roots.pop(),
-                    _ => claimants.next(),
+                    _ => claimants.take(),
                 };
                 let Some(root) = root else { break };
-                self.reach(root);
+                self.reach(root)?;
             }
             let open = claimed <= total + TOLERANCE;
             let head = self.next.front().copied().filter(|_| open);
@@ -194,7 +215,7 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
                 (Some(head), loser) if loser.is_none_or(|loser| head < loser) => {
                     self.next.pop_front();
                     claimed += waiting.amount_of(head.own.task());
-                    let worth = waiting.family_places(head.own.task())?.0;
+                    let worth = places(self.cycle, waiting, head.own.task())?.0;
                     self.rank(head.lead, worth);
                     head
                 }
@@ -210,18 +231,28 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         Some(result)
     }
 
-    /// Adds the claimants that take their turns for `root`: those of its family with lower ranks, and itself if it claims.
-    fn reach(&mut self, root: QueueKey) {
+    /// Adds the claimants that take their turns for `root`: those of its family with lower ranks, and itself if it claims. `None` if the
+    /// order of equal ranks is not known.
+    fn reach(&mut self, root: QueueKey) -> Option<()> {
         let (agent, waiting) = (&*self.cycle.agent, self.waiting);
         let holds = self.holders.iter().find(|holder| holder.worth.task() == root.task());
         let own = match holds {
             Some(holder) => holder.rank,
-            None => waiting.family_places(root.task()).map(|places| places.1),
+            None => places(self.cycle, waiting, root.task()).map(|places| places.1),
         };
-        if holds.is_none() && (self.reached.contains(&root.task()) || !is_eligible(agent, root.task())) {
-            return;
+        if holds.is_none() && !is_eligible(agent, root.task()) {
+            return Some(());
         }
-        let Some((own, rank)) = own.and_then(|own| Some((own, own.rank?))) else { return };
+        if holds.is_none() {
+            self.roots.push(root.task());
+        }
+        if holds.is_none() && self.reached.contains(&root.task()) {
+            return Some(());
+        }
+        let Some((own, rank)) = own.and_then(|own| Some((own, own.rank?))) else { return Some(()) };
+        if waiting.has_open_ties(rank.parent) {
+            return None;
+        }
         for key in waiting.below(rank.parent).take_while(|key| is_lower(key, rank.rank)) {
             if is_eligible(agent, key.task()) && self.reached.insert(key.task()) {
                 self.next.push_back(FamilyTurn { lead: root, own: key });
@@ -230,6 +261,7 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         if holds.is_none() && self.reached.insert(root.task()) {
             self.next.push_back(FamilyTurn { lead: root, own });
         }
+        Some(())
     }
 
     fn place(&mut self, task: TaskId, losers: &mut BTreeSet<FamilyTurn>, result: &mut Arbitration) -> Option<()> {
@@ -259,8 +291,10 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         let placed: BTreeSet<TaskId> =
             self.reached.iter().copied().filter(|task| self.next.iter().all(|turn| turn.own.task() != *task)).collect();
         let mut turns = BTreeMap::new();
-        for task in fresh.iter().filter(|task| !placed.contains(task) && is_eligible(self.cycle.agent, **task)) {
-            let Some((worth, own)) = self.waiting.family_places(*task) else { continue };
+        let behind: BTreeSet<TaskId> = result.granted.iter().flat_map(|task| self.begun_behind(*task)).collect();
+        for task in fresh.union(&behind).filter(|task| !placed.contains(task) && is_eligible(self.cycle.agent, **task))
+        {
+            let Some((worth, own)) = places(self.cycle, self.waiting, *task) else { continue };
             turns.insert(FamilyTurn { lead: self.lead(worth, own)?, own }, worth);
         }
         for (turn, worth) in turns {
@@ -277,6 +311,15 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
         Some(())
     }
 
+    /// Returns the claimants that have begun and that a granted task precedes by rank: they may precede their equals once it has begun.
+    fn begun_behind(&self, granted: TaskId) -> impl Iterator<Item = TaskId> + '_ {
+        let rank = places(self.cycle, self.waiting, granted).and_then(|places| places.1.rank);
+        let family = rank.into_iter().flat_map(|rank| {
+            self.waiting.below(rank.parent).filter(move |key| key.begun && is_greater(key, rank.rank))
+        });
+        family.map(|key| key.task())
+    }
+
     /// Returns true if a task with a stated duration might fit into free capacity that others await.
     fn may_leave_a_gap(&self, result: &Arbitration) -> bool {
         self.concerned.resources.iter().any(|(id, resource)| {
@@ -289,12 +332,4 @@ impl<'a, 'c> FamilyPass<'a, 'c> {
             room > TOLERANCE && (!result.displaced.is_empty() || waits && fits())
         })
     }
-}
-
-fn is_lower(key: &QueueKey, rank: f64) -> bool {
-    key.rank.is_some_and(|own| own.rank < rank)
-}
-
-fn is_greater(key: &QueueKey, rank: f64) -> bool {
-    key.rank.is_some_and(|own| own.rank > rank)
 }

@@ -22,6 +22,7 @@ use crate::control::cycle::Cycle;
 use crate::state::queue_place::{QueueKey, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
+use crate::state::turns::TurnSource;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
@@ -92,7 +93,7 @@ impl<'a, 'c> Front<'a, 'c> {
         let (mut claimed, mut beats, mut last) = (0.0, true, None);
         let mut turns = in_turn(self.cycle, &resource.waiting);
         let outside = loop {
-            let Some(key) = turns.next() else { break None };
+            let Some(key) = Iterator::next(&mut turns) else { break None };
             if !is_eligible(self.cycle.agent, key.task()) {
                 continue;
             }
@@ -110,7 +111,7 @@ impl<'a, 'c> Front<'a, 'c> {
             }
             claimed += amount;
         };
-        let heads: Vec<QueueKey> = turns.heads().collect();
+        let heads = turns.heads_that(&|task| is_eligible(self.cycle.agent, task));
         self.outside.extend(outside.into_iter().chain(heads).map(|key| (key.task(), id)));
         Some(())
     }

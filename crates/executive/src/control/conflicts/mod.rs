@@ -9,6 +9,8 @@ pub(crate) mod curve;
 pub(crate) mod deadlock;
 pub(crate) mod equal_ranks;
 pub(crate) mod families;
+mod family_turns;
+mod family_watch;
 pub(crate) mod front;
 mod gap_lines;
 pub(crate) mod gaps;

@@ -105,7 +105,7 @@ pub(crate) fn usable<'a>(cycle: &'a Cycle<'_>, id: ResourceId) -> Option<&'a Res
 }
 
 /// Returns a function for the present value of a priority of a given importance that rises until `due`.
-fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
+pub(crate) fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
     let (agent, now): (&'a Agent, Time) = (cycle.agent, cycle.now);
     move |importance, due| priority::risen(agent, RisingTerm { importance, due }, now)
 }

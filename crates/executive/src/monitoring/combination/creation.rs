@@ -191,7 +191,7 @@ fn time_part(
     start: Time,
     context: &dyn EvalContext,
 ) -> Result<Box<TimePart>, EvaluationError> {
-    let part = TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None };
+    let part = TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None, taken: false };
     time_conditions::check(&part, kind, start, context)?;
     Ok(Box::new(part))
 }

@@ -233,9 +233,20 @@ struct Partial {
 /// A part with its results, and the required delay before it.
 struct SequencePart {
     results: Vec<Satisfaction>,
+    /// Start of the first and of the last result.
+    extent: Option<(Time, Time)>,
     delay: Option<(Duration, Duration)>,
     /// The part is a `:not`: true now, and at any later instant as long as nothing happens.
     stands: bool,
+}
+
+impl SequencePart {
+    /// Returns false if none of the results comes late enough behind a part that ended at `end`, or none early enough.
+    fn may_follow(&self, end: Time) -> bool {
+        let (least, most) = self.delay.unwrap_or((TICK, Duration::MAX));
+        let starts = self.extent.is_some_and(|(first, last)| last - end >= least && first - end <= most);
+        self.stands || starts
+    }
 }
 
 impl<'a> Combination<'a> {
@@ -281,7 +292,9 @@ impl<'a> Combination<'a> {
                         dominance::one_for_each_binding(&mut results);
                     }
                     let stands = matches!(kind, PartKind::Not(_));
-                    steps.push(SequencePart { results, delay: delay.take(), stands });
+                    let starts = || results.iter().map(|result| result.interval.0);
+                    let extent = starts().min().zip(starts().max());
+                    steps.push(SequencePart { results, extent, delay: delay.take(), stands });
                 }
             }
         }
@@ -292,9 +305,38 @@ impl<'a> Combination<'a> {
             bindings: Bindings::new(),
             evidence: absent.into(),
         };
+        if self.cannot_complete(&steps, delay, query) {
+            return Vec::new();
+        }
         self.extend(&steps, &nots, delay, start, query);
         self.found.sort_by_key(|result| result.recognised_at);
         self.found
+    }
+
+    /// Returns true if no combination can be complete now, so that none has to be tried: a part has no result, or the delay at the end is
+    /// over after none of the results of the last part. Requests a wake for the first of them.
+    fn cannot_complete(
+        &self,
+        steps: &[SequencePart],
+        last_delay: Option<(Duration, Duration)>,
+        query: &mut VerdictQuery<'_>,
+    ) -> bool {
+        // A part that stands asks for a wake itself.
+        if steps.iter().any(|step| step.stands) {
+            return false;
+        }
+        if steps.iter().any(|step| step.results.is_empty()) {
+            return true;
+        }
+        let Some(((least, _), last)) = last_delay.zip(steps.last()) else { return false };
+        let first = last.results.iter().map(|result| result.interval.1 + least).min();
+        match first.filter(|over| *over > query.now) {
+            Some(over) => {
+                query.wake_at(over);
+                true
+            }
+            None => false,
+        }
     }
 
     fn extend(
@@ -309,7 +351,10 @@ impl<'a> Combination<'a> {
             self.complete(nots, last_delay, partial, query);
             return;
         };
-        for result in &step.results {
+        // A part that stands asks for a wake below.
+        let next = rest.first().filter(|_| self.ordered && !step.stands);
+        let goes_on = |result: &&Satisfaction| next.is_none_or(|next| next.may_follow(result.interval.1));
+        for result in step.results.iter().filter(goes_on) {
             self.combinations += 1;
             if self.combinations > query.context.limits().of(Limit::MonitorCombinations) {
                 query.troubles.reached(Limit::MonitorCombinations, query.context, self.part.place);

@@ -7,6 +7,7 @@
 //! PDL: Allen relations, `:absent`.
 //! Paper: Table 1 row 11; section III, incremental interpretation.
 
+use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::combination::logic;
 use crate::monitoring::episodes::run_update::{advance_run, with_newest};
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
@@ -17,6 +18,7 @@ use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::monitors::monitor::{EpisodePart, Part, PartKind, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -96,12 +98,24 @@ pub(crate) fn take(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults
             // Evaluated to learn the instants at which future windows begin.
             persistence::truth(leaf, site, query);
         }
+        // The only result of a fixed delay is final as soon as the time has passed.
+        PartKind::Delay(leaf) if is_constant(&leaf.from) && leaf.to.as_ref().is_none_or(is_constant) => {
+            let result = time_conditions::result(leaf, TimeForm::Delay, site.window.start);
+            let taken = result.is_some() && std::mem::replace(&mut leaf.taken, true);
+            extents.settled.extend(result.filter(|_| !taken));
+            extents.from = leaf.span.map_or(query.now, |(from, _)| from.max(query.now));
+            extents.doubt = leaf.span.is_none();
+        }
         _ => composite(part, query, &mut extents),
     }
     let results = extents.settled.iter_mut().chain(extents.passing.iter_mut().map(|extent| &mut extent.result));
     bind_tag(part.tag.as_ref(), results);
     extents.settled.sort_by_key(|result| result.recognised_at);
     extents
+}
+
+fn is_constant(expr: &Expr) -> bool {
+    matches!(expr.kind, ExprKind::Constant(_))
 }
 
 fn bind_tag<'a>(tag: Option<&Symbol>, results: impl Iterator<Item = &'a mut Satisfaction>) {

@@ -338,7 +338,7 @@ fn first_window(part: &Part) -> Time {
 /// Clears results that rest on samples, messages and time. Ends and states of tasks stay, because no history contains them.
 fn forget(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = crate::monitoring::part::site(part);
-    let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);
+    let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached, leaf.taken) = (None, None, false);
     match &mut part.kind {
         PartKind::Measurement(leaf) => leaf.seen = None,
         PartKind::Persisted(leaf) => persistence::begin_again(leaf, site, context, troubles),

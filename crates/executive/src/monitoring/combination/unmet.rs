@@ -81,10 +81,10 @@ pub(crate) fn collect(part: &Part, query: &mut VerdictQuery<'_>, list: &mut Vec<
 fn several(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>, list: &mut Vec<Unmet>) {
     let before = list.len();
     composite.parts.iter().for_each(|part| collect(part, query, list));
-    let waits = |part: &Part| matches!(part.kind, PartKind::Delay(_));
-    if list.len() == before
-        || list.iter().skip(before).count() == composite.parts.iter().filter(|part| waits(part)).count()
-    {
+    // In an order, a delay counts from the part before it: as a part alone it says nothing about the others.
+    let counts = |each: &Part| !matches!((&part.kind, &each.kind), (PartKind::InOrder(_), PartKind::Delay(_)));
+    let mut others = composite.parts.iter().filter(|each| counts(each));
+    if list.len() == before || others.all(|each| logic::truth(each, query) == Truth::True) {
         let constraints = match composite.constraints.as_slice() {
             [] => "each part holds, but not together: shared variables or the order differ".to_owned(),
             some => {
@@ -273,11 +273,22 @@ pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
         Relation::Less | Relation::LessOrEqual => own >= *wanted,
         Relation::Greater | Relation::GreaterOrEqual => own <= *wanted,
     });
-    let off = misses.map(|(_, wanted)| (own - wanted).abs()).reduce(f64::max)?;
+    let off = misses.map(|(_, wanted)| difference(own, wanted)).reduce(f64::max)?;
     Some(match value {
         Value::Integer(_) if libm::trunc(off) == off => Value::Integer(off as i64),
         _ => Value::measured(off, dimension),
     })
+}
+
+/// Returns the distance between two numbers, without digits that neither of them has.
+fn difference(one: f64, other: f64) -> f64 {
+    let off = (one - other).abs();
+    let scale = one.abs().max(other.abs());
+    if off == 0.0 || !off.is_finite() {
+        return off;
+    }
+    let lost = libm::log10(scale / off).clamp(0.0, 14.0) as usize;
+    format!("{off:.*e}", 14_usize.saturating_sub(lost)).parse().unwrap_or(off)
 }
 
 fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {

@@ -57,6 +57,30 @@ fn constraints_between_the_parts_need_every_sample() {
     assert_eq!(kept(&session, id), 199);
 }
 
+/// 600 results of each part would be 360,000 combinations at each look, more than the limit.
+#[test]
+fn no_combination_is_tried_while_a_part_or_the_last_delay_is_to_come() {
+    let parts = "(:measurement a (speed uav) :value (> 4)) (:measurement b (height uav) :value (>= 0)) (:delay 300s)";
+    for form in [":and", ":in-order"] {
+        let condition = format!("({form} {parts} :constraint (> (start-of ?b) (start-of ?a)))");
+        let (mut session, _) = waiting(&condition, 60);
+        let troubles = session.take_troubles();
+        assert!(troubles.is_empty(), "{condition}: {troubles:?}");
+    }
+}
+
+/// Results of a relation that rest on a delay are final: they are not computed again with each sample.
+#[test]
+fn a_relation_with_a_fixed_delay_has_only_final_results() {
+    for (condition, count) in [("(:before (speed uav > 4) (:delay 20s))", 200), ("(:after (:delay 20s) (stop))", 0)] {
+        let (mut session, id) = waiting(condition, 40);
+        assert_eq!(told(&mut session).len(), count, "{condition}");
+        let root = &session.watches.get(id.0).unwrap().monitor.as_ref().unwrap().root;
+        let PartKind::Allen(relation) = &root.kind else { panic!("{root:?}") };
+        assert!(relation.passing.is_empty(), "{condition}: {}", relation.passing.len());
+    }
+}
+
 const CONJUNCTIONS: [&str; 12] = [
     "(:and (a uav > 4) (b uav < 4) (:delay 9s)",
     "(:and (a ?who > 4) (b ?who > 4)",

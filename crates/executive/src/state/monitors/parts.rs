@@ -153,4 +153,7 @@ pub struct TimePart {
     pub span: Option<(Time, Time)>,
     /// The instant that satisfied it.
     pub reached: Option<Time>,
+    /// True once a relation in time has taken its result.
+    #[serde(default)]
+    pub taken: bool,
 }

@@ -5,7 +5,7 @@
 //! Bound: the budget. Deterministic: equal seed and budget give an equal route.
 
 mod annealing;
-
+mod polish;
 mod reasons;
 mod recreate;
 mod repair;
@@ -16,6 +16,8 @@ mod turn;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tour_tests;
 
 use crate::bounds::routes;
 use crate::routing::network::{self, Network};

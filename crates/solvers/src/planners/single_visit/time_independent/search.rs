@@ -7,9 +7,11 @@
 //! less work than the other runs, and finds the best route if the first run did not. Without a known budget, runs of increasing length
 //! follow each other.
 use super::annealing::{self, Annealing, Round};
+use super::polish;
 use super::route::Route;
 use crate::bounds::routes::{self, BoundSearch, FEW, Proven};
 use crate::routing::network::Network;
+use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 
 /// Units of the first run if the budget is not known; each later run has half as many again.
@@ -46,6 +48,9 @@ const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 /// With few targets, the last decade of stages.
 const STAGED_UNITS_OF_FEW: u64 = 100_000;
 
+/// Share of a stage's search that shortens the best route while that visits all of many targets.
+const TOUR_SHARE: f64 = 0.7;
+
 /// Units of work at which the first stage ends, counted from the planner's start, and the growth factor of stages: usual budgets end with
 /// a stage. Up to [`ROUNDS_NODES_MAX`] nodes a stage contains several cooling runs; above, a single one, which is of little use before
 /// its end, so intermediate stages exist. A stage is skipped if less than the given part of it remains.
@@ -74,6 +79,8 @@ pub(super) struct SearchDriver<'n> {
     best: Route,
     question: Option<BoundSearch<'n>>,
     bound: Option<f64>,
+    /// Random choices of the shortening of whole tours.
+    chance: Generator,
 }
 
 impl<'n> SearchDriver<'n> {
@@ -99,6 +106,7 @@ impl<'n> SearchDriver<'n> {
             best: first,
             question: None,
             bound: None,
+            chance: Generator::new(seed),
         }
     }
 
@@ -155,8 +163,29 @@ impl<'n> SearchDriver<'n> {
     /// Runs annealing and proofs for `left` units; ends early if a proof settles the problem.
     fn stage(&mut self, left: u64, budget: &mut dyn Budget) {
         let (early, spare) = self.for_proofs(left);
-        self.cool(left.saturating_sub(spare), early, budget);
+        let search = left.saturating_sub(spare);
+        let tour = if self.is_tour() { (TOUR_SHARE * search as f64) as u64 } else { 0 };
+        self.shorten(tour, budget);
+        self.cool(search - tour, early, budget);
         self.ask_finally(spare, budget);
+    }
+
+    /// Returns true if the best route visits all of many targets, and none of them opens later: only its length is left to improve.
+    fn is_tour(&self) -> bool {
+        let all = self.best.seen.iter().all(|seen| *seen);
+        all && self.network.targets > FEW && self.network.is_always_open()
+    }
+
+    /// Searches for a shorter order of the visits for `units`.
+    fn shorten(&mut self, units: u64, budget: &mut dyn Budget) {
+        if units == 0 {
+            return;
+        }
+        let visits = polish::shorter(self.network, &self.best, units, &mut self.chance, budget);
+        let route = Route::of(self.network, &visits);
+        if route.is_feasible() {
+            self.keep(route);
+        }
     }
 
     fn ask_finally(&mut self, units: u64, budget: &mut dyn Budget) {

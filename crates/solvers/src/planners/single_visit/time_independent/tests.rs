@@ -11,7 +11,7 @@ use apex_portfolio::formats;
 use apex_portfolio::formats::generate::{self, Day, Family, Places};
 use proptest::prelude::*;
 
-fn small(seed: u64, count: usize) -> SingleVisitProblem {
+pub(super) fn small(seed: u64, count: usize) -> SingleVisitProblem {
     let family = if seed.is_multiple_of(2) {
         Family::Solomon(Places::Random, if seed.is_multiple_of(4) { Day::Short } else { Day::Long })
     } else {
@@ -33,7 +33,7 @@ fn small(seed: u64, count: usize) -> SingleVisitProblem {
     problem
 }
 
-fn network(problem: &SingleVisitProblem) -> Network {
+pub(super) fn network(problem: &SingleVisitProblem) -> Network {
     let usable: Vec<usize> = (0..problem.targets.len()).collect();
     Network::new(&mut Schedule::new(problem).unwrap(), &usable, &mut WorkBudget::new(u64::MAX)).unwrap()
 }
@@ -131,7 +131,7 @@ proptest! {
     }
 }
 
-fn solved(problem: &SingleVisitProblem, units: u64, seed: u64) -> SingleVisitPlan {
+pub(super) fn solved(problem: &SingleVisitProblem, units: u64, seed: u64) -> SingleVisitPlan {
     let mut budget = WorkBudget::new(units);
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
     let problem = Problem::SingleVisit(problem.clone());
