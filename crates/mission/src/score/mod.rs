@@ -4,6 +4,7 @@
 mod arrivals;
 mod flown;
 mod footprints;
+mod growth;
 mod samples;
 mod so_far;
 mod telling;
