@@ -6,12 +6,11 @@
 
 use crate::features::area_m2;
 use crate::{Mission, Target, TargetKind};
-use apex_geo::plane::{Plane, Point, inside};
 use apex_model::problem::Position;
-use apex_observation::flown::FlownObservation;
 use apex_observation::footprint::Ground;
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
-use apex_observation::target::{ObservedTarget, WantedLook};
+use apex_observation::growth::grown;
+use apex_observation::target::ObservedTarget;
 use std::sync::Arc;
 
 /// Growth by a smaller share of the area than this is within the accuracy of outlines.
@@ -100,33 +99,20 @@ fn part_of(
     (before, outline): (&[Position], &[Position]),
     (share, ground): (f64, &dyn Ground),
 ) -> Option<(Target, ScoredGround)> {
-    let area = fire.area_within(outline)?;
     let TargetKind::Fire(kind) = &fire.kind else { return None };
     let id = format!("{}/growth-{number}", fire.id);
-    let looks =
-        kind.wanted.looks.iter().map(|look| WantedLook { value: share * look.value, must: None, ..look.clone() });
-    let wanted = ObservedTarget { name: id.clone(), area, looks: looks.collect(), ..kind.wanted.clone() };
-    let is_new = outside(before);
     let part = |settings: GridSettings| {
-        let grid = FlownObservation::grid_of(&wanted, settings, ground).ok()?;
-        let places: Vec<bool> = grid.positions().map(&is_new).collect();
-        let grid = grid.only(|cell| places.get(cell).copied().unwrap_or(false));
-        (grid.total() > 0.0).then_some(grid)
+        let area = fire.area_within(outline)?;
+        grown(&kind.wanted, &id, (before, area), share, (settings, ground))
     };
     let scored = part(GridSettings::default())?;
-    let planned = part(GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() })?;
+    let (wanted, planned) = part(GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() })?;
     let mut target = fire.clone();
-    (target.id, target.name, target.polygons) = (id, format!("{} growth {number}", fire.name), vec![outline.to_vec()]);
+    (target.id, target.name, target.polygons) =
+        (id.clone(), format!("{} growth {number}", fire.name), vec![outline.to_vec()]);
     if let TargetKind::Fire(grown) = &mut target.kind {
         grown.radius_m = libm::sqrt(area_m2(outline) / std::f64::consts::PI);
-        (grown.wanted, grown.grid) = (wanted.clone(), Arc::new(planned));
+        (grown.wanted, grown.grid) = (wanted, Arc::new(planned));
     }
-    Some((target, (wanted, scored)))
-}
-
-/// Returns a test whether a position lies outside of an outline.
-fn outside(outline: &[Position]) -> impl Fn(Position) -> bool + use<> {
-    let plane = Plane::around(outline);
-    let corners: Vec<Point> = outline.iter().filter_map(|corner| plane.project(*corner)).collect();
-    move |position| plane.project(position).is_none_or(|point| !inside(point, &corners))
+    Some((target, scored))
 }
