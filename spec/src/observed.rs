@@ -10,6 +10,7 @@
 //! | `want NAME value 100 pixel 10`, `light night`, `window -4h..6h`, `ramp 1h`, `overpass 5h`, `latency 10min..60min` | a look |
 //! | `line y 4000 height 6000`, `x 0..3000`, `clarity 0.98`, `at 5h`, `landed 14min` | a line from west to east; `y` from south |
 //! | `line .. hidden yes`, `line .. cover 0.4` | clouds hid the line as flown; a line that is planned below this cover of clouds |
+//! | `grown 12500 x 8000` | the ground grows to this size around its middle; lines below it have coordinates of the grown ground |
 //! | `work 20h at 95`, `risk 0.002 share 0.9 cost 9000000`, `value-unit 100` | costs in money, and the money of a point |
 //!
 //! `at` is the instant at which a line is seen, and `landed` the time after it at which its image is on the ground. Times count from
@@ -18,8 +19,11 @@
 use apex_geo::geodesy::{Position, destination};
 use apex_observation::assess::{AssessContext, assess};
 use apex_observation::clarity::ClarityWeights;
+use apex_observation::footprint::FlatGround;
 use apex_observation::grid::{GridSettings, TargetGrid};
+use apex_observation::growth::grown;
 use apex_observation::looks::{SeenGround, StripFacts, TargetLooks};
+use apex_observation::result::LookResult;
 use apex_observation::score::{CostRow, CostTerm, mission_score};
 use apex_observation::target::{ObservedTarget, Polygon, TargetArea, WantedLook};
 use apex_observation::timing::{LatencyNeed, LightNeed, OverpassNeed, WindowNeed};
@@ -56,6 +60,8 @@ struct Described {
     perimeter_m: Option<f64>,
     looks: Vec<WantedLook>,
     lines: Vec<ScannedLine>,
+    /// Size of the ground that has grown, and the number of lines before.
+    grown: Option<((f64, f64), usize)>,
     costs: Vec<CostRow>,
     money_per_point: Option<f64>,
 }
@@ -73,12 +79,12 @@ pub fn score(text: &str) -> Result<String, String> {
     let mut told = String::new();
     let mut points = Vec::new();
     if !described.looks.is_empty() {
-        for look in described.assessed()? {
+        for (name, look) in described.assessed()? {
             let factors = look.factors;
             let _ = writeln!(
                 told,
-                "{}: coverage {:.4}, clarity {:.4}, resolution {:.4}, timing {:.4}: {:.1} points",
-                look.name, factors.coverage, factors.clarity, factors.resolution, factors.timing, look.points
+                "{name}: coverage {:.4}, clarity {:.4}, resolution {:.4}, timing {:.4}: {:.1} points",
+                factors.coverage, factors.clarity, factors.resolution, factors.timing, look.points
             );
             points.push(look.points);
         }
@@ -98,6 +104,9 @@ impl Described {
                 (self.size_m, self.is_ellipse) = ((number(width)?, number(depth)?), true);
             }
             ["ground", width, "x", depth] => self.size_m = (number(width)?, number(depth)?),
+            ["grown", width, "x", depth] => {
+                self.grown = Some(((number(width)?, number(depth)?), self.lines.len()));
+            }
             ["perimeter", width] => self.perimeter_m = Some(number(width)?),
             ["want", name, rest @ ..] => self.looks.push(wanted(name, rest)?),
             ["line", rest @ ..] => self.lines.push(scanned(rest)?),
@@ -116,77 +125,125 @@ impl Described {
         Ok(())
     }
 
-    fn assessed(&self) -> Result<Vec<apex_observation::result::LookResult>, String> {
-        let target = ObservedTarget {
+    /// Returns the results of the looks by their names: first those of the ground, then those of what it has grown by.
+    fn assessed(&self) -> Result<Vec<(String, LookResult)>, String> {
+        let target = self.target();
+        let grid = TargetGrid::new(&target, GridSettings::default()).map_err(|error| error.to_string())?;
+        // Lines above the growth have the coordinates of the ground as it was.
+        let lines = |from: usize, offset_m: (f64, f64)| {
+            self.lines.iter().enumerate().skip(from).map(move |(number, line)| {
+                let is_later = self.grown.is_some_and(|(_, before)| number >= before);
+                (line, if is_later { offset_m } else { (0.0, 0.0) })
+            })
+        };
+        let Some((size_m, before)) = self.grown else {
+            return Ok(named("", assessed(&target, &grid, self.size_m, lines(0, (0.0, 0.0)))));
+        };
+        let wider_m = (0.5 * (size_m.0 - self.size_m.0), 0.5 * (size_m.1 - self.size_m.1));
+        let mut results = named("", assessed(&target, &grid, self.size_m, lines(0, wider_m)));
+        let share = 1.0 - self.size_m.0 * self.size_m.1 / (size_m.0 * size_m.1);
+        let outline = outline(self.size_m, self.is_ellipse);
+        let area =
+            Described { size_m, is_ellipse: self.is_ellipse, perimeter_m: self.perimeter_m, ..Described::default() }
+                .area();
+        let ground = FlatGround::default();
+        let settings = (GridSettings::default(), &ground as &dyn apex_observation::footprint::Ground);
+        if let Some((target, grid)) = grown(&target, "growth", (&outline, area), share, settings) {
+            results.extend(named(" growth", assessed(&target, &grid, size_m, lines(before, (0.0, 0.0)))));
+        }
+        Ok(results)
+    }
+
+    fn target(&self) -> ObservedTarget {
+        ObservedTarget {
             name: "target".to_string(),
             area: self.area(),
             elevation_m: 0.0,
             is_water: false,
             looks: self.looks.clone(),
             after: Vec::new(),
-        };
-        let grid = TargetGrid::new(&target, GridSettings::default()).map_err(|error| error.to_string())?;
-        let mut looks = TargetLooks::default();
-        for line in &self.lines {
-            looks.begin_pass(&grid);
-            self.lay(&grid, &mut looks, line);
         }
-        looks.end_pass();
-        let first_valid_s = BTreeMap::new();
-        let context = AssessContext {
-            zero_unix_s: ZERO_UNIX_S,
-            products: &[],
-            first_valid_s: &first_valid_s,
-            is_explained: false,
-        };
-        Ok(assess(&target, &grid, &[&looks], &context).looks)
     }
 
     fn area(&self) -> TargetArea {
-        let (x_m, y_m) = (0.5 * self.size_m.0, 0.5 * self.size_m.1);
-        let corners: Vec<(f64, f64)> = if self.is_ellipse {
-            let angle_rad = |number: u32| std::f64::consts::TAU * f64::from(number) / f64::from(ELLIPSE_CORNERS);
-            (0..ELLIPSE_CORNERS)
-                .map(|number| (x_m * libm::cos(angle_rad(number)), y_m * libm::sin(angle_rad(number))))
-                .collect()
-        } else {
-            vec![(-x_m, -y_m), (x_m, -y_m), (x_m, y_m), (-x_m, y_m)]
-        };
-        let outer = corners.into_iter().map(|(east_m, north_m)| {
-            let azimuth_deg = libm::atan2(east_m, north_m).to_degrees();
-            destination(CENTRE, azimuth_deg, libm::hypot(east_m, north_m))
-        });
-        let polygons = vec![Polygon { outer: outer.collect(), holes: Vec::new() }];
+        let polygons = vec![Polygon { outer: outline(self.size_m, self.is_ellipse), holes: Vec::new() }];
         match self.perimeter_m {
             Some(width_m) => TargetArea::Perimeter { polygons, half_width_m: 0.5 * width_m, interior_weight: 0.0 },
             None => TargetArea::Polygons(polygons),
         }
     }
+}
 
-    /// Lays the strip that a line sees on the grid.
-    fn lay(&self, grid: &TargetGrid, looks: &mut TargetLooks, line: &ScannedLine) {
-        let half_m = line.height_m * libm::tan(HALF_FIELD_DEG.to_radians());
-        let (from_m, until_m) = line.x_m.unwrap_or((0.0, self.size_m.0));
-        // The plane's origin is the middle of the target.
-        let at = |x_m: f64, y_m: f64| grid.plane().point(x_m - 0.5 * self.size_m.0, y_m - 0.5 * self.size_m.1);
-        let (north_m, south_m) = (line.y_m + half_m, line.y_m - half_m);
-        let polygon = [at(from_m, north_m), at(from_m, south_m), at(until_m, south_m), at(until_m, north_m)];
-        let [first_left, first_right, _, last_left] = polygon;
-        let seen = SeenGround {
-            polygon: &polygon,
-            foot: [at(from_m, line.y_m), at(until_m, line.y_m)],
-            altitude_m: [line.height_m; 2],
-            first_line: Some([first_left, first_right]),
-            last_left,
-            pixel_rad: PIXEL_RAD,
-            sun: None,
-        };
-        let clear_share = if line.is_hidden { 0.0 } else { 1.0 - line.cover.unwrap_or(0.0) };
-        let weights = ClarityWeights { rates: line.clarity, clear_share, ..ClarityWeights::CLEAR };
-        let is_flown = line.cover.is_none();
-        let on_ground_s = line.landed_s.map(|after_s| line.at_s + after_s);
-        looks.add(grid, &seen, StripFacts { time_s: line.at_s, weights, is_flown, on_ground_s }, None);
+/// Returns the corners of ground of this size around the middle.
+fn outline((width_m, depth_m): (f64, f64), is_ellipse: bool) -> Vec<Position> {
+    let (x_m, y_m) = (0.5 * width_m, 0.5 * depth_m);
+    let corners: Vec<(f64, f64)> = if is_ellipse {
+        let angle_rad = |number: u32| std::f64::consts::TAU * f64::from(number) / f64::from(ELLIPSE_CORNERS);
+        (0..ELLIPSE_CORNERS)
+            .map(|number| (x_m * libm::cos(angle_rad(number)), y_m * libm::sin(angle_rad(number))))
+            .collect()
+    } else {
+        vec![(-x_m, -y_m), (x_m, -y_m), (x_m, y_m), (-x_m, y_m)]
+    };
+    let position = |(east_m, north_m): (f64, f64)| {
+        let azimuth_deg = libm::atan2(east_m, north_m).to_degrees();
+        destination(CENTRE, azimuth_deg, libm::hypot(east_m, north_m))
+    };
+    corners.into_iter().map(position).collect()
+}
+
+/// Returns the results with the names of their looks, each followed by `suffix`.
+fn named(suffix: &str, results: Vec<LookResult>) -> Vec<(String, LookResult)> {
+    results.into_iter().map(|result| (format!("{}{suffix}", result.name), result)).collect()
+}
+
+/// Returns the results of a target of this size after the lines, each moved east and north by an offset.
+fn assessed<'a>(
+    target: &ObservedTarget,
+    grid: &TargetGrid,
+    size_m: (f64, f64),
+    lines: impl Iterator<Item = (&'a ScannedLine, (f64, f64))>,
+) -> Vec<LookResult> {
+    let mut looks = TargetLooks::default();
+    for (line, offset_m) in lines {
+        looks.begin_pass(grid);
+        lay(grid, (size_m, offset_m), &mut looks, line);
     }
+    looks.end_pass();
+    let first_valid_s = BTreeMap::new();
+    let context =
+        AssessContext { zero_unix_s: ZERO_UNIX_S, products: &[], first_valid_s: &first_valid_s, is_explained: false };
+    assess(target, grid, &[&looks], &context).looks
+}
+
+/// Lays the strip that a line sees on the grid of ground of this size; the line's coordinates begin this far west and south of it.
+fn lay(
+    grid: &TargetGrid,
+    (size_m, (east_m, north_m)): ((f64, f64), (f64, f64)),
+    looks: &mut TargetLooks,
+    line: &ScannedLine,
+) {
+    let half_m = line.height_m * libm::tan(HALF_FIELD_DEG.to_radians());
+    let (from_m, until_m) = line.x_m.unwrap_or((0.0, size_m.0 + 2.0 * east_m));
+    // The plane's origin is the middle of the target.
+    let at = |x_m: f64, y_m: f64| grid.plane().point(x_m - east_m - 0.5 * size_m.0, y_m - north_m - 0.5 * size_m.1);
+    let (north_m, south_m) = (line.y_m + half_m, line.y_m - half_m);
+    let polygon = [at(from_m, north_m), at(from_m, south_m), at(until_m, south_m), at(until_m, north_m)];
+    let [first_left, first_right, _, last_left] = polygon;
+    let seen = SeenGround {
+        polygon: &polygon,
+        foot: [at(from_m, line.y_m), at(until_m, line.y_m)],
+        altitude_m: [line.height_m; 2],
+        first_line: Some([first_left, first_right]),
+        last_left,
+        pixel_rad: PIXEL_RAD,
+        sun: None,
+    };
+    let clear_share = if line.is_hidden { 0.0 } else { 1.0 - line.cover.unwrap_or(0.0) };
+    let weights = ClarityWeights { rates: line.clarity, clear_share, ..ClarityWeights::CLEAR };
+    let is_flown = line.cover.is_none();
+    let on_ground_s = line.landed_s.map(|after_s| line.at_s + after_s);
+    looks.add(grid, &seen, StripFacts { time_s: line.at_s, weights, is_flown, on_ground_s }, None);
 }
 
 fn wanted(name: &str, words: &[&str]) -> Result<WantedLook, String> {

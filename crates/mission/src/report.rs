@@ -65,7 +65,10 @@ pub fn report(
     flown: Result<&FlownScore, &str>,
     end: (Time, String),
 ) -> Report {
-    let left_out = mission
+    let grown = flown.ok().map(|flown| flown.with_growth(mission.clone()));
+    let left_out = grown
+        .as_ref()
+        .unwrap_or(mission)
         .targets
         .iter()
         .flat_map(|target| names_of(target).into_iter().map(move |name| (target, name)))
@@ -131,7 +134,11 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
 
 fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &str>, end: Time) -> MissionValue {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        let mission = &situation.updates.valued(mission);
+        let valued = situation.updates.valued(mission);
+        let mission = &match flown {
+            Ok(flown) => flown.with_growth(valued),
+            Err(_) => valued,
+        };
         return MissionValue::Score(flight_score(mission, situation, flown, end.seconds() / 3600.0));
     }
     let mission = &situation.updates.believed(mission);

@@ -11,32 +11,106 @@ const LASTING_S: f64 = 6.0 * 3600.0;
 /// Highest altitude of a layer of air.
 const HIGHEST_M: f64 = 1e5;
 
-/// Difference of the measured wind from the forecast, averaged over the last minutes.
+/// Evidence that counts as much as no relation between error and forecast: half an hour of forecasts that differ by 10 m/s, m2/s.
+const UNRELATED_M2_PER_S: f64 = 180_000.0;
+/// Bounds of the relation: a forecast that is wrong by more is of no use elsewhere.
+const RELATION_MIN: f64 = -0.5;
+const RELATION_MAX: f64 = 1.5;
+
+/// Difference of the measured wind from the forecast: averaged over the last minutes, and its relation to the forecast over the last hours.
+///
+/// An error that was greater where more wind was forecast is expected to be so elsewhere, too. Without such evidence the error is taken to be
+/// the same everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct WindError {
     east_mps: f64,
     north_mps: f64,
+    /// Forecast where that was measured, averaged alike.
+    expected_east_mps: f64,
+    expected_north_mps: f64,
     /// Instant of the last measurement.
     at_s: Option<f64>,
+    relation: Relation,
+}
+
+/// Sums over the last hours for the regression of the error on the forecast, both components with one slope.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Relation {
+    time_s: f64,
+    /// Sums of forecast and error, east and north, m.
+    expected_m: [f64; 2],
+    error_m: [f64; 2],
+    /// Sums of the square of the forecast and of its product with the error, m2/s.
+    square_m2_per_s: f64,
+    product_m2_per_s: f64,
+}
+
+impl Relation {
+    /// Takes an error that lasted for `span_s` where `expected` was forecast.
+    fn take(&mut self, expected: [f64; 2], error: [f64; 2], span_s: f64) {
+        let kept = libm::exp(-span_s / LASTING_S);
+        let dot = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        self.time_s = kept * self.time_s + span_s;
+        self.square_m2_per_s = kept * self.square_m2_per_s + span_s * dot(expected, expected);
+        self.product_m2_per_s = kept * self.product_m2_per_s + span_s * dot(expected, error);
+        let add = |sums: &mut [f64; 2], values: [f64; 2]| {
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = kept * *sum + span_s * value);
+        };
+        add(&mut self.expected_m, expected);
+        add(&mut self.error_m, error);
+    }
+
+    /// Returns the change of the error with the forecast, m/s for each m/s; 0 without evidence.
+    fn slope(&self) -> f64 {
+        if self.time_s <= 0.0 {
+            return 0.0;
+        }
+        let means = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / self.time_s;
+        let varied = self.square_m2_per_s - means(self.expected_m, self.expected_m);
+        let together = self.product_m2_per_s - means(self.expected_m, self.error_m);
+        (together / (varied.max(0.0) + UNRELATED_M2_PER_S)).clamp(RELATION_MIN, RELATION_MAX)
+    }
 }
 
 impl WindError {
     /// Takes a measurement at `now_s` where `forecast` was expected.
     pub(crate) fn take(&mut self, measured: Wind, forecast: Wind, now_s: f64) {
-        let share = self.at_s.map_or(1.0, |at_s| -libm::expm1(-(now_s - at_s).max(0.0) / AVERAGED_S));
-        self.east_mps += share * (measured.east_mps - forecast.east_mps - self.east_mps);
-        self.north_mps += share * (measured.north_mps - forecast.north_mps - self.north_mps);
+        let span_s = self.at_s.map_or(0.0, |at_s| (now_s - at_s).max(0.0));
+        let share = self.at_s.map_or(1.0, |_| -libm::expm1(-span_s / AVERAGED_S));
+        let expected = [forecast.east_mps, forecast.north_mps];
+        let error = [measured.east_mps - forecast.east_mps, measured.north_mps - forecast.north_mps];
+        let means =
+            [&mut self.east_mps, &mut self.north_mps, &mut self.expected_east_mps, &mut self.expected_north_mps];
+        means
+            .into_iter()
+            .zip(error.into_iter().chain(expected))
+            .for_each(|(mean, value)| *mean += share * (value - *mean));
+        // What happened during a gap of the measurements is not known.
+        self.relation.take(expected, error, span_s.min(AVERAGED_S));
         self.at_s = Some(now_s);
     }
 
     /// Returns a forecast wind as corrected.
     pub(crate) fn corrected(&self, forecast: Wind) -> Wind {
-        Wind { east_mps: forecast.east_mps + self.east_mps, north_mps: forecast.north_mps + self.north_mps, ..forecast }
+        let (factor, [east_mps, north_mps]) = self.correction();
+        Wind {
+            east_mps: factor * forecast.east_mps + east_mps,
+            north_mps: factor * forecast.north_mps + north_mps,
+            ..forecast
+        }
+    }
+
+    /// Returns the factor on a forecast, and what is then added to it, east and north.
+    fn correction(&self) -> (f64, [f64; 2]) {
+        let slope = self.relation.slope();
+        let added = [self.east_mps - slope * self.expected_east_mps, self.north_mps - slope * self.expected_north_mps];
+        (1.0 + slope, added)
     }
 
     /// Returns the forecast for a plan made at `now_s`: corrected for six hours, then unchanged. `None` if nothing was measured.
     pub(crate) fn field(&self, forecast: &WindField, now_s: f64) -> Option<WindField> {
         self.at_s?;
+        let (factor, [east_mps, north_mps]) = self.correction();
         let until_s = now_s + LASTING_S;
         let still = WindLayer {
             area: None,
@@ -55,8 +129,8 @@ impl WindError {
             if layer.from_s < until_s {
                 layers.push(WindLayer {
                     until_s: layer.until_s.min(until_s),
-                    wind_east_mps: layer.wind_east_mps + self.east_mps,
-                    wind_north_mps: layer.wind_north_mps + self.north_mps,
+                    wind_east_mps: factor * layer.wind_east_mps + east_mps,
+                    wind_north_mps: factor * layer.wind_north_mps + north_mps,
                     ..*layer
                 });
             }
@@ -89,6 +163,24 @@ mod tests {
             error.take(blowing(30.0, -20.0), blowing(10.0, 0.0), 5.0 + 3.0 * f64::from(second));
         }
         assert!((error.east_mps - 20.0).abs() < 1.0 && (error.north_mps + 20.0).abs() < 1.1, "{error:?}");
+    }
+
+    /// A wind of twice the forecast, measured where 5 and where 25 m/s are forecast, is expected to be twice the forecast of 10 m/s; measured
+    /// at one forecast, and in winds that differ by the same 10 m/s everywhere, the error is the same elsewhere.
+    #[test]
+    fn an_error_grows_with_the_forecast_where_it_was_seen_to() {
+        let fly = |winds: &dyn Fn(f64) -> f64, forecasts: [f64; 2]| {
+            let mut error = WindError::default();
+            for second in 0..14_400 {
+                let forecast = forecasts[usize::from(second >= 7_200)];
+                error.take(blowing(winds(forecast), 0.0), blowing(forecast, 0.0), f64::from(second));
+            }
+            error.corrected(blowing(10.0, 0.0)).east_mps
+        };
+        let twice = fly(&|forecast| 2.0 * forecast, [5.0, 25.0]);
+        assert!((20.0..23.0).contains(&twice), "{twice}");
+        assert!((fly(&|forecast| 2.0 * forecast, [25.0, 25.0]) - 35.0).abs() < 0.01);
+        assert!((fly(&|forecast| forecast + 10.0, [5.0, 25.0]) - 20.0).abs() < 0.01);
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod clarity;
 pub mod flown;
 pub mod footprint;
 pub mod grid;
+pub mod growth;
 pub mod looks;
 pub mod manoeuvres;
 pub mod pictures;

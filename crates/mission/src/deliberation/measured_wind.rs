@@ -9,12 +9,14 @@ use super::solve::{Deliberation, PLAN_VISITS_MAX, SolveOptions};
 use crate::Mission;
 use crate::descent::Descent;
 use crate::problem::NoPlan;
-use apex_model::problem::{Plan, Problem, SingleVisitProblem, WindField};
+use apex_model::problem::{Light, Plan, Problem, SingleVisitProblem, WindField};
 use apex_planning::solver::{Environment, WorkBudget, units_in};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::brought;
 
+/// Share of the margin for delays that plans by the measured wind keep.
+const REST_SHARE: f64 = 0.1;
 /// Endurance of a vehicle that needs none.
 const ENDLESS_S: f64 = 1e9;
 
@@ -31,19 +33,52 @@ pub(super) fn solve_for_wind(
 ) -> Result<Deliberation, NoPlan> {
     let SolveOptions { means, solver, budget, seed, .. } = &wish;
     let (means, solver, budget, seed, previous) = (*means, *solver, *budget, *seed, wish.previous.clone());
-    let by_wind = measured.zip(single_visits(&problem).cloned());
-    let first = solve_for_landing(Some(mission), problem, wish, invocations, cancel)?;
-    let Some((wind, posed)) = by_wind.filter(|_| solver != Some(HUMAN)) else { return Ok(first) };
-    let windy = SingleVisitProblem { wind, ..posed };
-    let latest_s = latest_s(mission, &windy);
-    if !end_s(&windy, &first.plan, seed).is_some_and(|end_s| end_s > latest_s) {
-        return Ok(first);
+    let by_wind = measured.zip(single_visits(&problem).cloned()).filter(|_| solver != Some(HUMAN));
+    let first = solve_for_landing(Some(mission), problem, wish, invocations, cancel);
+    let Some((wind, posed)) = by_wind else { return first };
+    let latest_s = latest_s(mission, &posed);
+    let windy = SingleVisitProblem { wind, end_s: Some(end_with_rest_s(mission, &posed, latest_s)), ..posed };
+    match &first {
+        Err(NoPlan::Fault(_)) => return first,
+        // The wind may be better than the forecast, and needs a smaller margin.
+        Err(NoPlan::NothingLeft(_)) => {}
+        Ok(first_plan) => {
+            let is_in_time =
+                |problem: &SingleVisitProblem| end_s(problem, &first_plan.plan, seed).map(|end_s| end_s <= latest_s);
+            // Where an arrival is too late for a window, the time without windows counts; where no way is left, the plan is not in time.
+            if is_in_time(&windy).or_else(|| is_in_time(&without_windows(&windy))) == Some(true) {
+                return first;
+            }
+        }
     }
     let believed = Mission { forecast: windy.wind.clone(), ..mission.clone() };
     let wish = SolveOptions { means, solver, budget, seed, previous };
-    let second = solve_for_landing(Some(&believed), Problem::SingleVisit(windy), wish, invocations, cancel)?;
-    let reason = format!("{}; planned by the measured wind, because it differs from the forecast", second.reason);
-    Ok(Deliberation { reason, work: first.work + second.work, ..second })
+    let second = solve_for_landing(Some(&believed), Problem::SingleVisit(windy), wish, invocations, cancel);
+    match (first, second) {
+        (Err(first), Err(NoPlan::NothingLeft(_))) => Err(first),
+        (_, Err(second)) => Err(second),
+        (first, Ok(second)) => {
+            let reason =
+                format!("{}; planned by the measured wind, because it differs from the forecast", second.reason);
+            let work = first.map_or(0, |first| first.work) + second.work;
+            Ok(Deliberation { reason, work, ..second })
+        }
+    }
+}
+
+/// Returns the end of plans by the measured wind: the margin for delays contains errors of the forecast, and only a part of it remains.
+fn end_with_rest_s(mission: &Mission, problem: &SingleVisitProblem, latest_s: f64) -> f64 {
+    let by_forecast_s = problem.end_s.unwrap_or(latest_s);
+    latest_s - REST_SHARE * (latest_s - by_forecast_s).clamp(0.0, mission.settings.end_margin.seconds())
+}
+
+/// Returns the problem without terms of time and order: its visits take the time of their ways and manoeuvres.
+fn without_windows(problem: &SingleVisitProblem) -> SingleVisitProblem {
+    let mut problem = SingleVisitProblem { precedence: Vec::new(), ..problem.clone() };
+    for target in &mut problem.targets {
+        (target.windows, target.light, target.timing) = (Vec::new(), Light::Any, Vec::new());
+    }
+    problem
 }
 
 fn single_visits(problem: &Problem) -> Option<&SingleVisitProblem> {

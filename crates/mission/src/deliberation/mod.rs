@@ -192,6 +192,10 @@ impl Question {
         let believed = situation.updates.believed(mission);
         let here_now = here(&believed, situation);
         let believed = situation.links.without_weak_links(believed, here_now);
+        let believed = match flown {
+            Some(flown) => flown.with_growth(believed),
+            None => believed,
+        };
         let problem = pose(&believed, situation, flown, at);
         let previous = problem
             .as_ref()

@@ -181,7 +181,7 @@ fn trade(
     lost: &LostSegment,
     at: Time,
 ) -> Result<Trade, String> {
-    let believed = situation.updates.believed(mission);
+    let believed = flown.with_growth(situation.updates.believed(mission));
     let (target, fire) = wanted(&believed, &lost.target).ok_or("no target of this name is observed by lines")?;
     let here = situation.vehicle.position.ok_or("the vehicle has not reported its position")?;
     let altitude_m = lost.begin.altitude_m;

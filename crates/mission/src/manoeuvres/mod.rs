@@ -4,6 +4,7 @@ mod altitudes;
 mod camera;
 mod drafts;
 mod flying;
+mod growth;
 mod picture_heights;
 mod picture_runs;
 mod scanner;
@@ -37,7 +38,8 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
 /// Places to look from and lines, and with library "manoeuvres" its paths around and aside of the target.
 fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let simple = camera::ways(wish);
-    if !synthesised::are_flown(wish.mission) {
+    // No manoeuvre can be flown around the ground by which a fire has grown: it has no name in PDL.
+    if !synthesised::are_flown(wish.mission) || wish.fire.grid.is_partial() {
         return simple;
     }
     let paths = camera::camera(wish).and_then(|camera| synthesised::alternatives(wish, &camera));

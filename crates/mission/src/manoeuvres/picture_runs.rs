@@ -3,8 +3,8 @@
 use super::altitudes::closed_by;
 use super::drafts::{Draft, predicted};
 use super::flying::{FlownLines, fly};
+use super::growth::remaining;
 use super::picture_heights as heights;
-use super::scanner::grounds;
 use super::wish::Wish;
 use crate::observing::{ForecastAir, hold_of};
 use crate::vehicle::Airframe;
@@ -121,7 +121,7 @@ fn sweep(wish: &Wish<'_>, camera: &CameraSetting, altitude_m: f64) -> Result<Vec
         run_in_m: 0.0,
     };
     let (mut lines, mut entry) = (Vec::new(), wish.approach);
-    for ground in grounds(&wish.fire.wanted) {
+    for ground in remaining(wish.fire) {
         lines.extend(sweep_lines(&ground, &settings, entry)?);
         entry = lines.last().map_or(entry, |(_, exit)| *exit);
     }

@@ -3,6 +3,7 @@
 
 use super::altitudes::{self, closed_by};
 use super::flying::{FlownLines, fly};
+use super::growth::{LineGround, line_grounds, useful};
 use super::wish::Wish;
 use crate::ground::MissionGround;
 use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
@@ -44,10 +45,13 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
     let mut drafts = Vec::new();
     let mut closed: Option<(f64, &AirspaceZone)> = None;
     let mut trouble = None;
+    let grounds = line_grounds(wish.fire);
     for altitude_m in altitudes::of(wish, &scanner.setting.mode)? {
         let height_m = altitude_m - wish.target.elevation_m;
-        for (name, swath_m) in spacings(wish, &scanner, height_m) {
-            match draft(wish, &scanner, (name, swath_m), altitude_m) {
+        let spacings = spacings(wish, &scanner, height_m);
+        for (ground, spacing) in grounds.iter().flat_map(|ground| spacings.iter().map(move |spacing| (ground, spacing)))
+        {
+            match draft(wish, &scanner, (ground, *spacing), altitude_m) {
                 Err(why) => trouble = Some(why),
                 Ok(draft) => match closed_by(wish, &draft.lines, altitude_m) {
                     None => drafts.push(draft),
@@ -89,7 +93,7 @@ fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(
 fn draft(
     wish: &Wish<'_>,
     scanner: &PredictedScanner,
-    (name, swath_m): (&str, f64),
+    (ground, (name, swath_m)): (&LineGround, (&str, f64)),
     altitude_m: f64,
 ) -> Result<SweepDraft, String> {
     let Wish { mission, target, fire, look, .. } = wish;
@@ -105,19 +109,26 @@ fn draft(
         |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
     let mut entry = wish.approach;
     let (mut lines, mut along) = (Vec::new(), false);
-    for ground in &grounds(&fire.wanted) {
-        let swept = sweep_lines(ground, &settings, entry)?;
+    for area in &ground.areas {
         // If only the outline is wanted, flying along it may be faster than sweeping its inside.
-        let around = match (&fire.wanted.area, ground) {
+        let around = match (&fire.wanted.area, area) {
             (TargetArea::Perimeter { .. }, CoverageArea::Polygon(corners)) => {
                 perimeter_lines(corners, swath_m, entry).ok()
             }
+            (_, CoverageArea::Polygon(corners)) if ground.is_outline => perimeter_lines(corners, swath_m, entry).ok(),
             _ => None,
         };
-        let (chosen, is_around) = faster(around, swept, flown);
-        along |= is_around;
+        let (chosen, is_around) = match around {
+            Some(around) if ground.is_outline => (around, true),
+            around => faster(around, sweep_lines(area, &settings, entry)?, flown),
+        };
+        along |= is_around && !ground.is_outline;
         lines.extend(chosen);
         entry = lines.last().map_or(entry, |(_, exit)| *exit);
+    }
+    let (lines, share) = useful(fire, lines, swath_m);
+    if lines.is_empty() {
+        return Err("too little of what has grown lies together".to_string());
     }
     let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
     let start_m = START_S * (mission.model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));
@@ -126,8 +137,8 @@ fn draft(
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
-    let promise = clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
-    let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
+    let promise = share * clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
+    let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { ground.name });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
 }
 
@@ -147,17 +158,6 @@ fn faster(
 fn earlier((from, to): (Position, Position), (ahead_m, start_m): (f64, f64)) -> (Position, Position) {
     let (begin_deg, end_deg) = (geodesy::azimuth_deg(from, to) + 180.0, geodesy::azimuth_deg(to, from));
     (geodesy::destination(from, begin_deg, ahead_m + start_m), geodesy::destination(to, end_deg, ahead_m))
-}
-
-/// Returns the areas of a target's ground in their order; empty for a point or a line.
-pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<CoverageArea> {
-    match &wanted.area {
-        TargetArea::Circle { centre, radius_m } => vec![CoverageArea::Circle { centre: *centre, radius_m: *radius_m }],
-        TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
-            polygons.iter().map(|polygon| CoverageArea::Polygon(polygon.outer.clone())).collect()
-        }
-        TargetArea::Point(_) | TargetArea::Line(_) => Vec::new(),
-    }
 }
 
 /// Returns the drafts that no other draft exceeds in estimated value and time at once; the others need no prediction.

@@ -17,6 +17,8 @@ use apex_requirements::margin::mission_end::mission_end;
 const DETOUR: f64 = 1.03;
 /// A command whose last point is this near to the base leads home.
 const BASE_M: f64 = 3_000.0;
+/// Share of the margin of plans below which the remaining plan is made again: the wind, or something else, has used up the rest.
+const REPLAN_SHARE: f64 = 0.3;
 /// Margin where the wind leaves no way home, negative.
 const NO_WAY_S: f64 = 86_400.0;
 
@@ -60,6 +62,14 @@ impl<'a> Scene<'a> {
             what: site.name.to_string(),
             response,
         })
+    }
+
+    /// Returns true if so little time is left in addition to the way home that the remaining visits are to be planned again, by the wind as
+    /// measured. The response to the requirement itself begins when only the way home is left.
+    pub(super) fn wants_replanning(&self, reading: &Reading) -> bool {
+        let least_s = REPLAN_SHARE * self.mission.settings.end_margin.seconds();
+        let is_short = reading.concern == Concern::MissionEnd && (0.0..least_s).contains(&reading.margin);
+        is_short && reading.response == Response::LandAt && self.way_home_m(self.base().position).is_none()
     }
 
     /// The present position and altitude.

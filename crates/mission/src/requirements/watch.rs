@@ -36,6 +36,8 @@ const NEAR_LIMIT_S: f64 = 60.0;
 const REPORT_S: f64 = 60.0;
 /// An alarm that lasts is repeated: a response may have ended without success.
 const REPEAT_S: f64 = 30.0;
+/// A new plan for the rest of the mission is requested at most this often.
+const REPLAN_S: f64 = 1_800.0;
 /// Significant digits of reported margins.
 const DIGITS: i32 = 3;
 
@@ -64,6 +66,8 @@ struct RequirementState {
     alarm: Alarm,
     reported_s: Option<f64>,
     said_s: Option<f64>,
+    /// Instant of the last request to plan the rest of the mission again.
+    replanned_s: Option<f64>,
     /// The alarm as it was noted for the report last: a repetition of it is not noted again.
     noted: Option<(String, String)>,
 }
@@ -150,6 +154,13 @@ impl Watch {
             let is_raised = watched.alarm.state() == AlarmState::Raised;
             let is_near = is_raised || is_urgent(NEAR_LIMIT_S);
             self.is_near |= is_near;
+            let rests = watched.replanned_s.is_some_and(|said_s| now_s - said_s < REPLAN_S);
+            if !rests && scene.wants_replanning(&reading) {
+                watched.replanned_s = Some(now_s);
+                findings.say(now, vec![Value::symbol("off-schedule"), Value::symbol(reading.name)]);
+                let left = Value::measured(rounded(reading.margin), reading.unit);
+                findings.notes.push(format!("{} is in {left} more than the way home takes", reading.name));
+            }
             watched.report(&reading, now, is_near || change.is_some(), &mut findings);
             let repeat = watched.said_s.is_none_or(|said_s| now_s - said_s >= REPEAT_S);
             if change == Some(AlarmState::Raised) || (is_raised && must_act && repeat) {

@@ -3,6 +3,7 @@
 use super::arrivals::Arrivals;
 use super::deferred::{Addition, DeferredObservation};
 use super::footprints::{FootprintLog, Footprints};
+use super::growth::GrowthLog;
 use super::samples::Latest;
 use crate::ground::MissionGround;
 use crate::observing::{camera_names, camera_of, looks_with, scanner_of};
@@ -15,7 +16,6 @@ use apex_model::value::Value;
 use apex_observation::attitude::Vector;
 use apex_observation::flown::{FlightSample, FlownObservation, FlownSettings, Picture, SensorState};
 use apex_observation::grid::GridSettings;
-use apex_observation::looks::TargetLooks;
 use apex_observation::result::TargetResult;
 use apex_observation::sensor::camera::sight_of;
 use apex_observation::sensor::{CameraSetting, ExposureMotion};
@@ -23,6 +23,7 @@ use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, TargetArea, WantedLook};
 use apex_observation::timing::sun::solar_position;
 use apex_portfolio::parallel::on_all_processors;
+use std::collections::BTreeMap;
 use std::sync::RwLockReadGuard;
 
 /// Longest time between two samples across which the ground counts as seen.
@@ -37,6 +38,10 @@ pub struct FlownScore {
     observation: DeferredObservation,
     /// The fires, for outlines that are reported later.
     fires: std::sync::Arc<[Target]>,
+    /// Outlines of fires that were reported before any of their ground was seen.
+    outlines: BTreeMap<String, Vec<Position>>,
+    /// Ground by which fires have grown since.
+    growth: GrowthLog,
     /// Setting of the scanner while it is on; `None` if the vehicle carries none.
     scanner: Option<ScannerSetting>,
     /// The cameras that the vehicle carries.
@@ -106,6 +111,8 @@ impl FlownScore {
         Ok(Some(FlownScore {
             observation: DeferredObservation::new(observation, ground),
             fires,
+            outlines: BTreeMap::new(),
+            growth: GrowthLog::default(),
             scanner,
             cameras,
             epoch_unix_s,
@@ -206,19 +213,38 @@ impl FlownScore {
         }
     }
 
-    /// `(new-perimeter TARGET OUTLINE)`: a fire of which no ground has been seen yet is judged by its outline from now on.
+    /// `(new-perimeter TARGET OUTLINE)`: a fire of which no ground has been seen yet is judged by its outline from now on; ground by which
+    /// another fire has grown becomes a separate target.
     fn grow(&mut self, form: &Value) {
         let Some(MissionUpdate::NewPerimeter(name, outline)) =
             form.as_list().and_then(|items| MissionUpdate::read("new-perimeter", items.get(1..)?))
         else {
             return;
         };
-        let Some(area) = self.fires.iter().find(|fire| fire.id == name).and_then(|fire| fire.area_within(&outline))
-        else {
+        let fires = std::sync::Arc::clone(&self.fires);
+        let Some(fire) = fires.iter().find(|fire| fire.id == name) else { return };
+        if self.observation.now().is_seen(&name) {
+            let first = self.outlines.get(&name).cloned().or_else(|| fire.outline()).unwrap_or_default();
+            let growth = &mut self.growth;
+            self.observation.change(|observation, ground| {
+                let is_seen = |part: &str| observation.is_seen(part);
+                if let Some((target, grid)) = growth.take(fire, (first, outline), is_seen, ground) {
+                    observation.put(target, grid);
+                }
+            });
             return;
-        };
+        }
+        let Some(area) = fire.area_within(&outline) else { return };
         // An outline that cannot be divided into cells changes nothing; planners ignore it too.
-        self.observation.change(|observation, ground| observation.reshape(&name, area, ground)).ok();
+        let reshaped = self.observation.change(|observation, ground| observation.reshape(&name, area, ground));
+        if reshaped.is_ok() {
+            self.outlines.insert(name, outline);
+        }
+    }
+
+    /// Returns the mission with the growth of its fires as further targets, by their present values.
+    pub(crate) fn with_growth(&self, mission: Mission) -> Mission {
+        self.growth.with_growth(mission)
     }
 
     /// Returns a picture as recorded; `None` if the position or the mount angles are unknown.
@@ -291,11 +317,6 @@ impl FlownScore {
     /// True while the scanner is on.
     pub(super) fn is_scanning(&self) -> bool {
         self.latest.is_on
-    }
-
-    /// Number of looks that cells of a target have received until now.
-    pub(super) fn look_count_of(&self, target: &str) -> usize {
-        self.observation.now().looks(target).map_or(0, TargetLooks::count)
     }
 
     /// Returns the observations until now.

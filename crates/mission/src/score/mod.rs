@@ -5,6 +5,7 @@ mod arrivals;
 mod deferred;
 mod flown;
 mod footprints;
+mod growth;
 mod samples;
 mod so_far;
 mod telling;

@@ -106,21 +106,23 @@ impl ScoreHistory {
 
     /// Number of looks that cells of all targets have received until now.
     fn look_count(&self) -> usize {
-        self.results.keys().map(|target| self.flown.look_count_of(target)).sum()
+        self.flown.observation().look_counts().map(|(_, looks)| looks).sum()
     }
 
     /// Computes the benefits again for targets of which more has been seen, and for those that depend on them.
     fn count(&mut self, at: Time) {
-        for (name, (looks, result)) in &mut self.results {
-            let now = self.flown.look_count_of(name);
-            if now != *looks || (now > 0 && self.ordered.contains(name)) {
-                *result = self.flown.result(name).unwrap_or_else(|| result.clone());
-                *looks = now;
+        for (name, now) in self.flown.observation().look_counts() {
+            let known = self.results.get(name);
+            if known.is_none_or(|(looks, _)| now != *looks) || (now > 0 && self.ordered.iter().any(|one| one == name)) {
+                // The ground of a growth that was not seen yet has no result, as it has no points.
+                if let Some(result) = self.flown.result(name) {
+                    self.results.insert(name.to_string(), (now, result));
+                }
             }
         }
         self.looks = self.look_count();
         self.values.clone_from(self.situation.updates.values());
-        let mission = self.situation.updates.valued(&self.mission);
+        let mission = self.flown.with_growth(self.situation.updates.valued(&self.mission));
         // The order of the mission's targets: sums do not depend on their names.
         let results = mission.targets.iter().filter_map(|target| self.results.get(&target.id));
         let benefits = benefits_of(&mission, results.map(|(_, result)| result.clone()).collect());

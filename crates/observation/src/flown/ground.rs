@@ -17,9 +17,33 @@ impl TargetObservations {
         let last_seen_s = f64::NEG_INFINITY;
         TargetObservations { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m }
     }
+
+    fn is_seen(&self) -> bool {
+        self.looks.passes.iter().any(|pass| !pass.looks.is_empty())
+    }
 }
 
 impl FlownObservation {
+    /// Returns true if ground of a target has been seen.
+    pub fn is_seen(&self, name: &str) -> bool {
+        let is_of = |watched: &&TargetObservations| watched.target.name == name;
+        self.watched.iter().find(is_of).is_some_and(TargetObservations::is_seen)
+    }
+
+    /// Adds a target, in place of the one of its name if nothing of that has been seen.
+    pub fn put(&mut self, target: ObservedTarget, grid: TargetGrid) {
+        match self.watched.iter_mut().find(|watched| watched.target.name == target.name) {
+            Some(watched) if watched.is_seen() => {}
+            Some(watched) => *watched = TargetObservations::new(target, grid),
+            None => self.watched.push(TargetObservations::new(target, grid)),
+        }
+    }
+
+    /// Names of the targets, and the number of looks that cells of each have received.
+    pub fn look_counts(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.watched.iter().map(|watched| (watched.target.name.as_str(), watched.looks.count()))
+    }
+
     /// Returns the grid on which a flown target is accumulated, with the elevations of `ground`.
     ///
     /// # Errors
@@ -38,9 +62,7 @@ impl FlownObservation {
     /// The area cannot be divided into cells: the target keeps its ground.
     pub fn reshape(&mut self, name: &str, area: TargetArea, ground: &dyn Ground) -> Result<(), ObservationError> {
         let settings = self.settings;
-        let unseen = |watched: &&mut TargetObservations| {
-            watched.target.name == name && watched.looks.passes.iter().all(|pass| pass.looks.is_empty())
-        };
+        let unseen = |watched: &&mut TargetObservations| watched.target.name == name && !watched.is_seen();
         let Some(watched) = self.watched.iter_mut().find(unseen) else { return Ok(()) };
         let target = ObservedTarget { area, ..watched.target.clone() };
         let grid = FlownObservation::grid_of(&target, settings.grid, ground).map_err(ObservationError::Area)?;

@@ -10,6 +10,7 @@
 mod build;
 mod cells;
 mod clip;
+mod parts;
 
 pub use build::{AreaError, CELLS_MAX, GridSettings, PLANNING_CELLS, SCORING_CELLS};
 pub use cells::TargetGrid;

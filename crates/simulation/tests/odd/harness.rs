@@ -76,6 +76,19 @@ impl Flown {
         self.events().into_iter().filter_map(location).collect()
     }
 
+    /// Returns the part of the track on which the scanner was on.
+    pub(crate) fn scanned(&self) -> Vec<(f64, f64, f64, f64)> {
+        let is_on = |(at_s, kind): (f64, EventKind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is("scanner-state") => {
+                Some((at_s, value.as_symbol().is_some_and(|state| state.is("on"))))
+            }
+            _ => None,
+        };
+        let states: Vec<(f64, bool)> = self.events().into_iter().filter_map(is_on).collect();
+        let scans = |at_s: f64| states.iter().rfind(|state| state.0 <= at_s).is_some_and(|state| state.1);
+        self.track().into_iter().filter(|at| scans(at.0)).collect()
+    }
+
     /// Returns all values of a measured attribute.
     pub(crate) fn numbers(&self, attribute: &str) -> Vec<f64> {
         let number = |(_, kind): (f64, EventKind)| match kind {

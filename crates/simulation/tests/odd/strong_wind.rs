@@ -34,23 +34,33 @@ fn downwind(fires: &[(&str, f64)]) -> Flown {
         feature(&properties, &point(*longitude, 37.4))
     };
     let targets = collection(&std::iter::once(home()).chain(fires.iter().map(fire)).collect::<Vec<_>>());
-    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 3h :end-margin 10min \
-                   :requirements ((mission-end :before 8min)) :targets \"t.geojson\" :forecast \"w.csv\" :weather \"a.csv\"";
-    let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
-    // Near the ground the wind stays as forecast: the aircraft cannot land in 40 m/s.
-    let strong = "0,1000,270,15,0.01,0.7,9\n1000,5000,270,40,0.01,0.7,9\n5000,20000,270,40,0.01,0.7,9";
-    let flown = fly(
-        &program(options, "4000m"),
-        &[
-            ("t.geojson", &targets),
-            ("w.csv", &format!("{header}\n0,20000,270,15,0.01,0,9\n")),
-            ("a.csv", &format!("{header}\n0,20000,270,15,0.01,0,0.7\n{strong}\n")),
-        ],
-    );
+    let flown = fly_downwind(&targets, ("3h", "10min", 40, 0.7), &[]);
     let text = flown.text();
-    assert!(flown.outcome.end.reason.is_success(), "{text}");
     let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{text}")).0;
     assert!((8_000.0..10_800.0).contains(&landed_s), "{landed_s}\n{text}");
+    flown
+}
+
+/// Flies in a wind that rises to `strong_mps` above 1,000 m from `from_h` on; near the ground it stays as forecast, because nothing lands in more.
+fn fly_downwind(
+    targets: &str,
+    (duration, end_margin, strong_mps, from_h): (&str, &str, u32, f64),
+    files: &[(&str, &str)],
+) -> Flown {
+    let airfields = if files.is_empty() { "" } else { ":airfields \"f.geojson\"" };
+    let options = format!(
+        ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration {duration} :end-margin {end_margin} \
+         :requirements ((mission-end :before 8min)) :targets \"t.geojson\" :forecast \"w.csv\" :weather \"a.csv\" {airfields}"
+    );
+    let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
+    let forecast = format!("{header}\n0,20000,270,15,0.01,0,9\n");
+    let actual = format!(
+        "{header}\n0,20000,270,15,0.01,0,{from_h}\n0,1000,270,15,0.01,{from_h},9\n\
+         1000,5000,270,{strong_mps},0.01,{from_h},9\n5000,20000,270,{strong_mps},0.01,{from_h},9\n"
+    );
+    let data = [("t.geojson", targets), ("w.csv", forecast.as_str()), ("a.csv", actual.as_str())];
+    let flown = fly(&program(&options, "4000m"), &data.iter().chain(files).copied().collect::<Vec<_>>());
+    assert!(flown.outcome.end.reason.is_success(), "{}", flown.text());
     flown
 }
 
@@ -70,4 +80,47 @@ fn an_aircraft_turns_for_home_in_time_by_the_wind_that_it_measures() {
     let first = alarms.first().map_or("", |(_, alarm)| alarm);
     assert!(first.starts_with("(requirement-at-risk mission-end \"home\""), "{alarms:?}\n{}", flown.text());
     assert_eq!(flown.observed_s("farther"), None, "{}", flown.text());
+}
+
+/// With less than a third of the margin for delays left, the rest is planned again by the measured wind. No time is left for the second
+/// fire, and the mission ends as its program says, where the response to the requirement would have ended it.
+#[test]
+fn a_small_margin_leads_to_a_new_plan_before_it_leads_home() {
+    let fire = |id: &str, longitude: f64| {
+        let properties = format!(r#""id": "{id}", "kind": "fire", "acres": 4000, "value": 20"#);
+        feature(&properties, &point(longitude, 37.4))
+    };
+    let targets = collection(&[home(), fire("near", -120.8), fire("farther", -116.9)]);
+    let flown = fly_downwind(&targets, ("240min", "60min", 55, 0.7), &[]);
+    let noted = flown.outcome.report.notes.iter().find(|note| note.text == "replanning wanted: mission-end");
+    let asked_s = noted.unwrap_or_else(|| panic!("{}", flown.text())).at.seconds();
+    assert!((3_000.0..4_000.0).contains(&asked_s), "{asked_s}\n{}", flown.text());
+    assert_eq!(flown.said("requirement-at-risk"), [], "{}", flown.text());
+    assert!(flown.observed_s("near").is_some() && flown.observed_s("farther").is_none(), "{}", flown.text());
+    assert!(flown.text().contains("because the initial task is done"), "{}", flown.text());
+    assert!(flown.said("landed").last().is_some_and(|(at_s, _)| *at_s < 232.0 * 60.0), "{}", flown.text());
+}
+
+/// The wind rises when the aircraft is far downwind: the base cannot be reached before the mission ends, and a field behind it can. The
+/// aircraft is on its way home when the field is the last one in reach; it flew on to the base before, because a landing in progress was not
+/// outranked. The descent in the wind takes some of the minutes before the end.
+#[test]
+fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
+    let fire = r#""id": "farther", "kind": "fire", "acres": 4000, "value": 20"#;
+    let targets = collection(&[home(), feature(fire, &point(-116.9, 37.4))]);
+    let field = collection(&[feature(r#""id": "field""#, &point(-118.0, 37.3))]);
+    let flown = fly_downwind(&targets, ("220min", "40min", 55, 1.0), &[("f.geojson", &field)]);
+    let alarms = flown.said("requirement-at-risk");
+    let is_elsewhere = |alarm: &str| {
+        alarm.starts_with("(requirement-at-risk mission-end \"field\"") && alarm.contains("land-elsewhere")
+    };
+    assert!(alarms.iter().any(|(_, alarm)| is_elsewhere(alarm)), "{alarms:?}\n{}", flown.text());
+    let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{}", flown.text())).0;
+    assert!(landed_s < 220.0 * 60.0, "{landed_s}\n{}", flown.text());
+    let (_, latitude, longitude, _) = *flown.track().last().unwrap();
+    assert!(
+        (latitude - 37.3).abs() < 0.05 && (longitude + 118.0).abs() < 0.05,
+        "{latitude} {longitude}\n{}",
+        flown.text()
+    );
 }

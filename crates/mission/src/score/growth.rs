@@ -1,0 +1,118 @@
+//! Growth of fires after they were seen: ground that is a separate target, for planners and for the score.
+//!
+//! A fire is judged by the outline that was known when the first of its ground was seen. When it is reported larger afterwards, the ground
+//! outside of that outline becomes the target `FIRE/growth-1`, with the share of the fire's value that this ground has in the reported
+//! area. Until it is seen it follows the reports; what is reported after that becomes `FIRE/growth-2`.
+
+use crate::features::area_m2;
+use crate::{Mission, Target, TargetKind};
+use apex_model::problem::Position;
+use apex_observation::footprint::Ground;
+use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
+use apex_observation::growth::grown;
+use apex_observation::target::ObservedTarget;
+use std::sync::Arc;
+
+/// Growth by a smaller share of the area than this is within the accuracy of outlines.
+const SHARE_MIN: f64 = 0.01;
+
+/// Ground by which a fire has grown.
+#[derive(Clone, Debug)]
+struct GrownPart {
+    /// Id of the fire.
+    fire: String,
+    /// The ground as a target, with the values of the mission's data.
+    target: Target,
+    /// The outline outside of which the ground lies, and the one inside of which it lies.
+    before: Vec<Position>,
+    outline: Vec<Position>,
+    /// Share of the ground in the area of the fire.
+    share: f64,
+}
+
+/// Growth of all fires so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GrowthLog {
+    parts: Vec<GrownPart>,
+}
+
+impl GrowthLog {
+    /// Takes the outline of a fire of which ground has been seen by its outline `first`. Returns the target that is new or has changed, as
+    /// scored; `None` for an outline that cannot be divided into cells, and for less growth than outlines show.
+    pub(super) fn take(
+        &mut self,
+        fire: &Target,
+        (first, outline): (Vec<Position>, Vec<Position>),
+        is_seen: impl Fn(&str) -> bool,
+        ground: &dyn Ground,
+    ) -> Option<ScoredGround> {
+        let last = self.parts.iter().rposition(|part| part.fire == fire.id);
+        let latest = last.and_then(|number| self.parts.get(number));
+        let is_seen = latest.is_some_and(|part| is_seen(&part.target.id));
+        let before = match latest {
+            Some(part) if is_seen => part.outline.clone(),
+            Some(part) => part.before.clone(),
+            None => first,
+        };
+        let share = 1.0 - area_m2(&before) / area_m2(&outline);
+        if share.is_nan() || share < SHARE_MIN {
+            return None;
+        }
+        let count = self.parts.iter().filter(|part| part.fire == fire.id).count();
+        let number = if latest.is_none() || is_seen { count + 1 } else { count };
+        let (target, scored) = part_of(fire, number, (&before, &outline), (share, ground))?;
+        let part = GrownPart { fire: fire.id.clone(), target, before, outline, share };
+        match last.filter(|_| !is_seen).and_then(|number| self.parts.get_mut(number)) {
+            Some(slot) => *slot = part,
+            None => self.parts.push(part),
+        }
+        Some(scored)
+    }
+
+    /// Returns the mission with the growth of its fires as further targets, by their present values.
+    pub(super) fn with_growth(&self, mut mission: Mission) -> Mission {
+        for part in &self.parts {
+            let Some(fire) = mission.targets.iter().find(|target| target.id == part.fire) else { continue };
+            let TargetKind::Fire(present) = &fire.kind else { continue };
+            let mut target = part.target.clone();
+            if let TargetKind::Fire(grown) = &mut target.kind {
+                for (look, of_fire) in grown.wanted.looks.iter_mut().zip(&present.wanted.looks) {
+                    look.value = part.share * of_fire.value;
+                }
+            }
+            if mission.weak_reason(&part.fire).is_none() {
+                mission.targets.push(target);
+            }
+        }
+        mission
+    }
+}
+
+/// A target with the grid on which it is scored.
+pub(super) type ScoredGround = (ObservedTarget, TargetGrid);
+
+/// Returns the ground between two outlines of a fire as its `number`th growth: as planned, and as scored. `None` if it cannot be divided
+/// into cells.
+fn part_of(
+    fire: &Target,
+    number: usize,
+    (before, outline): (&[Position], &[Position]),
+    (share, ground): (f64, &dyn Ground),
+) -> Option<(Target, ScoredGround)> {
+    let TargetKind::Fire(kind) = &fire.kind else { return None };
+    let id = format!("{}/growth-{number}", fire.id);
+    let part = |settings: GridSettings| {
+        let area = fire.area_within(outline)?;
+        grown(&kind.wanted, &id, (before, area), share, (settings, ground))
+    };
+    let scored = part(GridSettings::default())?;
+    let (wanted, planned) = part(GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() })?;
+    let mut target = fire.clone();
+    (target.id, target.name, target.polygons) =
+        (id.clone(), format!("{} growth {number}", fire.name), vec![outline.to_vec()]);
+    if let TargetKind::Fire(grown) = &mut target.kind {
+        grown.radius_m = libm::sqrt(area_m2(outline) / std::f64::consts::PI);
+        (grown.wanted, grown.grid) = (wanted, Arc::new(planned));
+    }
+    Some((target, scored))
+}
