@@ -72,7 +72,12 @@ fn no_combination_is_tried_while_a_part_or_the_last_delay_is_to_come() {
 /// Results of a relation that rest on a delay are final: they are not computed again with each sample.
 #[test]
 fn a_relation_with_a_fixed_delay_has_only_final_results() {
-    for (condition, count) in [("(:before (speed uav > 4) (:delay 20s))", 200), ("(:after (:delay 20s) (stop))", 0)] {
+    // Samples of the last seconds before the delay are kept for it.
+    for (condition, count) in [
+        ("(:before (speed uav > 4) (:delay 20s))", 200),
+        ("(:after (:delay 20s) (stop))", 0),
+        ("(:cotemporal (speed uav > 4) (:delay 20s) :tolerance 3s)", 61),
+    ] {
         let (mut session, id) = waiting(condition, 40);
         assert_eq!(told(&mut session).len(), count, "{condition}");
         let root = &session.watches.get(id.0).unwrap().monitor.as_ref().unwrap().root;
