@@ -15,6 +15,8 @@ use std::path::Path;
 
 /// Steps of 0.2 s: several parts of those that are handed over together.
 const STEPS: u32 = 4_000;
+/// Samples and switches that are handed over together.
+const PART: u32 = 1_024;
 /// Steps of a line over the fire; the scanner is off in the last tenth.
 const LINE: u32 = 700;
 
@@ -59,18 +61,20 @@ fn observations_are_those_of_the_flight_up_to_now_at_each_instant_of_reading() {
     let new = || FlownScore::new(&mission).unwrap().unwrap();
     // The witness is read after each step, so that nothing is ever behind.
     let (mut witness, mut flown, mut copied) = (new(), new(), new());
-    let mut compared = 0;
+    let (mut compared, mut unread) = (0, 0);
     for number in 0..STEPS {
         let step = batch(number, middle, f64::from(draws.next_u32() % 100) * 0.1 - 5.0);
         [&mut witness, &mut flown, &mut copied].into_iter().for_each(|score| score.observe(&step));
         witness.saw("nothing", 0.0, 0.0);
-        match draws.next_u32() % 1_000 {
-            0 => copied = copied.clone(),
-            1..3 => {
-                assert_eq!(flown.result(&name), witness.result(&name), "after step {number}");
-                compared += 1;
-            }
-            _ => {}
+        let along = number % LINE;
+        unread += u32::from(along <= LINE * 9 / 10) + u32::from([0, LINE * 9 / 10].contains(&along));
+        if draws.next_u32().is_multiple_of(1_000) {
+            copied = copied.clone();
+        }
+        // Most often at the instant at which a part was handed over, when its thread has hardly begun.
+        if unread >= PART || draws.next_u32().is_multiple_of(2_000) {
+            assert_eq!(flown.result(&name), witness.result(&name), "after step {number}");
+            (compared, unread) = (compared + 1, 0);
         }
     }
     let results = witness.results();

@@ -1,4 +1,4 @@
-//! A store on a separate thread: SQLite, hashes and writes take a sixth of the time of a simulated flight, and no decision waits for them.
+//! A store on a separate thread: SQLite, hashes and writes take an eighth of the time of a simulated flight; no decision waits for them.
 //!
 //! Before the flight, after its end, and from the first failed write on, rows are written on the thread that inserts them. In between
 //! they are handed over in parts of whole steps, in order, and a commit waits until all of them are committed.
