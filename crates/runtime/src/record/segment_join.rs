@@ -150,21 +150,39 @@ impl SegmentFollower {
             return Ok(());
         }
         let fail = |error| write_error(&file.path, "joining segments", error);
-        target.execute_batch("BEGIN").map_err(fail)?;
-        let mut joiner = Joiner { target, state: std::mem::take(state), failure: None };
-        joiner.state.extra = extra_snapshots(&file.connection);
-        let checked = check_groups(&file.connection, progress, &mut joiner);
-        let failure = joiner.failure.take();
-        *state = joiner.state;
-        // The groups that fit their seals are committed together; after a failure or damage none of them is.
-        let end = if failure.is_none() && checked.is_ok() { "COMMIT" } else { "ROLLBACK" };
-        target.execute_batch(end).map_err(fail)?;
-        match (failure, checked) {
-            (Some(error), _) => Err(fail(error)),
-            (None, Err(damage)) => Err(damaged(&file.path, damage.to_string())),
-            (None, Ok(())) => Ok(()),
+        match take_new_groups(target, &file.connection, progress, state) {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(damage)) => Err(damaged(&file.path, damage.to_string())),
+            Err(error) => Err(fail(error)),
         }
     }
+}
+
+/// Writes the groups of a growing segment after `progress` into the joined record. Each group is committed as soon as it was found to fit its
+/// seal. After damage or a failed write nothing of the group concerned remains, so that a later call can take it as a whole.
+fn take_new_groups(
+    target: &Connection,
+    segment: &Connection,
+    progress: &mut CheckProgress,
+    state: &mut JoinState,
+) -> rusqlite::Result<Result<(), Damage>> {
+    target.execute_batch("BEGIN")?;
+    let mut joiner = Joiner { target, state: std::mem::take(state), failure: None };
+    joiner.state.extra = extra_snapshots(segment);
+    let checked = check_groups(segment, progress, &mut joiner);
+    let failure = joiner.failure.take();
+    *state = joiner.state;
+    if failure.is_none() && checked.is_ok() {
+        target.execute_batch("COMMIT")?;
+        return Ok(Ok(()));
+    }
+    state.keys = state.sealed_keys;
+    state.sealer.clear();
+    // A full disk may have ended the transaction already.
+    if !target.is_autocommit() {
+        target.execute_batch("ROLLBACK")?;
+    }
+    failure.map_or(Ok(checked), Err)
 }
 
 impl SegmentFile {
@@ -200,6 +218,8 @@ struct JoinState {
     link: ChainPosition,
     /// Last keys that the joined record has.
     keys: [i64; TABLES],
+    /// Last keys of its sealed groups.
+    sealed_keys: [i64; TABLES],
     until: Option<ChainPosition>,
     /// The seal at which the file ends, once it was found.
     reached: Option<ChainPosition>,
@@ -212,7 +232,16 @@ struct JoinState {
 impl<'c> Joiner<'c> {
     fn new(target: &'c Connection) -> Joiner<'c> {
         let inserts = ALL.map(Table::insert);
-        Joiner { target, state: JoinState { inserts, keys: [i64::MIN; TABLES], ..JoinState::default() }, failure: None }
+        Joiner {
+            target,
+            state: JoinState {
+                inserts,
+                keys: [i64::MIN; TABLES],
+                sealed_keys: [i64::MIN; TABLES],
+                ..JoinState::default()
+            },
+            failure: None,
+        }
     }
 
     fn begin(&mut self, file: &SegmentFile) {
@@ -259,7 +288,7 @@ impl<'c> Joiner<'c> {
         let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
         self.target.prepare_cached("INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)")?.execute(row)?;
         self.target.execute_batch("COMMIT; BEGIN")?;
-        self.state.link = seal.link();
+        (self.state.link, self.state.sealed_keys) = (seal.link(), self.state.keys);
         Ok(())
     }
 
@@ -308,5 +337,37 @@ impl Visitor for Joiner<'_> {
             self.state.reached = Some(seal.link());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::check::NoVisitor;
+    use crate::record::tests::closed_record;
+
+    #[test]
+    fn a_group_that_could_not_be_written_is_taken_as_a_whole_later() {
+        let (folder, path) = closed_record();
+        let (segment, _, _) = connect(&path).unwrap();
+        let target = schema::create(&folder.path().join("joined.apex")).unwrap();
+        let mut state = Joiner::new(&target).state;
+        let mut progress = CheckProgress::default();
+        let count = |connection: &Connection, table: &str| {
+            connection.query_row(&format!("SELECT count(*) FROM main.{table}"), [], |row| row.get::<_, i64>(0)).unwrap()
+        };
+        let refusal =
+            "CREATE TEMP TRIGGER refusal BEFORE INSERT ON main.effects BEGIN SELECT RAISE(ABORT, 'full'); END";
+        target.execute_batch(refusal).unwrap();
+        assert!(take_new_groups(&target, &segment, &mut progress, &mut state).is_err());
+        assert_eq!(count(&target, "seal"), progress.link.id, "only whole groups are in the joined record");
+        target.execute_batch("DROP TRIGGER temp.refusal").unwrap();
+        take_new_groups(&target, &segment, &mut progress, &mut state).unwrap().unwrap();
+        for table in ["batch", "effects", "source", "word", "note", "meta"] {
+            assert_eq!(count(&target, table), count(&segment, table), "{table}");
+        }
+        let mut position = CheckProgress::default();
+        check_groups(&target, &mut position, &mut NoVisitor).unwrap();
+        assert_eq!(position.batch, progress.batch);
     }
 }
