@@ -7,6 +7,8 @@ SHELL := bash
 MAKEFLAGS += --no-builtin-rules
 
 MISSION ?= western-states
+# Flown, replayed and verified by `make flights`. `two-crew` is flown by tests of the command line and of the server: it ends when all of its
+# agents are done, and not with the task of one.
 MISSIONS := first-picture stand-off diagnosis structure-watch pipeline-inspection day-and-night western-states
 SEED ?= 1
 ROUNDS ?= 20

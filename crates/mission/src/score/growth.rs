@@ -69,10 +69,21 @@ impl GrowthLog {
         Some(scored)
     }
 
-    /// Returns the mission with the growth of its fires as further targets, by their present values.
+    /// Returns the mission with the growth of its fires as further targets, by their present values. The fires have the outlines by which
+    /// they were seen.
     pub(super) fn with_growth(&self, mut mission: Mission) -> Mission {
+        let terrain = mission.terrain.clone();
         for part in &self.parts {
-            let Some(fire) = mission.targets.iter().find(|target| target.id == part.fire) else { continue };
+            let is_first = self
+                .parts
+                .iter()
+                .find(|other| other.fire == part.fire)
+                .is_some_and(|first| first.target.id == part.target.id);
+            let Some(fire) = mission.targets.iter_mut().find(|target| target.id == part.fire) else { continue };
+            // The situation knows visits only: of a fire that was seen in passing it has taken the outline of the last report.
+            if is_first && fire.outline().is_some_and(|outline| outline != part.before) {
+                fire.grow(&part.before, terrain.as_ref());
+            }
             let TargetKind::Fire(present) = &fire.kind else { continue };
             let mut target = part.target.clone();
             if let TargetKind::Fire(grown) = &mut target.kind {
@@ -115,4 +126,52 @@ fn part_of(
         (grown.wanted, grown.grid) = (wanted, Arc::new(planned));
     }
     Some((target, scored))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ground::MissionGround;
+    use std::path::Path;
+
+    /// Returns the outline with all corners at a multiple of their distance from a middle.
+    fn scaled(outline: &[Position], middle: Position, factor: f64) -> Vec<Position> {
+        let moved = |at: f64, from: f64| from + factor * (at - from);
+        let corner = |corner: &Position| {
+            let latitude_deg = moved(corner.latitude_deg, middle.latitude_deg);
+            Position { latitude_deg, longitude_deg: moved(corner.longitude_deg, middle.longitude_deg) }
+        };
+        outline.iter().map(corner).collect()
+    }
+
+    #[test]
+    fn growth_follows_the_reports_until_it_is_seen() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states/living.pdl");
+        let mission = Mission::load(&path).unwrap();
+        let fire = mission.targets.iter().find(|target| target.id == "gw").unwrap();
+        let first = fire.outline().unwrap();
+        let wider = |factor: f64| scaled(&first, fire.position, factor);
+        let (ground, mut log) = (MissionGround::new(None, 0.0), GrowthLog::default());
+        let mut take = |factor: f64, is_seen: bool| {
+            log.take(fire, (first.clone(), wider(factor)), |_| is_seen, &ground)
+                .map(|(target, grid)| (target.name, grid.total()))
+        };
+        assert_eq!(take(1.001, false), None, "within the accuracy of outlines");
+        let (name, area_m2) = take(1.1, false).unwrap();
+        let (again, wider_m2) = take(1.2, false).unwrap();
+        assert_eq!((name.as_str(), again.as_str()), ("gw/growth-1", "gw/growth-1"));
+        let whole_m2 = area_m2 / (1.1 * 1.1 - 1.0);
+        assert!((wider_m2 / whole_m2 - 0.44).abs() < 0.01, "{area_m2} {wider_m2}");
+        let (later, later_m2) = take(1.3, true).unwrap();
+        assert!(later == "gw/growth-2" && (later_m2 / whole_m2 - 0.25).abs() < 0.01, "{later} {later_m2}");
+        // The situation has taken a report about a fire that was seen in passing.
+        let mut updated = mission.clone();
+        let value =
+            |mission: &Mission, id: &str| mission.targets.iter().find(|target| target.id == id).unwrap().worth();
+        updated.targets.iter_mut().find(|target| target.id == "gw").unwrap().grow(&wider(1.2), None);
+        let grown = log.with_growth(updated);
+        assert_eq!(grown.targets.iter().find(|target| target.id == "gw").unwrap().outline(), Some(first.clone()));
+        let share = value(&grown, "gw/growth-2") / value(&mission, "gw");
+        assert!((share - 0.25 / 1.69).abs() < 1e-3, "{share}");
+    }
 }

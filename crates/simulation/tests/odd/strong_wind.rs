@@ -124,3 +124,34 @@ fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
         flown.text()
     );
 }
+
+/// The forecast of 40 m/s from the west leaves no time for the second fire; in the 15 m/s that are measured there is time for it,
+/// and it is planned.
+#[test]
+fn a_wind_that_is_weaker_than_forecast_permits_what_the_forecast_does_not() {
+    let fire = |id: &str, longitude: f64| {
+        let properties = format!(r#""id": "{id}", "kind": "fire", "acres": 4000, "value": 20"#);
+        feature(&properties, &point(longitude, 37.4))
+    };
+    let targets = collection(&[home(), fire("far", -119.3), fire("farther", -117.6)]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 200min :end-margin 60min \
+                   :scenario \"s.jsonl\" :targets \"t.geojson\" :forecast \"w.csv\" :weather \"a.csv\"";
+    let wind = |speed_mps: u32| {
+        let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
+        format!(
+            "{header}\n0,1000,270,15,0.01,0,9\n1000,5000,270,{speed_mps},0.01,0,9\n5000,20000,270,{speed_mps},0.01,0,9\n"
+        )
+    };
+    let flown = fly(
+        &program(options, "4000m"),
+        &[
+            ("t.geojson", &targets),
+            ("w.csv", &wind(40)),
+            ("a.csv", &wind(15)),
+            ("s.jsonl", "{\"t\": 1200, \"event\": \"(violated wind-as-forecast)\"}\n"),
+        ],
+    );
+    let plans = flown.outcome.report.notes.iter().filter(|note| note.text.starts_with("new plan: 1 of")).count();
+    assert_eq!(plans, 2, "first by the forecast, then by the wind:\n{}", flown.text());
+    assert!(flown.left_out("farther").starts_with("planned for"), "{}", flown.text());
+}
