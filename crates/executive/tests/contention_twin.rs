@@ -13,6 +13,8 @@ use support::{agent, message, run, story};
 
 /// Programs in one run of the test; `CONTENTION_PROGRAMS` sets another number, `CONTENTION_SEED` another seed.
 const PROGRAMS: u64 = 150;
+/// Seeds of programs that differed once.
+const FOUND: [u64; 1] = [30_399];
 const UNTIL: f64 = 300.0;
 const WAVES: u32 = 3;
 
@@ -156,6 +158,11 @@ fn programs(seed: u64) -> [String; 2] {
         0 => families(&mut dice, &taste, &mut text),
         _ => procedure(&mut dice, &taste, "m", 0, &mut text),
     }
+    with_and_without_last(&text)
+}
+
+/// Returns a program that pursues `(m)`, and the same program with one more claimant.
+fn with_and_without_last(text: &str) -> [String; 2] {
     let last = "(step last (sleep 1s) (profile r q (r3 3) (q3 3)) (priority (if (> 1 0) -1000 -1000)))";
     [String::new(), last.into()].map(|last| format!("{text}(procedure (index (do-domain)) (step main (m)) {last})\n"))
 }
@@ -179,7 +186,8 @@ fn first_difference(one: &[String], other: &[String]) -> Option<String> {
 fn queues_decide_as_a_comparison_of_all_does() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
     let first = number("CONTENTION_SEED").unwrap_or(1);
-    for seed in first..first + number("CONTENTION_PROGRAMS").unwrap_or(PROGRAMS) {
+    let seeds = first..first + number("CONTENTION_PROGRAMS").unwrap_or(PROGRAMS);
+    for seed in FOUND.into_iter().chain(seeds) {
         let [queued, compared] = programs(seed);
         let (one, other) = (lived(&queued), lived(&compared));
         assert!(one.len() > 4, "seed {seed}: nothing happens\n{queued}");
@@ -187,4 +195,23 @@ fn queues_decide_as_a_comparison_of_all_does() {
             panic!("seed {seed}: {difference}\n{queued}\n{}", one.join("\n"));
         }
     }
+}
+
+/// The weaker of two holders of one rank depends on the tasks that both precede: here on `behind`, whose priority counts for both, so that
+/// the interrupt cost decides.
+#[test]
+fn the_weaker_of_two_holders_of_one_rank_is_that_of_a_comparison() {
+    let text = "(resource r3 :capacity 3) (resource q3 :capacity 3)
+(procedure (index (work ?d)) (step sleep (sleep ?d)))
+(primitive (index (sleep ?d)) (duration ?d))
+(procedure :ranked (index (m))
+  (step first (work 4s) (profile (r3 1)) (waitfor (go 0)) (rank 1))
+  (step held (work 9s) (profile (r3 1)) (rank 2))
+  (step costly (work 9s) (profile (r3 1)) (interrupt-cost 1) (rank 3))
+  (step worthy (work 9s) (profile (r3 1)) (priority 2) (rank 3))
+  (step behind (work 1s) (profile (r3 1)) (priority 3) (rank 5)))
+";
+    let [one, other] = with_and_without_last(text).map(|text| lived(&text));
+    assert_eq!(first_difference(&one, &other), None);
+    assert!(one.contains(&"3s worthy interrupted".to_string()), "{}", one.join("\n"));
 }

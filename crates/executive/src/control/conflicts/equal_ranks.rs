@@ -27,11 +27,32 @@ pub(crate) fn are_decided(
     if !equal && result.displaced.is_empty() {
         return true;
     }
+    if !result.displaced.is_empty() && have_tied_holders(cycle, resources, parent) {
+        return false;
+    }
     let mut holders = resources.values().flat_map(|resource| &resource.holders);
     let unsteady = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
     let by_rank = result.displaced.iter().all(|loss| loss.rule == ConflictRule::Rank);
     let steady = !equal || by_rank && !holders.any(|holding| unsteady(holding.task));
     steady && all_need_one(cycle, resources)
+}
+
+/// Returns true if two holders of a resource have the same rank below the parent. Which of them is the weaker one depends on the
+/// priorities of the tasks that they precede, and on ranks below them.
+pub(crate) fn have_tied_holders(
+    cycle: &Cycle<'_>,
+    resources: &BTreeMap<ResourceId, &Resource>,
+    parent: TaskId,
+) -> bool {
+    resources.values().any(|resource| {
+        let mut seen: Vec<f64> = Vec::new();
+        let ranks = resource.holders.iter().map(|holding| queues::rank_below(cycle.agent, holding.task, parent).1);
+        ranks.flatten().any(|rank| {
+            let is_tied = seen.contains(&rank.rank);
+            seen.push(rank.rank);
+            is_tied
+        })
+    })
 }
 
 /// Returns true if all claimants and holders need one common resource.

@@ -54,10 +54,11 @@ impl<'a, 'c> OwnTurns<'a, 'c> {
         Some(next)
     }
 
-    /// Returns the claimants that can be the next one at a later time: the first of each kind of priority.
-    pub(super) fn heads(&mut self) -> Vec<TaskId> {
+    /// Returns the claimants that can be the next one at a later time: the first of each kind of priority, without the tasks that hold
+    /// what they need.
+    pub(super) fn heads(&mut self, holders: &BTreeSet<TaskId>) -> Vec<TaskId> {
         let agent = &*self.cycle.agent;
-        let heads = self.turns.heads_that(&|task| is_eligible(agent, task));
+        let heads = self.turns.heads_that(&|task| is_eligible(agent, task) && !holders.contains(&task));
         let all = heads.iter().chain(&self.head).chain(&self.held_back);
         all.map(QueueKey::task).collect()
     }

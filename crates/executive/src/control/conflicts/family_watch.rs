@@ -48,7 +48,7 @@ pub(super) fn watched(
     let waits = pass.roots.iter().copied().chain(lost).filter(|id| !holders.contains(id));
     let waits: BTreeSet<TaskId> = waits.collect();
     let mut challengers: BTreeMap<TaskId, Vec<TaskId>> = BTreeMap::new();
-    for task in turns.heads().into_iter().chain(waits.iter().copied()).filter(|id| !holders.contains(id)) {
+    for task in turns.heads(&holders).into_iter().chain(waits.iter().copied()).filter(|id| !holders.contains(id)) {
         challengers.entry(task).or_insert_with(|| vec![task]);
     }
     // The priority of a holder counts for the claimants that precede it, too.

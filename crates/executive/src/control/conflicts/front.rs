@@ -179,6 +179,9 @@ impl<'a, 'c> Front<'a, 'c> {
                 open.extend(resource.waiting.others());
             }
         }
+        if !result.displaced.is_empty() && equal_ranks::have_tied_holders(self.cycle, &concerned, parent) {
+            return false;
+        }
         let equal = concerned.values().any(|resource| has_equal_ranks(self.cycle.agent, resource, parent));
         !equal || equal_ranks::are_decided(self.cycle, &concerned, parent, result)
     }

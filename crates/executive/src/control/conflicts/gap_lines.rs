@@ -12,12 +12,13 @@ use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Rival};
 use crate::control::conflicts::claim_queue;
 use crate::control::conflicts::competition::is_eligible;
 use crate::control::conflicts::conflict::Field;
+use crate::control::conflicts::gap_watch::{in_front, rise_alike};
 use crate::control::conflicts::priority;
 use crate::control::conflicts::queues::{group_in_turn, rank_below};
 use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
 use crate::control::cycle::Cycle;
 use crate::state::orders::Group;
-use crate::state::queue_place::{QueueKey, QueuePlace, RisingKey, TurnOrder};
+use crate::state::queue_place::{QueueKey, QueuePlace, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::TurnSource;
@@ -214,21 +215,33 @@ impl<'a, 'c> GapLines<'a, 'c> {
         let worth: Vec<Option<Cow<'_, QueuePlace>>> = tasks.iter().map(|task| self.worth(*task)).collect();
         let rise_alike = rise_alike(&worth);
         let number = |task: &TaskId| tasks.binary_search(task).ok();
+        let uses = self.resources.keys().flat_map(|id| self.field.uses_of(*id));
+        let held: BTreeSet<TaskId> =
+            uses.filter(|each| !matches!(each.kind, UseKind::Awaited(_))).map(|each| each.task).collect();
+        let holds: Vec<bool> = tasks.iter().map(|task| held.contains(task)).collect();
+        let front_of = in_front(self.cycle, &worth, &holds);
         let mut rivals: BTreeMap<Vec<ResourceId>, Vec<(usize, bool)>> = BTreeMap::new();
         let mut watched = Vec::new();
         for (line, front) in self.lines.iter().zip(&fronts) {
             let needs: Vec<ResourceId> = line.needs.iter().map(|need| need.0).collect();
             let rivals = rivals.entry(needs).or_insert_with_key(|needs| match rise_alike {
                 true => Vec::new(),
+                // Where the order is known, each is compared with holders and with the claimant in front of it.
+                false if front_of.is_some() => {
+                    self.rivals(needs, &[], number).into_iter().filter(|(_, holds)| *holds).collect()
+                }
                 false => self.rivals(needs, &fronts, number),
             });
             for task in front.iter().filter(|task| !result.granted.contains(task)) {
-                let own = number(task).and_then(|number| worth.get(number)?.as_deref());
+                let index = number(task);
+                let own = index.and_then(|number| worth.get(number)?.as_deref());
+                let front = front_of.as_ref().zip(index).and_then(|(front_of, index)| *front_of.get(index)?);
+                let front = front.filter(|_| !rise_alike).map(|front| (front, false));
                 let may_overtake = |(other, _): &&(usize, bool)| {
                     let other = worth.get(*other).and_then(|worth| worth.as_deref());
                     own.zip(other).is_none_or(|(own, other)| own.may_overtake(other))
                 };
-                let others = rivals.iter().filter(may_overtake).filter_map(|(other, holds)| {
+                let others = rivals.iter().chain(&front).filter(may_overtake).filter_map(|(other, holds)| {
                     let other = *tasks.get(*other).filter(|other| *other != task)?;
                     Some(Rival { task: other, holds: *holds, stands_for: Rc::new([other]) })
                 });
@@ -400,19 +413,6 @@ impl Room {
         let claimed: f64 = self.claims.iter().map(|claim| claim.1).sum();
         amount + claimed <= self.free + lost + TOLERANCE
     }
-}
-
-/// Returns true if the priorities of all these tasks rise in the same way, so that none of them overtakes another one.
-fn rise_alike(places: &[Option<Cow<'_, QueuePlace>>]) -> bool {
-    let mut first = None;
-    places.iter().all(|place| {
-        let keys = place.as_deref().map_or(&[][..], |place| place.rising.as_slice());
-        let mut alike = |key: &RisingKey| {
-            let (importance, due) = *first.get_or_insert((key.importance, key.due));
-            key.importance == importance && key.due == due
-        };
-        !keys.is_empty() && keys.iter().all(&mut alike)
-    })
 }
 
 fn mark_of(field: &Field<'_, '_>, needs: &[(ResourceId, f64)], losses: usize) -> UseCounts {

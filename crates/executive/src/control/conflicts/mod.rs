@@ -13,6 +13,7 @@ mod family_turns;
 mod family_watch;
 pub(crate) mod front;
 mod gap_lines;
+mod gap_watch;
 pub(crate) mod gaps;
 pub(crate) mod precedence;
 pub(crate) mod priority;
