@@ -1,7 +1,9 @@
 //! Damaged and forged records: every answer equals that of the genuine record, comes with a warning, or is refused.
 
 use crate::support::{CAMERA, altitude, event, load, program};
-use apex_model::event::{EventKind, StateVariable};
+use apex_executive::Agent;
+use apex_model::effect::Effect;
+use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -11,7 +13,7 @@ use apex_runtime::ports::{Deliberator, Input, Observer, Posed};
 use apex_runtime::program::run_with;
 use apex_runtime::record::view::{EventsQuery, RecordView, TasksQuery, TimelineQuery, TrackQuery};
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder, TargetRow, check_integrity, recover};
-use apex_runtime::replay::replay;
+use apex_runtime::replay::{replay, replay_with};
 use apex_runtime::target_state::{TargetChange, TargetState};
 use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
 use rand_chacha::ChaCha8Rng;
@@ -255,4 +257,69 @@ fn no_forgery_changes_an_answer_unsaid() {
         }
     }
     assert!(silent.is_empty(), "{} forgeries change answers without a word: {silent:#?}", silent.len());
+}
+
+/// A mission whose target is observed at 4 s.
+#[derive(Default)]
+struct LateTarget(Vec<TargetChange>);
+
+impl Deliberator for LateTarget {
+    fn pose(&mut self, _: &apex_model::effect::SolveRequest, _: Time) -> Posed {
+        Posed::failed("no planners here".into())
+    }
+
+    fn observe(&mut self, _: usize, batch: &Batch, _: &[Effect]) {
+        if self.0.is_empty() && batch.now >= Time::from_seconds(4.0) {
+            self.0.push(OneTarget::new().0.remove(1));
+        }
+    }
+
+    fn target_changes(&self) -> &[TargetChange] {
+        &self.0
+    }
+}
+
+/// Ends the program after a step is committed and before its last rows are written, as a crash does while a planner works.
+struct Crash<'r>(&'r mut Recorder);
+
+impl Observer for Crash<'_> {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        self.0.begin(batch)
+    }
+
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        self.0.observe(batch, effects)?;
+        if batch.now < Time::from_seconds(4.0) {
+            return Ok(());
+        }
+        self.0.flush()?;
+        Err("the program crashes here".into())
+    }
+
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        self.0.inspect(agent, deliberator, now)
+    }
+}
+
+#[test]
+fn a_record_that_ends_within_a_step_is_confirmed_and_one_without_an_earlier_row_is_not() {
+    let (_folder, path) = place();
+    let (library, declaration, host) = program(CAMERA);
+    let mut recorder = Recorder::create(&path, &library, RecordOptions::default()).unwrap();
+    recorder.program(&library).unwrap();
+    let mut agent = apex_executive::load(library, &declaration, host).unwrap();
+    let inputs: Vec<Input> = (0..50_u32).map(|tick| altitude(f64::from(tick) * 0.1, 6000)).collect();
+    let mut crash = Crash(&mut recorder);
+    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    assert!(run_with(&mut agent, &mut LateTarget::default(), &mut [&mut crash], options).is_err());
+    drop(recorder);
+    let replayed = |deliberator: &mut dyn Deliberator| {
+        let reader = RecordReader::open(&path).unwrap();
+        assert!(!reader.is_complete().unwrap());
+        replay_with(&reader, &load, deliberator).unwrap().difference
+    };
+    assert_eq!(replayed(&mut LateTarget::default()), None);
+    // Rows of earlier steps must be there.
+    let difference = replayed(&mut OneTarget::new()).unwrap();
+    assert!(format!("{}", difference.what).contains("state of a target 1"), "{difference:?}");
 }
