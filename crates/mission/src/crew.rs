@@ -20,7 +20,7 @@ pub fn host_functions_of(mission: &Mission) -> HostFunctions {
 /// Returns the agents of a mission's program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
-/// A host function that is declared and not there.
+/// If the program declares a host function that does not exist.
 pub fn crew_of_mission(mission: &Mission) -> MissionResult<Vec<Agent>> {
     program::crew_with(&mission.library, &host_functions_of(mission))
 }

@@ -24,7 +24,7 @@ pub enum ErrorKind {
     Output,
     /// An input that cannot be read to its end.
     Input,
-    /// The flight.
+    /// A flight that cannot begin, or was aborted.
     Flight,
 }
 

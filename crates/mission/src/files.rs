@@ -54,7 +54,7 @@ pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Returns a file that cannot be read: not found, or not readable.
+/// Returns the error of a file that is not found or not readable.
 pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionError {
     let help = match error.kind() {
         std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),
@@ -66,7 +66,7 @@ pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionErro
 /// Maximum number of names in a message.
 const NEARBY_MAX: usize = 12;
 
-/// Names similar files and missions of the same folder, or the folder in which a relative path was searched.
+/// Returns a help text that names similar files and missions of the same folder, or the folder in which a relative path was searched.
 pub fn nearby_help(path: &std::path::Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| std::path::Path::new("."));

@@ -103,7 +103,7 @@ impl Program {
     }
 }
 
-/// Errors of the text's structure, and the others.
+/// Returns the numbers of errors of the text's structure and of other errors.
 fn errors(checked: &Checked) -> (usize, usize) {
     let errors = checked.diagnostics.iter().filter(|each| each.severity == Severity::Error);
     let (structure, others): (Vec<&Diagnostic>, Vec<&Diagnostic>) =

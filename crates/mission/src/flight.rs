@@ -23,7 +23,7 @@ pub struct MissionFlight {
 pub struct FlightOutcome {
     /// Reason and instant of its end.
     pub end: RunEnd,
-    /// Achievements.
+    /// Report of the flight.
     pub report: Report,
     /// Wall time that planners took.
     pub planned_for: std::time::Duration,
@@ -67,7 +67,7 @@ impl MissionFlight {
         terms: FlyOptions,
         drive: impl FnOnce(&mut [Agent], &mut dyn Deliberator, FlyOptions) -> Result<RunEnd, RunError>,
     ) -> MissionResult<FlightOutcome> {
-        // A solver times out before the thread that runs its job.
+        // The job's thread waits longer than the solver's timeout, so that the solver times out first.
         let terms = FlyOptions { solver_timeout: self.means.timeout + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&self.mission), self.means.clone());
         let mut agents = crew::crew_of_mission(&self.mission)?;

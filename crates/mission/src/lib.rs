@@ -78,9 +78,9 @@ use vehicle::VehicleModel;
 /// The text of a world file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldText {
-    /// Names it in messages.
+    /// Name of the file in messages.
     pub place: String,
-    /// The text itself.
+    /// Contents of the file.
     pub text: String,
 }
 
@@ -125,7 +125,7 @@ pub struct Mission {
     pub scenario: Vec<Input>,
     /// Requirements of the flight.
     pub requirements: Requirements,
-    /// Radios of the world.
+    /// Radios of the simulated world.
     pub modems: Vec<Modem>,
     /// Radios as the planner assumes them.
     pub link_map: Vec<link_map::StatedLink>,
@@ -262,7 +262,7 @@ impl Mission {
         })
     }
 
-    /// Checks that the vehicle can fly above the place where it starts, and above every target.
+    /// Checks that the start lies below the vehicle's ceiling, and the cruise altitude not above it.
     fn check_ceiling(&self) -> MissionResult<()> {
         let (ceiling_m, cruise_m) = (self.model.ceiling_m, self.cruise_altitude_m());
         let too_low = |what: String, altitude_m: f64| {

@@ -61,7 +61,7 @@ impl<'a> LinkForm<'a> {
         value.as_list().ok_or_else(|| self.wrong(format!("`{key} {value}` is not a list")))
     }
 
-    /// Returns a figure in SI units above zero and up to `most`; bare numbers are SI.
+    /// Returns a figure in SI units above zero and up to `most`; a bare number is an error, unless `unit` is none.
     pub(crate) fn figure(&self, key: &str, value: &Value, unit: Dimension, most: f64) -> MissionResult<f64> {
         match value.as_number() {
             Some((si, found)) if found == unit && si > 0.0 && si <= most => Ok(si),

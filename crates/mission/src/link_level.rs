@@ -13,7 +13,7 @@ use apex_model::value::Value;
 const FULL_LEVEL_M: f64 = 1_000.0;
 /// Height of the station's antenna above its ground, m: a mast that is set up by hand.
 const ANTENNA_M: f64 = 3.0;
-/// No radio of an aircraft reaches farther.
+/// Greatest accepted distance, m: radios of aircraft do not reach farther.
 const RANGE_M_MAX: f64 = 2e6;
 /// Path-loss exponents: from a street canyon to dense forest.
 const EXPONENT_MIN_MAX: (f64, f64) = (1.0, 8.0);

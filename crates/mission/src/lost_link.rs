@@ -56,7 +56,7 @@ pub struct LostLink {
     pub instructions_within_s: f64,
     /// Response without an instruction.
     pub default: LostDefault,
-    /// Number of losses from which on it flies the contingency route without waiting.
+    /// Number of losses from which on the vehicle flies the contingency route without waiting.
     pub losses_max: u32,
     /// End of the contingency route; `None` for the nearest landing place whose link is not known to be weak.
     pub contingency: Option<Value>,

@@ -23,7 +23,7 @@ pub struct Modem {
     pub name: String,
     /// Its level by place.
     pub level: LevelModel,
-    /// Deviation of the fading.
+    /// Standard deviation of the fading, dB.
     pub fading_db: f64,
     /// Spans `(from_s, until_s)` without any signal.
     pub dropouts_s: Vec<(f64, f64)>,

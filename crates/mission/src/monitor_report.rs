@@ -15,7 +15,7 @@ use time::format_description::well_known::Rfc3339;
 pub struct Style {
     /// As JSON.
     pub json: bool,
-    /// Also reports results at once that are not final yet, for a live reader.
+    /// Also reports results that are not final yet, as soon as they are recognised.
     pub live: bool,
     /// True if several conditions are watched: each line then names its condition.
     pub several: bool,

@@ -196,7 +196,7 @@ fn wanted(
     Ok((targets, precedence))
 }
 
-/// Returns the time of the shortest manoeuvre, and of one of its lines: pictures are sent one by one, a scanner's lines as a whole.
+/// Returns the time of the shortest manoeuvre, and of one of its lines: a scanner's lines are sent as a whole, pictures one by one (0).
 fn durations_s(manoeuvres: &[Manoeuvre]) -> (f64, f64) {
     let shortest = manoeuvres.iter().min_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
     let lines = shortest.filter(|manoeuvre| manoeuvre.pictures.is_none());
@@ -204,7 +204,7 @@ fn durations_s(manoeuvres: &[Manoeuvre]) -> (f64, f64) {
     (shortest.map_or(f64::INFINITY, |manoeuvre| manoeuvre.duration_s), line_s)
 }
 
-/// Returns the problem with the timing factors for images that arrive as stated for each look by its name in plans.
+/// Returns the problem with timing factors for images that reach the ground as `arrival` states for each look, by its name in plans.
 pub(crate) fn with_landing(
     mission: &Mission,
     problem: &SingleVisitProblem,

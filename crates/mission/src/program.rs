@@ -163,7 +163,7 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
 /// Returns the agents of a program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
-/// A host function that is declared and not there.
+/// If the program declares a host function that does not exist.
 pub fn crew_of(library: &Arc<Library>) -> MissionResult<Vec<Agent>> {
     crew_with(library, &host_functions())
 }

@@ -45,7 +45,7 @@ pub fn create(
     Ok(recorder)
 }
 
-/// Starts a record of a flight of `mission`, with its program, data and targets inside; its vehicle draws the track.
+/// Starts a record of a flight of `mission`, with its program, data and targets inside; the record's track is that of the vehicle.
 ///
 /// # Errors
 /// As [`create`].
@@ -196,7 +196,7 @@ pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
     Ok((reader, warning))
 }
 
-/// Returns the error for a record that cannot be written, with its exit code.
+/// Returns the error for a record that cannot be written; its kind determines the exit code.
 pub fn written(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { .. } => MissionError::record_file(error.to_string()),
@@ -204,7 +204,7 @@ pub fn written(error: RecordError) -> MissionError {
     }
 }
 
-/// Returns a record that cannot be read: the user gave the file.
+/// Returns the error of a record that cannot be read: an error of the file that the user named.
 pub fn read(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { path, found } => {

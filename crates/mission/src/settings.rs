@@ -32,9 +32,9 @@ pub struct Settings {
     pub duration: Duration,
     /// Seed of the simulated world.
     pub seed: u64,
-    /// Data files by role, relative to the mission's folder.
+    /// File of the targets; like all data files, relative to the mission's folder.
     pub targets: Option<String>,
-    /// Zones.
+    /// File of airspace zones.
     pub airspace: Option<String>,
     /// Files of elevations; the first file that contains an elevation counts.
     pub terrain: Vec<String>,
@@ -68,7 +68,7 @@ pub struct Settings {
     pub failure: FailureTerm,
     /// Money that one point of value represents: costs in mission data are money.
     pub value_unit: f64,
-    /// Radios of the world as written.
+    /// Radios of the simulated world as written.
     pub modems: Vec<Value>,
     /// Radios as the planner assumes them, as PDL values.
     pub link_map: Vec<Value>,
@@ -85,7 +85,7 @@ pub struct Settings {
 const END_MARGIN: Duration = Duration(3_600_000_000_000);
 const ZONE_MARGIN_M: f64 = 3_000.0;
 const OBSTACLE_MARGIN_M: f64 = 40.0;
-/// Greater margins leave no space to fly in.
+/// Greatest margin that a mission may state: a greater one leaves no space to fly in.
 const MARGIN_M_MAX: f64 = 1e6;
 /// Greatest cost that a mission may state.
 const MONEY_MAX: f64 = 1e12;

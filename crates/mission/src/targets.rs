@@ -55,7 +55,7 @@ pub enum TargetKind {
     Base,
 }
 
-/// Wishes for the observation of a fire.
+/// Wanted observation of a fire, or of a point, a line or an area for a camera.
 #[derive(Debug, Clone)]
 pub struct Fire {
     /// Radius of the circle that represents it if it has no perimeter.
@@ -106,7 +106,7 @@ impl Fire {
 /// A structure to observe.
 #[derive(Debug, Clone)]
 pub struct Site {
-    /// Cost of an event that is never found; the cost family scales it to a number.
+    /// Cost of an event that is never found, in points: it scales the cost families; a table states its costs itself.
     pub importance: f64,
     /// Duration of one look.
     pub dwell_s: f64,
@@ -121,7 +121,7 @@ pub struct Site {
 }
 
 impl Target {
-    /// Returns the worth of a perfect observation, or importance, for display.
+    /// Returns the worth of a perfect observation, or the greatest cost of an event (of a linear cost, that after an hour), for display.
     pub fn worth(&self) -> f64 {
         match &self.kind {
             TargetKind::Fire(fire) => fire.value(),
@@ -340,7 +340,7 @@ fn area(
     })
 }
 
-/// Corners of a circle.
+/// Returns the corners of the polygon that represents a circle.
 fn circle(centre: Position, radius_m: f64) -> Vec<Position> {
     let corner = |number| geodesy::destination(centre, 360.0 * f64::from(number) / f64::from(CIRCLE_CORNERS), radius_m);
     (0..CIRCLE_CORNERS).map(corner).collect()

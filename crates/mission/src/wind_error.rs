@@ -11,7 +11,7 @@ const LASTING_S: f64 = 6.0 * 3600.0;
 /// Highest altitude of a layer of air.
 const HIGHEST_M: f64 = 1e5;
 
-/// Evidence that counts as much as no relation between error and forecast: half an hour of forecasts that differ by 10 m/s, m2/s.
+/// Weight of the assumption that error and forecast are unrelated, m2/s: that of half an hour of forecasts that differ by 10 m/s.
 const UNRELATED_M2_PER_S: f64 = 180_000.0;
 /// Bounds of the relation: a forecast that is wrong by more is of no use elsewhere.
 const RELATION_MIN: f64 = -0.5;
@@ -25,7 +25,7 @@ const RELATION_MAX: f64 = 1.5;
 pub(crate) struct WindError {
     east_mps: f64,
     north_mps: f64,
-    /// Forecast where that was measured, averaged alike.
+    /// Forecast at the places of the measurements, averaged in the same way.
     expected_east_mps: f64,
     expected_north_mps: f64,
     /// Instant of the last measurement.
@@ -100,7 +100,7 @@ impl WindError {
         }
     }
 
-    /// Returns the factor on a forecast, and what is then added to it, east and north.
+    /// Returns the factor of a forecast, and the wind that is added to the product, east and north, m/s.
     fn correction(&self) -> (f64, [f64; 2]) {
         let slope = self.relation.slope();
         let added = [self.east_mps - slope * self.expected_east_mps, self.north_mps - slope * self.expected_north_mps];

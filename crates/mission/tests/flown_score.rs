@@ -36,7 +36,7 @@ const RADIUS_M: f64 = 6_371_008.8;
 const HALF_FIELD_RAD: f64 = 43.0 * std::f64::consts::PI / 180.0;
 const PIXEL_RAD: f64 = 1.25e-3;
 const HEIGHT_M: f64 = 6_000.0;
-/// 13:27 local time on 8 September 2007, and midnight, after 18:00 local on the 7th.
+/// Mission times of 13:27 local time on 8 September 2007, and of midnight before; mission time 0 is 18:00 local on the 7th.
 const AFTERNOON_S: f64 = 19.45 * 3600.0;
 const MIDNIGHT_S: f64 = 6.0 * 3600.0;
 

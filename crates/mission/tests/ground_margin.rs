@@ -1,4 +1,4 @@
-//! The height over ground that the second check asks for is that of the mission's vehicle.
+//! The height over ground that the independent check requires depends on the mission's vehicle.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 

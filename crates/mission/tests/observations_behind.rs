@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::Path;
 
-/// Steps of 0.2 s: several parts of those that are handed over together.
+/// Steps of 0.2 s: enough for several parts that are handed over together.
 const STEPS: u32 = 4_000;
 /// Samples and switches that are handed over together.
 const PART: u32 = 1_024;
@@ -71,7 +71,7 @@ fn observations_are_those_of_the_flight_up_to_now_at_each_instant_of_reading() {
         if draws.next_u32().is_multiple_of(1_000) {
             copied = copied.clone();
         }
-        // Most often at the instant at which a part was handed over, when its thread has hardly begun.
+        // Mostly reads at the instant at which a part was handed over, when its thread has hardly begun.
         if unread >= PART || draws.next_u32().is_multiple_of(2_000) {
             assert_eq!(flown.result(&name), witness.result(&name), "after step {number}");
             (compared, unread) = (compared + 1, 0);

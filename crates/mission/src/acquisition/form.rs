@@ -274,7 +274,7 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     Some(Value::list(items))
 }
 
-/// Reads the fields of paths of straight lines, and of places.
+/// Writes the fields of paths of straight lines, of searches and of vantage points.
 fn put_straight(path: &FlightPath, put: &mut impl FnMut(&str, Value)) {
     match path {
         FlightPath::StandOff(aside) => {
@@ -334,7 +334,7 @@ fn speed(speed_mps: f64) -> Value {
     Value::measured(libm::round(10.0 * speed_mps) / 10.0, Dimension::SPEED)
 }
 
-/// Returns a whole number of degrees: PDL prints angles in radians otherwise.
+/// Returns a bare number of degrees, rounded to 0.01: an angle with its dimension is printed in radians.
 fn degrees(angle_deg: f64) -> Value {
     Value::Real(libm::round(100.0 * angle_deg) / 100.0)
 }

@@ -40,27 +40,27 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) named: Value,
     /// The target's geometry, with one wanted look.
     pub(crate) target: ObservedTarget,
-    /// Its ground in cells.
+    /// The target's ground in cells.
     pub(crate) grid: Arc<TargetGrid>,
-    /// Its middle.
+    /// The middle of the target.
     pub(crate) position: Position,
-    /// Greatest distance of its ground from the middle; 0 for a point.
+    /// Greatest distance of the ground from the middle; 0 for a point.
     pub(crate) radius_m: f64,
     /// Kind of recording.
     pub(crate) product: ProductKind,
     /// Wanted metres per pixel; infinite if any resolution suffices.
     pub(crate) resolution_m: f64,
-    /// Least share of the ground.
+    /// Least share of the ground that must be covered, 0 to 1.
     pub(crate) coverage_min: f64,
-    /// Least clarity.
+    /// Least clarity, 0 to 1.
     pub(crate) clarity_min: f64,
     /// Wanted angles off the vertical.
     pub(crate) look_angle_deg: Option<(f64, f64)>,
     /// Wanted light.
     pub(crate) light: LightNeed,
-    /// Greatest time from the end of the observation until the data are on the ground.
+    /// Greatest time in seconds from the end of the observation until the data are on the ground.
     pub(crate) latency_s: Option<f64>,
-    /// Latest end, since the mission's start.
+    /// Latest end, in seconds since the mission's start.
     pub(crate) by_s: Option<f64>,
     /// The sensor; `None` for any suitable one.
     pub(crate) sensor: Option<String>,

@@ -44,7 +44,7 @@ pub(crate) fn manoeuvre_of(path: FlightPath, speed_mps: Option<f64>, craft_hover
     Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store }
 }
 
-/// Registers the function with the mission's data, in place of the one without.
+/// Replaces `manoeuvre-path`, which fails without a mission, by the function with the mission's data.
 pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
     let targets = mission.targets.iter();
     let places = Arc::new(Places {
@@ -151,7 +151,7 @@ fn location(scene: &Scene, point: apex_geo::plane::Point, height_m: f64) -> Valu
     Value::list([latitude_deg, longitude_deg, scene.elevation_m + height_m].map(Value::Real))
 }
 
-/// Directions of the nose with the place that a camera points at from a hover.
+/// Returns, for each heading of the hovers, the heading and the place that the camera points at; empty unless the nose points the camera.
 fn aims(elements: &[Element], sight: Sight, scene: &Scene, height_m: f64) -> Vec<Value> {
     let Sight::Nose { tilt_deg } = sight else { return Vec::new() };
     let away_m = height_m / libm::tan(-tilt_deg * apex_geo::geodesy::RAD_PER_DEG).max(1e-3);

@@ -18,11 +18,11 @@ use apex_observation::timing::LightNeed;
 use apex_observation::timing::sun::solar_position;
 use apex_requirements::margin::sensor::ViewDirection;
 
-/// Candidates that are handed on at most.
+/// Maximum number of manoeuvres, and of misses, in an answer.
 const ANSWERS_MAX: usize = 8;
 /// Least mean factor of resolution: nearly all of the ground has at least the wanted resolution.
 const RESOLUTION_MIN: f64 = 0.9;
-/// Candidates worth this share of the best are as good: time decides.
+/// Candidates with at least this share of the best points count as equally good; the shortest time then decides.
 const AS_GOOD: f64 = 0.99;
 
 /// Place, time and remaining energy.
@@ -42,7 +42,7 @@ pub(crate) struct Predicted {
     pub(super) candidate: ManoeuvreCandidate,
     pub(super) scene: Scene,
     pub(super) forecast: Forecast,
-    /// Time to get there.
+    /// Flight time to its beginning.
     pub(super) travel_s: f64,
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct Synthesis {
     pub(crate) tried: usize,
     /// Candidates that meet the goal.
     pub(crate) meet: usize,
-    /// Reasons of the nearest that do not, nearest first.
+    /// Reasons of the rejected candidates, the nearest to the goal first.
     pub(crate) misses: Vec<String>,
 }
 
@@ -128,7 +128,7 @@ fn height_miss(
     }
 }
 
-/// Removes candidates evenly beyond the limit.
+/// Thins the candidates evenly to [`CANDIDATES_MAX`].
 fn thin(candidates: &mut Vec<ManoeuvreCandidate>) {
     let count = candidates.len();
     if count <= CANDIDATES_MAX {
@@ -260,7 +260,8 @@ fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str
     short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
 }
 
-/// Returns the excess of a camera that is kept on the target and points too near to the sun, as a share, with the reason.
+/// Returns the angle by which a camera that is kept on the target points too near to the sun, as a share of 180 degrees, with the reason;
+/// `None` if it keeps its distance from the sun.
 pub(crate) fn sun_miss(mission: &Mission, camera: &str, forecast: &Forecast, scene: &Scene) -> Option<(f64, String)> {
     let margin_deg = |pose: &PathPose| {
         let position = scene.position(pose.point);

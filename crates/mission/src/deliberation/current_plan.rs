@@ -60,7 +60,7 @@ fn stored(mission: &Mission, situation: &Situation, goal: &Value, problem: &Prob
         None => chosen(goal).map(|(chosen, procedure)| (chosen, procedure, false))?,
     };
     let steps: Vec<PlannedActivity> = procedure.steps.iter().filter_map(|step| visit(&step.activity)).collect();
-    // Visits since then, as far as they are the procedure's.
+    // Counts the visits since the choice that observe the procedure's next target.
     let mut done = 0;
     for seen in situation.observed().filter(|visit| visit.begin >= chosen.since) {
         let next = if repeat { steps.get(done % steps.len().max(1)) } else { steps.get(done) };

@@ -1,7 +1,7 @@
 //! Plans whose images are read after the landing: the landing is a result of the plan, and what an image is worth depends on it.
 //!
-//! Planners take every image for as late as the way home from its target, which is true for the last target only. The plan that they make,
-//! and the same visits in the opposite order, are judged by their own landing; the better one is taken.
+//! Planners assume that an image arrives after the direct way home from its target, which is true for the last target only. The plan that
+//! they make, and the same visits in the opposite order, are therefore scored with their own landing; the better one is used.
 
 use super::operator_plan::{self, HUMAN};
 use super::solve::{Deliberation, SolveOptions, solve};
@@ -15,7 +15,7 @@ use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::brought;
 
-/// Like [`solve`], but a plan of a mission whose images are read after the landing is judged by its own landing.
+/// Like [`solve`], but a plan of a mission whose images are read after the landing is scored with its own landing.
 ///
 /// # Errors
 /// Like [`solve`].
@@ -33,7 +33,7 @@ pub fn solve_for_landing(
     let (means, solver, budget, seed) = (*means, *solver, *budget, *seed);
     let first = judged(mission, solve(problem.clone(), wish, invocations, cancel)?);
     let visits: Vec<String> = first.plan.targets().iter().rev().map(ToString::to_string).collect();
-    // The order of an operator stays.
+    // The order that an operator states is kept.
     if visits.len() < 2 || solver == Some(HUMAN) {
         return Ok(first);
     }
@@ -91,7 +91,8 @@ fn posed(mission: &Mission, problem: &Problem, arrival: &dyn Fn(&str) -> GroundA
     }
 }
 
-/// Returns the plan judged by its own landing, with the problem in which that is each image's arrival; unchanged if it cannot be judged.
+/// Returns the plan scored with its own landing, and the problem in which that landing is the arrival of each image; unchanged if the plan
+/// cannot be scored.
 fn judged(mission: &Mission, solved: Deliberation) -> Deliberation {
     let Some(landing_s) = landing_s(mission, &solved.problem, &solved.plan) else { return solved };
     let Plan::SingleVisit(plan) = &solved.plan else { return solved };

@@ -1,7 +1,7 @@
 //! Plans that must also end in time in the wind as measured.
 //!
-//! Planners plan by the forecast, with a margin at the end of the mission for delays. If the plan would use up this margin in
-//! the wind that was measured, it is made by the measured wind instead.
+//! Planners plan by the forecast, with a margin at the end of the mission for delays. If the plan would exceed this margin in
+//! the wind that was measured, the mission is planned again by the measured wind.
 
 use super::landing::solve_for_landing;
 use super::operator_plan::HUMAN;
@@ -17,7 +17,7 @@ use apex_solvers::planners::human::brought;
 
 /// Share of the margin for delays that plans by the measured wind keep.
 const REST_SHARE: f64 = 0.1;
-/// Endurance of a vehicle that needs none.
+/// Endurance that limits no flight, to compute times regardless of energy.
 const ENDLESS_S: f64 = 1e9;
 
 /// Like [`solve_for_landing`], for the forecast and for the wind as measured; `None`: nothing was measured.
@@ -40,12 +40,12 @@ pub(super) fn solve_for_wind(
     let windy = SingleVisitProblem { wind, end_s: Some(end_with_rest_s(mission, &posed, latest_s)), ..posed };
     match &first {
         Err(NoPlan::Fault(_)) => return first,
-        // The wind may be better than the forecast, and needs a smaller margin.
+        // The measured wind may permit visits: it may be better than the forecast, and it needs a smaller margin.
         Err(NoPlan::NothingLeft(_)) => {}
         Ok(first_plan) => {
             let is_in_time =
                 |problem: &SingleVisitProblem| end_s(problem, &first_plan.plan, seed).map(|end_s| end_s <= latest_s);
-            // Where an arrival is too late for a window, the time without windows counts; where no way is left, the plan is not in time.
+            // If an arrival misses its window, the time without windows counts; if there is no path, the plan is not in time.
             if is_in_time(&windy).or_else(|| is_in_time(&without_windows(&windy))) == Some(true) {
                 return first;
             }
@@ -66,13 +66,14 @@ pub(super) fn solve_for_wind(
     }
 }
 
-/// Returns the end of plans by the measured wind: the margin for delays contains errors of the forecast, and only a part of it remains.
+/// Returns the latest end of plans by the measured wind: the margin for delays includes errors of the forecast, which no longer count, so
+/// only [`REST_SHARE`] of it is kept.
 fn end_with_rest_s(mission: &Mission, problem: &SingleVisitProblem, latest_s: f64) -> f64 {
     let by_forecast_s = problem.end_s.unwrap_or(latest_s);
     latest_s - REST_SHARE * (latest_s - by_forecast_s).clamp(0.0, mission.settings.end_margin.seconds())
 }
 
-/// Returns the problem without terms of time and order: its visits take the time of their ways and manoeuvres.
+/// Returns the problem without windows, light, timing factors and precedence: only travel and manoeuvres take time.
 fn without_windows(problem: &SingleVisitProblem) -> SingleVisitProblem {
     let mut problem = SingleVisitProblem { precedence: Vec::new(), ..problem.clone() };
     for target in &mut problem.targets {
@@ -101,8 +102,8 @@ fn latest_s(mission: &Mission, problem: &SingleVisitProblem) -> f64 {
     ends_s.min(problem.start_s + endurance_s.min(burn_s))
 }
 
-/// Returns the end of the plan's visits in their order, in the wind of the problem and whatever the time and energy; `None` if they cannot
-/// be flown at all.
+/// Returns the end of the plan's visits in their order, in the wind of the problem, regardless of the limits of time and energy; `None` if
+/// they cannot be flown at all.
 fn end_s(windy: &SingleVisitProblem, plan: &Plan, seed: u64) -> Option<f64> {
     let mut endless = SingleVisitProblem { end_s: None, ..windy.clone() };
     (endless.vehicle.endurance_s, endless.vehicle.fuel_flow_kg_per_s) = (ENDLESS_S, 0.0);

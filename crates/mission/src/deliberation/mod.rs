@@ -47,7 +47,7 @@ pub struct MissionDeliberator {
     means: PlanningResources,
     /// Segments of lines that lost their data.
     segments: LostSegments,
-    /// Solvers that were left behind: a matter of the machine, not of the mission.
+    /// Runs the solvers, and remembers those that never returned: state of this process, which is not recorded.
     invocations: Arc<Mutex<Invocations>>,
 }
 
@@ -201,7 +201,7 @@ impl Question {
             .as_ref()
             .ok()
             .and_then(|problem| current_plan::current_plan(&believed, situation, &request.goal, problem, at));
-        // An imposed plan answers instead of planners, as far as its visits are not done.
+        // The open visits of an imposed plan are the answer; planners are not asked.
         let is_open = |id: &&String| !situation.observed().any(|visit| visit.target == **id);
         let imposed: Vec<String> = situation.updates.imposed().iter().filter(is_open).cloned().collect();
         let imposed_is_empty = imposed.is_empty();

@@ -88,7 +88,8 @@ impl Trade {
     }
 }
 
-/// Returns points with a decimal, and with as many as show two digits of a small number, at most five: gain and price are compared.
+/// Returns points as text with one decimal; points below 0.95 have two significant digits, at most five decimals, so that a small gain can
+/// be compared with a small price.
 fn points(points: f64) -> String {
     let size = points.abs();
     let decimals = if (5e-6..0.95).contains(&size) { (1.0 - libm::floor(libm::log10(size))) as usize } else { 1 };
@@ -312,8 +313,8 @@ fn gain(
     Ok((with - without).max(0.0))
 }
 
-/// Returns the cost of a delay to the later visits, and the affected visits. `delay`: now, the beginning without the delay, and its
-/// length.
+/// Returns the points that a delay costs the later visits, and the targets that are then left out. Times: now, the departure to these
+/// visits without the delay, and the length of the delay.
 fn price(
     problem: &SingleVisitProblem,
     plan: &SingleVisitPlan,

@@ -33,10 +33,10 @@ pub struct Deliberation {
     pub people_plan_better: bool,
 }
 
-/// Planners, and their share of the machine.
+/// Planners, with the limits of their wall time and memory.
 #[derive(Clone)]
 pub struct PlanningResources {
-    /// The planners that there are.
+    /// All registered planners.
     pub planners: Arc<Registry>,
     /// Profile table for the choice; `None` for the shipped one.
     pub table: Option<Arc<ProfileTable>>,
@@ -64,9 +64,9 @@ pub struct SolveOptions<'a> {
     pub means: &'a PlanningResources,
     /// Name of the planner; `None` lets the profile table choose.
     pub solver: Option<&'a str>,
-    /// Time limit.
+    /// Deliberation time; the solver gets the corresponding work units.
     pub budget: Duration,
-    /// Seed of its random numbers.
+    /// Seed of the planner's random numbers.
     pub seed: u64,
     /// The plan that is flown now.
     pub previous: Option<Plan>,
@@ -130,7 +130,7 @@ fn tell_quality(problem: &Problem, plan: &mut Plan) {
     }
 }
 
-/// Maximum number of visits of a plan that are checked: more than any mission needs. Without a limit, checking an invalid plan could take
+/// Maximum number of visits of a plan: more than any mission needs. A longer plan is refused unchecked, because a check could take
 /// arbitrarily long.
 pub const PLAN_VISITS_MAX: usize = 100_000;
 

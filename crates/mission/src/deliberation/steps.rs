@@ -25,7 +25,7 @@ const EARLY_S: f64 = 900.0;
 /// Timing factors that differ by less are equal.
 const TIMING_TOLERANCE: f64 = 1e-3;
 
-/// A step before it becomes a line of the procedure's text.
+/// Tag and activity of a step.
 type NamedActivity = (Symbol, PlannedActivity);
 
 /// Returns the plan as a procedure for `goal`.
@@ -47,7 +47,8 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
     }
 }
 
-/// Returns the plan of a mission in progress for which nothing more can be planned: the mission ends, and the return begins.
+/// Returns the procedure without steps for a mission in progress in which no further target can be visited: the mission ends, and the
+/// return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
     let summary = format!("no further target can be visited. {reason}");
     let head = format!("; {summary}\n");

@@ -43,7 +43,7 @@ struct Published {
 struct DiagnoserCache(Option<Diagnoser>);
 
 impl PartialEq for DiagnoserCache {
-    /// Compares nothing: all values are equal, because the service is a function of the outcomes without state.
+    /// Returns true: the diagnoser follows from the outcomes, so it does not distinguish two services.
     fn eq(&self, _: &DiagnoserCache) -> bool {
         true
     }
@@ -93,7 +93,7 @@ impl DiagnosisService {
     }
 }
 
-/// Returns a test's name with its outcome, or with the word that is not an outcome.
+/// Returns the name of the test that an event reports, with its outcome, or with the word that is not an outcome; `None` for other events.
 fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
     match kind {
         EventKind::Measurement(variable, value) if variable.attribute.is("test-outcome") => {
@@ -105,7 +105,7 @@ fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
     }
 }
 
-/// Returns a message `(test-OUTCOME TEST)`.
+/// Reads a message `(test-OUTCOME TEST)`; `None` for other messages.
 fn message(form: &Value) -> Option<(String, Result<Outcome, String>)> {
     let [Value::Symbol(word), test] = form.as_list()? else { return None };
     let outcome = Outcome::of_word(word.folded().strip_prefix("test-")?)?;

@@ -44,7 +44,7 @@ pub struct ChartVisit {
 /// Observation from a circle, with the data that an autopilot needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Around where.
+    /// Centre of the circle.
     pub centre: ChartPoint,
     /// The bends of the path to it.
     pub bends: Vec<ChartPoint>,
@@ -68,7 +68,7 @@ pub struct ChartTarget {
 pub struct Chart {
     /// Name of the problem.
     pub name: String,
-    /// The plan in a line.
+    /// The plan as one line of text.
     pub summary: String,
     /// Facts of the plan: planner, value, upper bound on any plan.
     pub facts: Map<String, Value>,
@@ -106,7 +106,7 @@ impl Chart {
     }
 }
 
-/// Degrees rounded to a centimetre on the ground.
+/// Returns degrees rounded to about a centimetre on the ground.
 pub fn digits(degrees: f64) -> f64 {
     (degrees * 1e7).round() / 1e7
 }
@@ -119,7 +119,7 @@ pub fn milliseconds(seconds: f64) -> f64 {
 /// Returns the chart of `plan` for `problem`. `start` is the start of a surveillance plan, which its problem does not contain.
 ///
 /// # Errors
-/// A message if the problem has no places.
+/// A message if the plan is of another kind than the problem, or the problem has no places.
 pub fn chart(
     name: &str,
     (problem, plan): (&Problem, &Plan),
@@ -242,7 +242,7 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
     facts
 }
 
-/// Returns the travel computation of a mission's surveillance problem, if its targets are the mission's sites.
+/// Returns the travel computation between the targets of a mission's surveillance problem; `None` if the mission's data are invalid.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<SurveillanceTravel> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     crate::problem::survey(mission, &positions, mission.start, 0.0).ok()

@@ -8,10 +8,10 @@ use apex_planning::surveillance::travel::SurveillanceTravel;
 /// A plan of surveillance followed visit by visit.
 pub(super) struct VisitFollower {
     ways: Option<SurveillanceTravel>,
-    /// Last position of the vehicle, with its target.
+    /// Last position of the vehicle.
     before: Option<ChartPoint>,
     from: Option<usize>,
-    /// Position on its circle.
+    /// Position of the vehicle on the circle of the last target.
     on: Option<Circling>,
     depart_s: f64,
 }

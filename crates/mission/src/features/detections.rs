@@ -162,7 +162,7 @@ fn fire(place: &str, members: &[&Pixel], number: usize) -> MissionResult<PlacedF
     Ok((here, feature(GeometryValue::Polygon { coordinates: vec![ring] }, properties)))
 }
 
-/// Rounds degrees to about a tenth of a metre.
+/// Rounds to six decimals; in degrees, about a tenth of a metre.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

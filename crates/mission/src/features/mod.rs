@@ -100,7 +100,7 @@ impl NamedFeature {
     /// Checks that all of these positions are on the terrain, if the mission has one.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first position that is not.
     pub(crate) fn covered(
         &self,
         terrain: Option<&Terrain>,
@@ -122,7 +122,7 @@ impl NamedFeature {
         self.feature.property(key).filter(|value| !value.is_null())
     }
 
-    /// Returns a text property, if there.
+    /// Returns a text property; `None` if it is absent.
     pub(crate) fn text(&self, key: &str) -> MissionResult<Option<String>> {
         match self.property(key) {
             None => Ok(None),
@@ -131,12 +131,12 @@ impl NamedFeature {
         }
     }
 
-    /// Returns the property as JSON, if there.
+    /// Returns the property as JSON; `None` if it is absent.
     pub(crate) fn json(&self, key: &str) -> Option<&JsonValue> {
         self.property(key)
     }
 
-    /// Returns a list of texts, if there.
+    /// Returns a list of texts; a single text is a list of one, and an absent property is empty.
     pub(crate) fn texts(&self, key: &str) -> MissionResult<Vec<String>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of texts"));
         match self.property(key) {
@@ -158,7 +158,7 @@ impl NamedFeature {
         })
     }
 
-    /// Spans of hours of mission time as seconds: `[[from, until], ..]`.
+    /// Converts spans of hours of mission time, `[[from, until], ..]`, to seconds; empty if the property is absent.
     pub(crate) fn spans_s(&self, key: &str) -> MissionResult<Vec<TimeWindow>> {
         let mut spans = Vec::new();
         for (from_h, until_h) in self.pairs(key)? {
@@ -170,7 +170,7 @@ impl NamedFeature {
         Ok(spans)
     }
 
-    /// Returns a list of pairs of numbers, if there: `[[from, until], ..]`.
+    /// Returns a list of pairs of numbers, `[[from, until], ..]`; empty if it is absent.
     pub(crate) fn pairs(&self, key: &str) -> MissionResult<Vec<(f64, f64)>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of pairs of numbers"));
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
@@ -200,7 +200,7 @@ impl NamedFeature {
         Ok(Some((first, second)))
     }
 
-    /// `true` or `false`, if there.
+    /// Returns `true` or `false`; `None` if the property is absent.
     pub(crate) fn flag(&self, key: &str) -> MissionResult<Option<bool>> {
         match self.property(key) {
             None => Ok(None),
@@ -266,7 +266,7 @@ impl NamedFeature {
         Ok(parts)
     }
 
-    /// Returns a number, if there, inside `[low, high]`.
+    /// Returns a number inside `[low, high]`; `None` if it is absent.
     pub(crate) fn number(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         match self.property(key).map(|value| (value, value.as_f64())) {
             None => Ok(None),
@@ -278,7 +278,7 @@ impl NamedFeature {
         }
     }
 
-    /// Returns the feature's point, or the middle of its largest polygon.
+    /// Returns the feature's point, the point halfway along its line, or the mean of the corners of its largest polygon.
     pub(crate) fn position(&self) -> MissionResult<Position> {
         if let Some(polygon) = self.polygons()?.into_iter().next() {
             let count = polygon.len() as f64;
@@ -403,7 +403,7 @@ fn middle(line: &[Position]) -> Position {
     line.last().copied().unwrap_or_default()
 }
 
-/// Returns the lower case, every run of other characters a hyphen.
+/// Returns the name in lower case, with a hyphen for each run of characters that are not letters or digits, and none at its ends.
 fn hyphenated(name: &str) -> String {
     let mut id = String::new();
     for character in name.chars().flat_map(char::to_lowercase) {

@@ -106,7 +106,7 @@ pub(super) fn weak_areas(mission: &Mission, learned: Lookup<'_>) -> Vec<Airspace
     beliefs.flat_map(|beliefs| areas(mission, &beliefs, &[])).collect()
 }
 
-/// Areas where the link is weak, except around these places.
+/// Returns the areas where the link is weak, except around these places.
 fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<AirspaceZone> {
     let mut weak: BTreeSet<LinkCell> = BTreeSet::new();
     let cells = beliefs.cells;
@@ -152,7 +152,7 @@ fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<A
     zones
 }
 
-/// Cells in which the stated shadows make the link weak, on a grid over the mission's targets.
+/// Returns the cells in which the stated shadows make the link weak, on a grid over the mission's targets.
 fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<LinkCell> {
     let mut weak = BTreeSet::new();
     if beliefs.stated.is_none_or(|model| model.shadows.is_empty()) {
@@ -185,7 +185,7 @@ fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<LinkCell> {
     weak
 }
 
-/// Cells as rectangles, the largest first.
+/// Merges cells to rectangles, the largest first.
 fn blocks(cells: &BTreeSet<LinkCell>) -> Vec<Block> {
     let mut runs: Vec<Block> = Vec::new();
     let mut ordered: Vec<LinkCell> = cells.iter().copied().collect();

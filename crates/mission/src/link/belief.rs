@@ -12,16 +12,17 @@ use apex_geo::link::LevelModel;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
 
-/// Samples from which the mean of a cell is used.
+/// Minimum number of samples in a cell whose mean is used.
 const SAMPLES_MIN: u32 = 2;
-/// Cells from which a level is corrected, and to which a law is fitted, at least.
+/// Minimum number of cells by which stated levels are corrected.
 const CORRECTED_MIN: usize = 3;
+/// Minimum number of cells to which a law is fitted.
 const FITTED_MIN: usize = 6;
 /// Greatest correction of stated levels by measured ones: a greater difference means another radio.
 const CORRECTION_MAX: f64 = 0.3;
 /// Least decimal logarithm of the ratio between the greatest and the smallest distance of a fit.
 const SPREAD_MIN: f64 = 0.1;
-/// Number of cells by which a shadow is assumed to extend beyond its measurements, at most.
+/// Maximum number of cells by which a shadow is assumed to extend beyond its measurements.
 const SHADOW_STEPS_MAX: i32 = 4;
 /// Level above which a sample does not show how the level falls with distance, so the fit leaves it out.
 const SATURATED: f64 = 0.97;
@@ -113,8 +114,8 @@ impl<'a> Beliefs<'a> {
         beliefs
     }
 
-    /// Returns the columns in shadows that are known only from measurements. The edge of such a shadow is unknown: it is assumed one cell
-    /// farther on all sides, and a further cell for each loss near it, except where the link was good.
+    /// Returns the columns in shadows that are known only from measurements. The edge of such a shadow is unknown: for each loss near it,
+    /// at most [`SHADOW_STEPS_MAX`], it is assumed one cell farther on all sides, except where the link was good.
     fn shadows(&self) -> BTreeMap<(i32, i32), Shade> {
         let mut shadow: BTreeMap<(i32, i32), Shade> = BTreeMap::new();
         let Some(learned) = self.learned else { return shadow };
@@ -149,7 +150,7 @@ impl<'a> Beliefs<'a> {
         shadow
     }
 
-    /// Returns the columns in shadows that only measurements know.
+    /// Returns the highest cell of each column in such a shadow.
     pub(crate) fn shaded(&self) -> impl Iterator<Item = LinkCell> {
         self.shadow.iter().map(|((north, east), shade)| (*north, *east, shade.top))
     }

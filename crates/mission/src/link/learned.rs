@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// Maximum number of cells of one link: with cells of 200 m, more than a day of flight of a small aircraft.
 const CELLS_MAX: usize = 4_096;
-/// Cells that are looked for at once when the oldest are dropped.
+/// Number of oldest cells that one search collects for removal.
 const OLDEST_KEPT: usize = 512;
 /// Remembered losses: more than any flight has, because repeated losses end a flight.
 const LOSSES_MAX: usize = 64;
@@ -26,7 +26,7 @@ pub(crate) const BAND_M: f64 = 100.0;
 const SMOOTHING_S: f64 = 4.0;
 /// Seconds for which the link must stay good after a place before that place counts as good: this excludes the edge of the signal.
 const STAYED_S: f64 = 5.0;
-/// Places behind the vehicle that are kept for that.
+/// Maximum number of places behind the vehicle that are kept for [`STAYED_S`].
 const TRAIL_MAX: usize = 32;
 const DEGREE_M: f64 = 111_195.0;
 
@@ -123,7 +123,7 @@ pub(crate) struct Loss {
 pub(crate) struct Learned {
     cells: BTreeMap<LinkCell, Measured>,
     pub(crate) losses: Vec<Loss>,
-    /// Number of losses, including those no longer remembered.
+    /// Number of losses, including those that were dropped from `losses`.
     pub(crate) losses_count: u32,
     /// The smoothed level and its instant.
     smoothed: Option<(f64, f64)>,
@@ -213,7 +213,8 @@ impl Learned {
         self.losses_count = self.losses_count.saturating_add(1);
     }
 
-    /// Returns the response after the last loss if no instruction arrives; a response that failed before is not repeated.
+    /// Returns the response to the last loss if no instruction arrives: the contingency route if an earlier loss had the same goal or the
+    /// greatest number of losses is reached, otherwise the response that the mission states.
     pub(crate) fn default_of(&self, lost: &LostLink, cells: &Cells) -> LostDefault {
         let is_again = self.losses.split_last().is_some_and(|(last, before)| {
             let near = |goal: Position| {

@@ -24,9 +24,9 @@ use std::collections::BTreeMap;
 /// A good place is published when it has moved by this many seconds of flight at cruise, or by at least this distance.
 const MOVED_S: f64 = 2.0;
 const MOVED_M_MIN: f64 = 50.0;
-/// Links that are remembered at most.
+/// Maximum number of remembered links.
 const LINKS_MAX: usize = 16;
-/// Commands that lead the vehicle somewhere.
+/// Flight commands with a destination.
 const FLIGHTS: [&str; 6] = ["fly-to", "fly-line", "join-line", "loiter", "hover", "land"];
 
 /// Everything remembered of links.

@@ -18,7 +18,7 @@ const FAR_SHARE: f64 = 0.35;
 
 /// Ground over which lines are drawn.
 pub(super) struct LineGround {
-    /// Begin of the name of its ways.
+    /// First part of the names of its manoeuvres.
     pub(super) name: &'static str,
     /// The areas.
     pub(super) areas: Vec<CoverageArea>,

@@ -17,7 +17,7 @@ pub(crate) use wish::Wish;
 use crate::observing::carries_scanner;
 use apex_model::problem::Manoeuvre;
 
-/// Maximum number of ways for planners.
+/// Maximum number of manoeuvres of one look that planners get.
 const MANOEUVRES_MAX: usize = 8;
 
 /// Returns the ways to observe the look that no other way exceeds in both value and time, the highest value first.
@@ -35,7 +35,8 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// Places to look from and lines, and with library "manoeuvres" its paths around and aside of the target.
+/// Returns pictures from vantage points and along lines and, if the program uses library "manoeuvres", its paths around and beside the
+/// target.
 fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let simple = camera::ways(wish);
     // No manoeuvre can be flown around the ground by which a fire has grown: it has no name in PDL.

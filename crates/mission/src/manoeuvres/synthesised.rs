@@ -23,11 +23,11 @@ use std::sync::Arc;
 
 /// Maximum number of predicted candidates for one look.
 const ALTERNATIVES_MAX: usize = 24;
-/// Chords by which a path is described to planners.
+/// Maximum number of chords by which a path is described to planners.
 const CHORDS_MAX: usize = 48;
-/// A camera is pointed at the target before the path begins, s, in addition to its slew: acknowledgements and steps.
+/// Time in seconds, in addition to the slew, in which a camera is pointed at the target before the path begins: acknowledgements and steps.
 const STEPS_S: f64 = 1.0;
-/// The mount slews this far on average, degrees.
+/// Assumed slew of the mount before the path begins, degrees.
 const SLEW_DEG: f64 = 90.0;
 /// Items of `(perform FORM at PLACE for TARGET with CAMERA at SPEED every DISTANCE due DUE)`.
 const PERFORM_ITEMS: usize = 14;
@@ -57,7 +57,7 @@ pub(super) fn alternatives(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Ve
     }
     let (count, mut made, mut nearest) = (candidates.len(), Vec::new(), None::<(f64, String)>);
     for (index, candidate) in candidates.into_iter().enumerate() {
-        // Evenly fewer where there are too many.
+        // Beyond the limit, candidates are thinned evenly.
         let kept =
             count <= ALTERNATIVES_MAX || index * ALTERNATIVES_MAX / count != (index + 1) * ALTERNATIVES_MAX / count;
         if !kept {
@@ -79,16 +79,16 @@ pub(super) fn alternatives(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Ve
     }
 }
 
-/// Lines over the target and places to hover are planned by `manoeuvres` itself.
+/// Returns true for the paths that only this module plans: module `scanner` and its siblings plan lines over the target and vantage points.
 fn is_other(path: &FlightPath) -> bool {
     matches!(path, FlightPath::Orbit(_) | FlightPath::Spiral(_) | FlightPath::Arc(_) | FlightPath::StandOff(_))
 }
 
-/// The look as the goal of an acquisition.
+/// Returns the look as an acquisition goal.
 fn goal_of(wish: &Wish<'_>, camera: &CameraSetting) -> AcquisitionGoal {
     let mut target = wish.fire.wanted.clone();
     (target.name, target.looks, target.after) = (wish.target.id.clone(), vec![wish.look.clone()], Vec::new());
-    // As coarse as for goals in flight: pictures of a whole orbit are many.
+    // The grid is as coarse as for goals in flight, because a whole orbit has many pictures.
     let settings = GridSettings { cells: PLANNING_CELLS / 4, ..GridSettings::default() };
     let ground = MissionGround::new(wish.mission.terrain.clone(), target.elevation_m);
     let grid = TargetGrid::new(&target, settings).map(|grid| Arc::new(grid.with_elevations(&ground)));
@@ -168,7 +168,7 @@ fn way(
     }))
 }
 
-/// The path as chords.
+/// Returns the path as chords.
 fn chords(forecast: &Forecast, scene: &Scene) -> Vec<(Position, Position)> {
     let poses = &forecast.flown.poses;
     let step = poses.len().div_ceil(CHORDS_MAX).max(1);
@@ -189,7 +189,7 @@ fn pair(pair: &[Position]) -> Option<(Position, Position)> {
     }
 }
 
-/// Time and beginning of the straight flight before the first chord.
+/// Returns the time and the beginning of the straight flight before the first chord; `None` for a path without length.
 fn lead_in(lines: &[(Position, Position)], craft: &Craft) -> Option<(f64, Position)> {
     let (from, to) = lines.first().filter(|(from, to)| from != to)?;
     let track_deg = geodesy::azimuth_deg(*from, *to);

@@ -18,7 +18,7 @@ use apex_portfolio::cell::Cell;
 use apex_portfolio::formats;
 use std::path::Path;
 
-/// Least work of a proof in addition to a short budget for planning.
+/// Least time that [`PlanInput::bound_budget_after`] adds to what remains of the budget for planning.
 const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
 /// Deliberation time where none is stated.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
@@ -63,7 +63,7 @@ impl PlanInput {
     /// Refuses to plan for more than one vehicle.
     ///
     /// # Errors
-    /// More vehicles are wanted.
+    /// If `vehicles` is stated and not 1.
     pub fn refuse_fleets(&self, vehicles: Option<usize>) -> MissionResult<()> {
         let Some(more) = vehicles.filter(|vehicles| *vehicles != 1) else { return Ok(()) };
         let reason = match self.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles) {
@@ -260,7 +260,7 @@ fn places_alone(path: &Path) -> MissionError {
         .help(help)
 }
 
-/// Returns a file that is neither JSON nor, perhaps, PDL: a benchmark's, by its extension or its first lines.
+/// Reads a benchmark file, recognised by its extension or its first lines; `None` for PDL and all other texts.
 fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension == "pdl" {

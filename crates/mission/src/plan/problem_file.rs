@@ -79,7 +79,7 @@ impl<'de> Visitor<'de> for FileVisitor {
     }
 }
 
-/// Refuses a version from the future.
+/// Refuses an unknown version.
 fn known<E: Error>(version: f64) -> Result<f64, E> {
     match version == FIRST || version == VERSION {
         true => Ok(version),

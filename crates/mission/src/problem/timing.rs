@@ -8,9 +8,9 @@ use apex_observation::target::WantedLook;
 use apex_observation::timing::sun::solar_position;
 use apex_observation::timing::{LightNeed, windows_factor};
 
-/// Steps of the table.
+/// Step of the table.
 const STEP_S: f64 = 300.0;
-/// Instants of an observation at which its timing is taken.
+/// Number of instants of an observation whose timing factors are averaged.
 const INSTANTS: u32 = 5;
 
 /// Returns the permitted beginnings of the look: its windows with their ramps; empty is any time.
@@ -22,7 +22,7 @@ pub(super) fn begins(look: &WantedLook) -> Vec<TimeWindow> {
     with_ramp.collect()
 }
 
-/// Returns the first instant from `from_s` on at which the look may begin; `from_s` itself where its windows are over.
+/// Returns the first instant from `from_s` on at which the look may begin; `from_s` itself without windows, or after the last one.
 pub(super) fn first_s(look: &WantedLook, from_s: f64) -> f64 {
     let open = begins(look).into_iter().filter(|window| window.until_s > from_s);
     let first_s = open.map(|window| window.from_s.max(from_s)).fold(f64::INFINITY, f64::min);
@@ -47,8 +47,8 @@ pub(crate) enum GroundArrival {
     After(f64),
 }
 
-/// Returns the timing factor by the beginning of an observation of `duration_s`; empty if the factor is 1 whenever windows and light
-/// permit the observation.
+/// Returns the timing factor by the beginning of an observation of `duration_s`; empty if the look has no windows and the factor is 1
+/// whenever the light permits the observation.
 pub(super) fn table(
     mission: &Mission,
     target: &Target,
@@ -98,9 +98,9 @@ pub(super) fn table(
     corners(&all)
 }
 
-/// Returns how long after its middle an observation's images are expected on the ground, on average: an image is sent when its line is
-/// finished; where the mission does not say that it is sent it is read after the landing, at the earliest after the way home and the
-/// descent there.
+/// Returns the mean time in seconds from the middle of an observation until its images are on the ground. An image is sent when its line
+/// is finished; if the mission does not state that images are sent, it is read after the landing, at the earliest after the way home and
+/// the descent there.
 fn on_ground_after_s(mission: &Mission, target: &Target, (duration_s, line_s): (f64, f64)) -> f64 {
     let model = &mission.model;
     let descent_mps = model.descent_rate_m_s_max * model.planning.descent_share;

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 pub(super) enum FlightOrder {
     /// Climb from the ground.
     TakeOff,
-    /// By these points, the last is the goal.
+    /// Over these points; the last one is the goal.
     FlyBy(Vec<Position>),
     /// To the first point of a line and along it, over the points before it.
     Line(Vec<Position>),
@@ -179,9 +179,9 @@ impl FlightOrder {
     }
 }
 
-/// Temperatures are compared over this time at least.
+/// Minimum time between two temperatures that are compared.
 const WARMING_SPAN_S: f64 = 5.0;
-/// Points this near behind a vehicle were passed while the command was on its way.
+/// Distance up to which a point behind the vehicle counts as passed: it was passed while the command was on its way.
 const BEHIND_M: f64 = 2_000.0;
 const DEGREE_M: f64 = 111_195.0;
 
@@ -309,7 +309,8 @@ impl Flown {
         Some(Wind { east_mps: -speed_mps * libm::sin(from_rad), north_mps: -speed_mps * libm::cos(from_rad), edr })
     }
 
-    /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
+    /// Returns the direction of flight over ground, clockwise from north; without a reported track that between the last two positions,
+    /// otherwise 0.
     pub(super) fn track_deg(&self) -> f64 {
         // Geodesics are expensive: none for a vehicle that reports its track, one for the others.
         let between = || {

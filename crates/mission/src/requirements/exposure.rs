@@ -21,7 +21,7 @@ const ICE_K: f64 = 273.15;
 const SAME_CLOUD_M: f64 = 250.0;
 /// Rate at which ice disappears, as a multiple of the rate at which it forms.
 const THAW: f64 = 2.0;
-/// Height of a change of altitude that leaves ice.
+/// Height of a change of altitude after which the vehicle is assumed to have left the ice.
 const LAYER_M: f64 = 500.0;
 /// Time in which a camera is switched off.
 const SWITCH_S: f64 = 5.0;
@@ -74,7 +74,7 @@ impl Scene<'_> {
         (is_forecast || is_here) && self.is_freezing_at(altitude_m)
     }
 
-    /// The worst of the links that have a station: how long each has been weak, against the time allowed.
+    /// Returns the worst reading of the links that have a station: the time for which each has been weak, compared with the time allowed.
     pub(super) fn link(&self) -> Option<Reading> {
         let allowed_s = self.requirements().link_lost_s?;
         let mut worst: Option<(f64, Option<f64>, &str)> = None;
@@ -109,7 +109,7 @@ impl Scene<'_> {
         })
     }
 
-    /// Time to the place where a link was good last.
+    /// Returns the flight time to the place where a link was good last; 0 if there is none.
     fn way_back_s(&self, name: &str) -> f64 {
         let good = self.links.link(name).and_then(|learned| learned.good_place);
         let away_m = good.map_or(0.0, |good| geodesy::distance_m(self.here, good.position));
@@ -121,7 +121,7 @@ impl Scene<'_> {
         self.links.link(&reading.what)?.good_place
     }
 
-    /// Returns the detector nearest to its limit: by its rate of warming, or by the heat balance of its sensor file.
+    /// Returns the reading of the detector nearest to its limit: by its rate of warming, or by the heat balance of its sensor file.
     pub(super) fn heat(&self) -> Option<Reading> {
         let mut worst: Option<(f64, Option<f64>, &str)> = None;
         for (name, reported) in &self.flown.cameras {

@@ -72,7 +72,7 @@ impl<'a> Scene<'a> {
         is_short && reading.response == Response::LandAt && self.way_home_m(self.base().position).is_none()
     }
 
-    /// The present position and altitude.
+    /// Returns the present position and altitude, and 0 s from now.
     fn present(&self) -> (Position, f64, f64) {
         (self.here, self.flown.altitude_m, 0.0)
     }

@@ -23,9 +23,9 @@ use std::cell::OnceCell;
 /// A requirement compared with the flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// Protected good.
+    /// Concern of the requirement: its rank among others.
     pub concern: Concern,
-    /// Its name in PDL.
+    /// Name of the requirement in PDL.
     pub name: &'static str,
     /// Margin in SI units; negative: violated now.
     pub margin: f64,
@@ -33,11 +33,11 @@ pub struct Reading {
     pub unit: Dimension,
     /// Seconds until the commanded route violates it; `None` if not within the look-ahead.
     pub after_s: Option<f64>,
-    /// Duration of its response.
+    /// Duration of the response, s.
     pub response_s: f64,
     /// Subject of the violation: a zone, a landing place, or the requirement itself.
     pub what: String,
-    /// Response.
+    /// Response if the requirement is at risk.
     pub response: Response,
 }
 
@@ -121,7 +121,7 @@ impl<'a> Scene<'a> {
         &self.mission.requirements
     }
 
-    /// Places to land: airfields, bases, and the start.
+    /// Returns the landing places: airfields and bases.
     pub(super) fn landing_sites(&self) -> impl Iterator<Item = LandingSite<'a>> + use<'a> {
         let mission = self.mission;
         let airfields = mission.airfields.iter().map(|airfield| LandingSite {
@@ -198,7 +198,7 @@ impl<'a> Scene<'a> {
         triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
     }
 
-    /// Returns the greatest wind speed, for turns.
+    /// Returns the speed of the wind that the scene assumes, for turns.
     fn wind_mps(&self) -> f64 {
         libm::hypot(self.motion.wind.east_mps, self.motion.wind.north_mps)
     }
@@ -216,7 +216,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Samples the route every [`COARSE_S`] from now to its end or the look-ahead; the first instant with a negative margin.
+    /// Returns the first instant with a negative margin; samples the route every [`COARSE_S`] from now to its end or the look-ahead.
     pub(super) fn first_below(&self, margin: impl FnMut(&apex_requirements::RouteState) -> f64) -> Option<f64> {
         let mut margin = margin;
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
@@ -409,5 +409,5 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Best glide is slower than cruise.
+/// Speed of the best glide as a share of cruise speed.
 const GLIDE_SPEED_SHARE: f64 = 0.65;

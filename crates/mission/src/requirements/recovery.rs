@@ -18,7 +18,7 @@ const DIRECTIONS: u32 = 24;
 /// Length of a turn away in turn radii, and its least length.
 const AWAY_RADII: f64 = 3.0;
 const AWAY_M_MIN: f64 = 300.0;
-/// Altitudes that are compared where the weather is to be left.
+/// Step and number of the altitudes, upwards and downwards, that are compared to leave the weather.
 const LAYER_M: f64 = 500.0;
 const LAYERS: i32 = 10;
 /// Clearance that a climb aims at, as a multiple of the required one.
@@ -27,7 +27,7 @@ const CLEARANCE_SHARE: f64 = 1.5;
 const LEVEL_M: f64 = 10.0;
 
 impl Scene<'_> {
-    /// Returns the response to a reading, with its way out. After `is_escalated` alarms, a response that did not help is replaced by a
+    /// Returns the response to a reading, with its way out. If `is_escalated`, earlier responses did not help, and the response is a
     /// landing at the nearest landing site.
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = match reading.concern {
@@ -200,7 +200,8 @@ impl Scene<'_> {
         worst_m.min(margin(to, self.now_s + route.end_s()) - 1e-3)
     }
 
-    /// Returns the nearest altitude at which the forecast keeps the limit on the present course.
+    /// Returns the nearest altitude at which the forecast keeps the limit: of wind and turbulence at the vehicle, of icing along the route.
+    /// `None` if there is none, or if a restricted zone closes the climb or descent.
     fn calmer_layer(&self, reading: &Reading) -> Option<(Response, Location)> {
         let requirements = self.requirements();
         let model = &self.mission.model;

@@ -11,7 +11,7 @@ pub enum Response {
     Descend,
     /// Fly to the way out, which is a landing place, and land there.
     LandAt,
-    /// The same, instead of the landing place that was flown to before.
+    /// Like [`Response::LandAt`], at another landing place than the base, because the vehicle cannot reach the base in time.
     LandElsewhere,
     /// Land below.
     LandHere,

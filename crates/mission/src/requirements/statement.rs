@@ -84,7 +84,7 @@ pub enum HeatLimit {
     OfSensors,
     /// Not watched.
     Off,
-    /// This one, K.
+    /// This limit, K.
     Kelvin(f64),
 }
 
@@ -131,8 +131,8 @@ const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :
     (energy :reserve 45min) (mission-end :before 5min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
     (icing :at-most 2min) (link :lost-for 30s) (heat :at-most 318K) (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
-/// Returns the requirements of a mission with these settings and this vehicle.
-/// Requirements that it does not state have thresholds derived from the vehicle's figures.
+/// Returns the requirements of a mission with these settings and this vehicle. A requirement that the mission does not state has a
+/// threshold derived from the vehicle's figures, or is not watched.
 ///
 /// # Errors
 /// A form of another shape, an unknown name or key, a figure of another unit or outside of its range, a requirement twice.

@@ -41,7 +41,7 @@ const REPLAN_S: f64 = 1_800.0;
 /// Significant digits of reported margins.
 const DIGITS: i32 = 3;
 
-/// Attributes of what is reported of each requirement, and words that most reports contain: made once.
+/// Attributes that are reported of each requirement, and values that most reports contain: created once, because reports are frequent.
 static MARGIN: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("margin"));
 static TIME_TO_VIOLATION: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("time-to-violation"));
 static REQUIREMENT_STATE: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("requirement-state"));
@@ -181,7 +181,7 @@ impl Watch {
     }
 }
 
-/// Says that a requirement needs a response; returns which, and a line for the report.
+/// Reports that a requirement needs a response; returns the response, and a line for the report.
 fn raise(
     scene: &Scene<'_>,
     reading: &Reading,

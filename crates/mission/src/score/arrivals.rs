@@ -1,8 +1,8 @@
 //! Arrival of images on the ground, from the messages of the record.
 //!
 //! A picture is one image, a line of the scanner from its switching on to its switching off another. Images of a sensor arrive in the order
-//! in which they were taken (`image-on-ground`); one that is lost (`image-lost`) is the latest. What has not arrived is read after the
-//! landing.
+//! in which they were taken (`image-on-ground`); one that is lost (`image-lost`) is the latest. Images that have not arrived are read
+//! after the landing.
 
 use apex_model::time::Time;
 use apex_observation::assess::Product;

@@ -13,7 +13,7 @@ use std::thread::{self, JoinHandle};
 /// Number of additions that are handed over together.
 const PART: usize = 1024;
 
-/// An addition to the observations that is frequent.
+/// A frequent addition to the observations.
 pub(super) enum Addition {
     Sample(FlightSample),
     Sensor(SensorState),

@@ -40,7 +40,7 @@ pub struct FlownScore {
     fires: std::sync::Arc<[Target]>,
     /// Outlines of fires that were reported before any of their ground was seen.
     outlines: BTreeMap<String, Vec<Position>>,
-    /// Ground by which fires have grown since.
+    /// Ground by which fires have grown since their ground was first seen.
     growth: GrowthLog,
     /// Setting of the scanner while it is on; `None` if the vehicle carries none.
     scanner: Option<ScannerSetting>,
@@ -50,7 +50,7 @@ pub struct FlownScore {
     epoch_unix_s: Option<f64>,
     latest: Latest,
     arrivals: Arrivals,
-    /// Collects footprints for maps, where they are wanted.
+    /// Footprints for maps; `None` unless they are collected instead of the score.
     footprints: Option<FootprintLog>,
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownS
 }
 
 impl FlownScore {
-    /// Returns a score without observations; `None` for a mission without targets of single visits.
+    /// Returns a score without observations; `None` for a mission without targets that sensors observe.
     ///
     /// # Errors
     /// The ground of a target is invalid.
@@ -122,7 +122,7 @@ impl FlownScore {
         }))
     }
 
-    /// Collects footprints from here on instead of the score, which costs a hundred times more.
+    /// Collects footprints instead of the score from now on; the score takes a hundred times as long.
     #[must_use]
     pub fn only_footprints(self) -> FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
@@ -242,7 +242,7 @@ impl FlownScore {
         }
     }
 
-    /// Returns the mission with the growth of its fires as further targets, by their present values.
+    /// Returns the mission with the growth of its fires as further targets, with their present values.
     pub(crate) fn with_growth(&self, mission: Mission) -> Mission {
         self.growth.with_growth(mission)
     }

@@ -24,7 +24,7 @@ pub struct SeenLine {
     pub left: [f64; 2],
     /// Right end, `[longitude, latitude]` in degrees.
     pub right: [f64; 2],
-    /// True if the line counts: the roll is within its limits, and the attitude is known.
+    /// True if the line counts: the attitude is known, the roll is within its limits, and no cloud hides the ground.
     pub valid: bool,
 }
 
@@ -69,7 +69,7 @@ impl Footprints {
     }
 }
 
-/// Collects footprints next to the score.
+/// Collects footprints during a flight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FootprintLog {
     pub(super) seen: Footprints,

@@ -69,7 +69,7 @@ impl GrowthLog {
         Some(scored)
     }
 
-    /// Returns the mission with the growth of its fires as further targets, by their present values. The fires have the outlines by which
+    /// Returns the mission with the growth of its fires as further targets, with their present values. The fires have the outlines by which
     /// they were seen.
     pub(super) fn with_growth(&self, mut mission: Mission) -> Mission {
         let terrain = mission.terrain.clone();

@@ -45,13 +45,13 @@ pub struct ScoreHistory {
     /// Results of each target, with the number of looks in them.
     results: BTreeMap<String, (usize, TargetResult)>,
     counted: Vec<CountedBenefits>,
-    /// Looks and values that are counted.
+    /// Number of looks, and values of targets, in the last count.
     looks: usize,
     values: BTreeMap<String, f64>,
 }
 
 impl ScoreHistory {
-    /// Nothing observed yet; none for a mission that is not measured by its score.
+    /// Returns the history before the first observation; `None` for a mission that is not measured by its score.
     ///
     /// # Errors
     /// The ground of a target is invalid.
@@ -94,7 +94,7 @@ impl ScoreHistory {
         }
     }
 
-    /// The score if the flight ended at `at`.
+    /// Returns the score as if the flight had ended at `at`.
     pub fn at(&self, at: Time) -> Option<ScoreSoFar> {
         let counted = self.counted.iter().rev().find(|counted| counted.at <= at)?;
         let hours = at.seconds().max(0.0) / 3600.0;
@@ -104,7 +104,7 @@ impl ScoreHistory {
         Some(ScoreSoFar { counted_ns, benefits: counted.points, costs, score: counted.points - costs })
     }
 
-    /// Number of looks that cells of all targets have received until now.
+    /// Returns the number of looks that cells of all targets have received until now.
     fn look_count(&self) -> usize {
         self.flown.observation().look_counts().map(|(_, looks)| looks).sum()
     }
@@ -123,7 +123,7 @@ impl ScoreHistory {
         self.looks = self.look_count();
         self.values.clone_from(self.situation.updates.values());
         let mission = self.flown.with_growth(self.situation.updates.valued(&self.mission));
-        // The order of the mission's targets: sums do not depend on their names.
+        // In the order of the mission's targets, so that sums do not depend on their names.
         let results = mission.targets.iter().filter_map(|target| self.results.get(&target.id));
         let benefits = benefits_of(&mission, results.map(|(_, result)| result.clone()).collect());
         let missed = benefits.missed.iter().map(Cost::points).sum();

@@ -33,7 +33,7 @@ pub struct Cost {
     pub name: String,
     /// Hours, a probability, or a number of occurrences.
     pub quantity: f64,
-    /// Points for one unit of the amount.
+    /// Points for one unit of the quantity.
     pub price: f64,
 }
 
@@ -131,7 +131,7 @@ pub(super) fn benefits_of(mission: &Mission, results: Vec<TargetResult>) -> Bene
     benefits
 }
 
-/// The costs that grow with the length of a flight, and its probability of failure.
+/// Returns the costs that grow with the length of a flight, and its probability of failure.
 pub(super) fn running_costs(mission: &Mission, hours: f64) -> (Vec<Cost>, f64) {
     let crew = crew_hours(&mission.crew, hours).into_iter();
     let mut costs: Vec<Cost> = crew

@@ -147,7 +147,7 @@ impl Situation {
         }
     }
 
-    /// Reads the requirements of the mission as presently assumed.
+    /// Compares the requirements with the flight, by the forecast that is presently assumed.
     fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
         let forecast = self.updates.forecast(mission);
         let findings = self.watch.observe((mission, forecast, &self.links), batch, effects);
@@ -162,7 +162,7 @@ impl Situation {
         std::mem::take(&mut self.derived)
     }
 
-    /// Observations that have ended.
+    /// Returns the observations that have ended.
     pub fn observed(&self) -> impl Iterator<Item = &Visit> {
         self.visits.iter().filter(|visit| visit.end.is_some())
     }
@@ -267,7 +267,7 @@ impl Situation {
             MissionEvent::ContingencyRoute { link, place, why } => {
                 self.note(at, format!("contingency route to {place}: {link} {why}"));
             }
-            // A picture of an observation with a separate report, or one straight down without a target.
+            // A picture during an observation, whose end is reported separately, or a picture straight down without a target.
             MissionEvent::ImageInMemory(target)
                 if target == "down"
                     || self

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 const PIECE_M: f64 = 400.0;
 /// A sample farther from the line than this does not show the line, m.
 const CROSS_TRACK_M_MAX: f64 = 600.0;
-/// Pieces between two samples that count as seen: samples come once a second.
+/// Maximum number of pieces between two samples that count as seen: samples come once a second.
 const PIECES_PER_SAMPLE_MAX: usize = 4;
 /// Metres in a degree of latitude.
 const METRES_PER_DEGREE: f64 = 111_195.0;
@@ -21,7 +21,7 @@ pub struct ScanLine {
     along: (f64, f64),
     /// Metres per degree of longitude at the line's middle.
     metres_per_longitude: f64,
-    /// Per piece: none not seen, false seen with a wing low, true seen with wings level.
+    /// For each piece, `None`: not seen, false: seen with a wing low, true: seen with wings level.
     pieces: Vec<Option<bool>>,
     /// The last marked piece, so that the pieces between two samples count as seen.
     last: Option<usize>,
@@ -69,7 +69,7 @@ impl ScanLine {
         (self.from, to)
     }
 
-    /// Pieces in all, seen, and seen with wings level.
+    /// Returns the numbers of pieces: in all, seen, and seen with wings level.
     pub fn count(&self) -> (usize, usize, usize) {
         let seen = self.pieces.iter().flatten().count();
         let level = self.pieces.iter().flatten().filter(|level| **level).count();

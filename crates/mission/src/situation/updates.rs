@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
-/// Maximum value of a target and rate of its events: as in the mission's own files.
+/// Greatest rate of events at a structure: as in the mission's files.
 const RATE_PER_H_MAX: f64 = 1e6;
-/// Corners of an outline.
+/// Maximum number of corners of an outline.
 const CORNERS_MAX: usize = 2_000;
 
 /// An update of the mission's data, from one message.
@@ -188,7 +188,7 @@ impl MissionUpdates {
         self.announced.contains(target)
     }
 
-    /// Visits that answer every request for a plan; empty if planners plan.
+    /// Returns the visits that answer every request for a plan; empty if planners plan.
     pub fn imposed(&self) -> &[String] {
         &self.imposed
     }
@@ -280,7 +280,7 @@ fn revalue(id: &str, fire: &mut Fire, said: &BTreeMap<String, f64>) {
     }
 }
 
-/// The outline of a fire in a message.
+/// Reads the outline of a fire in a message; `None` unless it is a list of 3 to [`CORNERS_MAX`] places.
 pub(crate) fn outline(value: &Value) -> Option<Vec<Position>> {
     let corners = value.as_list().filter(|corners| (3..=CORNERS_MAX).contains(&corners.len()))?;
     let is_on_map = |at: &Position| at.latitude_deg.abs() <= 89.9 && at.longitude_deg.abs() <= 360.0;
@@ -296,7 +296,7 @@ fn name(value: &Value) -> String {
     }
 }
 
-/// Returns the meaning of `importance`: of a table, the cost of an event that is never found.
+/// Returns the cost of an event that is never found: the last cost of a table, otherwise `of_families`.
 fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     match cost {
         CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),

@@ -37,7 +37,7 @@ const ON_LINE_DEG: f64 = 5.0;
 /// Ways to a circle end this many radii from its middle.
 const CIRCLE_ENTRY: f64 = 2.0;
 
-/// Registers the functions with the mission's data, in place of those without.
+/// Replaces the functions that know no limits by functions with the limits of the mission.
 pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     let limits = Arc::new(limits);
     for (name, least, most, body) in FUNCTIONS {

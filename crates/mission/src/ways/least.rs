@@ -22,7 +22,7 @@ const LOOK_M_MAX: f64 = 2_000_000.0;
 const LOOK_DIRECTIONS: usize = 48;
 /// Distance in metres by which wind and turns may move the vehicle off its path at its ends, where no margin is kept.
 const EDGE_M: f64 = 500.0;
-/// Share of the margins that a way keeps which breaks a requirement already.
+/// Share of the margins that a path keeps if it violates a requirement anyway.
 const MARGINS_LEFT: f64 = 0.2;
 
 impl Limits {

@@ -91,7 +91,7 @@ const FIELD_M: f64 = 200.0;
 const APPROACH_STEP_M: f64 = 1_500.0;
 const APPROACH_WIDTH_M: f64 = 500.0;
 
-/// Returns the height over ground that paths keep: that of the requirement if the ground is known.
+/// Returns the height over ground that paths keep: the usual one or, with terrain, at least [`REQUIRED_SHARE`] of the requirement.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
     let slow_m = GROUND_MARGIN_S * mission.model.true_airspeed_m_s_cruise;
     let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0.min(slow_m) } else { GROUND_MARGIN_M.1 };
@@ -153,7 +153,7 @@ impl Limits {
         }
     }
 
-    /// Returns true if the mission does not limit the airspace.
+    /// Returns true if the mission limits paths neither by zones nor by landing places nor by terrain.
     pub(super) fn are_none(&self) -> bool {
         self.zones.is_empty() && self.landing_distance_m_max.is_none() && self.terrain.is_none()
     }

@@ -64,7 +64,7 @@ pub struct Way {
     pub altitude_m: f64,
     /// Time to wait before leaving.
     pub hold_s: f64,
-    /// Around which place to wait.
+    /// Place around which the vehicle waits; `None`: its position.
     pub hold_around: Option<Position>,
     /// Duration after leaving.
     pub time_s: f64,

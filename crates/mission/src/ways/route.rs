@@ -40,7 +40,7 @@ const HOLD_S_MIN: f64 = 5.0;
 const EARLY_S: f64 = 120.0;
 
 impl Limits {
-    /// Returns the fastest path at any altitude that is of use.
+    /// Returns the fastest path at any of the candidate altitudes.
     ///
     /// # Errors
     /// The reason for which no path exists at the altitude of the place.
@@ -176,11 +176,11 @@ impl Limits {
         })
     }
 
-    /// Returns the way of a vehicle that climbs or descends to an altitude where it is, and leaves when it is there: the way between zones
-    /// over which, or under which, it is not yet.
+    /// Returns the path of a vehicle that first climbs or descends to an altitude on a circle at its position, and leaves at that altitude:
+    /// it passes above or below zones that it would meet if it changed its altitude on the way.
     ///
     /// # Errors
-    /// What prevents it.
+    /// The reason for which the change of altitude or the path is closed.
     pub(super) fn way_after_change(
         &self,
         request: &Request,

@@ -16,9 +16,9 @@ use std::f64::consts::FRAC_PI_2;
 const STEP_S: f64 = 2.0;
 /// Longest flight on the circle that is predicted: the wind makes longer ones uncertain.
 const AHEAD_S: f64 = 3_600.0;
-/// Two steps between which the arrival changes by more are on either side of a jump: the way gets a further turn.
+/// Greatest change of the arrival between two steps; after a greater one, the path has a further turn.
 const JUMP_S: f64 = 10.0;
-/// A second of an arrival that is so early that the line begins before its instant counts as much as this many late ones.
+/// Weight of a second of early arrival if the line would begin before its instant; a late second has the weight 1.
 const EARLY_PRICE: f64 = 10.0;
 
 /// A line, and the instant at which the lead-in before it begins.
@@ -114,8 +114,8 @@ impl Limits {
         best.map(|(_, stay_s)| stay_s)
     }
 
-    /// Returns what a late arrival at the lead-in costs; a negative one is early, and begins the line too early if it is earlier than the
-    /// lead-in lasts.
+    /// Returns the cost of an arrival at the lead-in that is `late_s` late; negative is early. An arrival that is earlier than the lead-in
+    /// lasts begins the line too early.
     fn cost_of_lateness(&self, late_s: f64) -> f64 {
         if late_s < -self.lead_in_s { -EARLY_PRICE * late_s } else { late_s.abs() }
     }

@@ -17,7 +17,7 @@ left: [number, number],
  */
 right: [number, number], 
 /**
- * True if the line counts: the roll is within its limits, and the attitude is known.
+ * True if the line counts: the attitude is known, the roll is within its limits, and no cloud hides the ground.
  */
 valid: boolean, };
 
