@@ -33,7 +33,7 @@ pub struct Thresholds {
     pub raise_samples: u32,
     /// Share of `warning` by which the margin must exceed it before the alarm is cleared.
     pub clear_share: f64,
-    /// Time for which the margin must stay there.
+    /// Time for which the margin must exceed that, s, before the alarm is cleared.
     pub clear_s: f64,
 }
 
@@ -69,7 +69,7 @@ pub const ALARMS_PER_HOUR_MAX: usize = 3;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Alarm {
     state: AlarmState,
-    /// Successive samples that request the alarm.
+    /// Number of successive samples that request the alarm.
     asked: u32,
     /// Since when the margin is clear, while the alarm is raised.
     clear_since_s: Option<f64>,

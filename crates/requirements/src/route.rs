@@ -212,7 +212,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// Returns `None` if no turn is needed, or the place is inside the turning circle.
+    /// Returns the turn from `track` at `from`; `None` if no turn is needed, or the place is inside the turning circle.
     fn towards(from: Point, track: Point, to: Point, radius_m: f64) -> Option<Turn> {
         let way = to.minus(from);
         let aside = track.cross(way);

@@ -31,7 +31,7 @@ pub struct LocalZone {
     active_s: (f64, f64),
 }
 
-/// A lower face at sea level is the ground: there is nothing below it, and no distance is kept from it.
+/// Returns the lower face; negative infinity for a face at or below sea level, which is the ground: no distance is kept from it.
 fn lower_face_m(zone: &AirspaceZone) -> f64 {
     if zone.altitude_m_min > 0.0 { zone.altitude_m_min } else { f64::NEG_INFINITY }
 }
@@ -153,7 +153,7 @@ impl KeepIn {
         }
     }
 
-    /// Returns the nearest point of the edge, with the distance to it; `None` if the union is empty.
+    /// Returns the ends of the nearest segment of the edge; `None` if the union is empty.
     pub fn nearest_edge(&self, point: Point) -> Option<(Point, Point)> {
         let distance_m = |edge: &(Point, Point)| point_to_segment(point, edge.0, edge.1);
         self.edge.iter().copied().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))
