@@ -111,7 +111,7 @@ impl VehicleModel {
         self.true_airspeed_m_s_cruise * (1.0 + mode.overlap_share) / (mode.pixel_mrad * 1e-3 * height_m)
     }
 
-    /// For each scan rate of `mode`, the least height without gaps at cruise speed.
+    /// Returns the least height without gaps at cruise speed, for each scan rate of `mode`.
     pub fn gap_free_heights(&self, mode: &ScannerMode) -> Vec<GapFreeHeight> {
         let height = |scan_rate_hz: &f64| GapFreeHeight {
             scan_rate_hz: *scan_rate_hz,
@@ -120,7 +120,7 @@ impl VehicleModel {
         mode.scan_rates_hz.iter().map(height).collect()
     }
 
-    /// Returns three heights at which figures of `sensor` are printed. For a scanner on a long-range aircraft: a quarter, a half and
+    /// Returns the three heights at which the figures of sensors are printed. For a fixed wing with a line scanner: a quarter, a half and
     /// three quarters of the ceiling. Otherwise: half, once and twice the height from which sites are visited.
     pub fn sample_heights_m(&self) -> [f64; 3] {
         match self.airframe {

@@ -13,9 +13,9 @@ const GRAVITY_M_S2: f64 = 9.806_65;
 const SEA_LEVEL_KG_M3: f64 = 1.225;
 /// Joules of a watt hour.
 pub const JOULES_PER_WH: f64 = 3_600.0;
-/// Share of the power or flow at the reference speed that the parked vehicle takes.
+/// Fuel flow of a parked vehicle with its engine running, as a share of the reference flow.
 const IDLE_SHARE: f64 = 0.2;
-/// Least share of it in a descent.
+/// Least drain in a descent, as a share of the reference flow or of the power of level flight.
 const LEAST_SHARE: f64 = 0.1;
 /// Energy counts as low this share of the capacity above the reserve.
 const LOW_MARGIN_SHARE: f64 = 0.05;

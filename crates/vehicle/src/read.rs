@@ -254,7 +254,7 @@ fn reserve(section: &Section<'_>) -> Read<Reserve> {
     }
 }
 
-/// Reads whichever of two figures is present; true if it is the first one.
+/// Reads the one of two figures that is present; true if it is the first one.
 fn either(section: &Section<'_>, first: &str, second: &str) -> Read<(bool, f64)> {
     match (section.figure_optional(first)?, section.figure_optional(second)?) {
         (Some(value), None) => Ok((true, value)),

@@ -204,7 +204,7 @@ impl<'a> Section<'a> {
         items.iter().map(number).collect()
     }
 
-    /// Returns the value of a figure with a separate source or is covered by the section's.
+    /// Returns the value of a figure that has a source, or is covered by the source of the section.
     fn sourced(&self, name: &str) -> Result<&'a Node, VehicleFileError> {
         let found = self.required(name, "a figure with its source", HELP_FIGURE)?;
         if !matches!(found, Node::Object(_)) {

@@ -13,7 +13,7 @@ pub struct ShippedVehicle {
     pub text: &'static str,
 }
 
-/// All of them, by name.
+/// All shipped vehicle files, in the order of their names.
 pub const SHIPPED: &[ShippedVehicle] = &[
     ShippedVehicle {
         name: "fixed-wing-mapper",
@@ -53,7 +53,7 @@ pub struct ShippedSensor {
     pub text: &'static str,
 }
 
-/// All of them, by name.
+/// All shipped sensor files, in the order of their names.
 pub const SHIPPED_SENSORS: &[ShippedSensor] = &[
     ShippedSensor {
         name: "ams-wildfire",
