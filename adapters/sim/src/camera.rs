@@ -24,7 +24,7 @@ const SETTLE_S: f64 = 0.4;
 const SLEW_MARGIN_S: f64 = 2.0;
 /// Within this angle from straight down, or a quarter of the field of view if that is less, pan is held.
 const NADIR_CONE_RAD: f64 = 3.0 * RAD_PER_DEG;
-/// A tilt beyond the limits of the mount by less than this counts as inside: digits of the limits.
+/// A tilt beyond the limits of the mount by less than this counts as inside, because the limits are rounded.
 const LIMIT_RAD: f64 = 1e-3;
 
 /// The activity of a camera.
@@ -187,8 +187,8 @@ impl Camera {
         matches!(self.state, CameraState::Slewing | CameraState::Pointing | CameraState::Exposing)
     }
 
-    /// The heading at which this mount sees its target; `None` if the mount pans, or if the target is so near the nadir that the picture
-    /// contains it at any heading.
+    /// Returns the heading at which this mount sees its target; `None` if the mount pans, or if the target is so near the nadir that the
+    /// picture contains it at any heading.
     pub(crate) fn nose_rad(&self, state: &State) -> Option<f64> {
         let Some(Aim::At(spot, altitude_m)) = self.aim.as_ref().filter(|_| !self.pans()) else { return None };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);

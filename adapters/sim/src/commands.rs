@@ -85,7 +85,7 @@ const COMMANDS: &[CommandForm] = &[
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
-/// Name, least and greatest number of positional arguments, and keywords of each command, as declared in `library/interface.pdl`.
+/// Returns name, least and greatest number of positional arguments, and keywords of each command, as `library/interface.pdl` declares them.
 pub fn command_forms() -> impl Iterator<Item = (&'static str, (usize, usize), &'static [&'static str])> {
     COMMANDS.iter().map(|command| (command.name, command.arguments, command.keywords))
 }

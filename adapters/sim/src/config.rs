@@ -262,7 +262,7 @@ impl Modem {
 pub struct NamedPlace {
     /// Name; upper and lower case are equal.
     pub name: String,
-    /// Position of the receiver.
+    /// Position of the place.
     pub position: Position,
     /// Altitude of the object itself, for pointing cameras; `None` is the ground.
     pub altitude_m: Option<f64>,

@@ -276,7 +276,7 @@ impl ActiveOrder {
         matches!(&self.order, Order::Land { at, .. } if at.given == Value::symbol("here"))
     }
 
-    /// Returns true on a line whose quality counts.
+    /// Returns true on a commanded line, whose answer states the share of level flight; false on a final approach.
     pub(crate) fn is_on_line(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }

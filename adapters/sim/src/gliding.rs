@@ -26,7 +26,7 @@ pub(crate) struct Glide {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum GlidePart {
-    /// To the circle over the field, and round.
+    /// To the circle over the field, and around it.
     Over,
     In,
     /// Past the field, straight to the ground.

@@ -39,7 +39,7 @@ pub(crate) struct GustScales {
 }
 
 impl GustScales {
-    /// The scales `height_m` above the ground in turbulence of `edr` (m^(2/3)/s).
+    /// Returns the scales `height_m` above the ground in turbulence of `edr` (m^(2/3)/s).
     pub(crate) fn at(height_m: f64, edr: f64) -> GustScales {
         let height_ft = height_m / FOOT_M;
         if height_ft <= LOW_FT {
@@ -79,7 +79,7 @@ struct Lateral {
 }
 
 impl Lateral {
-    /// Moves on by `angle`, the step in units of `L / V`, with two independent normal numbers.
+    /// Advances the filter by `angle`, the step in units of `L / V`, with two independent normal numbers.
     fn step(&mut self, angle: f64, (one, other): (f64, f64)) {
         let kept = exp(-angle);
         let (first, second) = (kept * self.first, kept * (angle * self.first + self.second));
@@ -94,7 +94,7 @@ impl Lateral {
         self.second = second + across * one + sqrt((second_second - across * across).max(0.0)) * other;
     }
 
-    /// The gust for a deviation of one.
+    /// Returns the gust for a deviation of one.
     fn value(&self) -> f64 {
         let root = sqrt(3.0);
         (root * self.first + (1.0 - root) * self.second) / sqrt(2.0)
@@ -128,19 +128,19 @@ impl Gusts {
         (self.heave_m_s, self.bump_m_s2, self.velocity_m_s) = (0.0, 0.0, [0.0; 3]);
     }
 
-    /// The component along the flight.
+    /// Returns the component along the flight, m/s.
     pub(crate) fn along_m_s(&self) -> f64 {
         let [along, ..] = self.velocity_m_s;
         along
     }
 
-    /// The component across the flight, to the right.
+    /// Returns the component across the flight, to the right, m/s.
     pub(crate) fn across_m_s(&self) -> f64 {
         let [_, across, _] = self.velocity_m_s;
         across
     }
 
-    /// The component upwards.
+    /// Returns the component upwards, m/s.
     pub(crate) fn up_m_s(&self) -> f64 {
         let [.., up] = self.velocity_m_s;
         up

@@ -56,13 +56,13 @@ pub(crate) struct Demand {
     pub(crate) nose_rad: Option<f64>,
 }
 
-/// `angle` in 0..2pi.
+/// Returns `angle` wrapped to 0..2pi.
 pub(crate) fn wrap_tau(angle: f64) -> f64 {
     let wrapped = fmod(angle, TAU);
     if wrapped < 0.0 { wrapped + TAU } else { wrapped }
 }
 
-/// `angle` in -pi..pi.
+/// Returns `angle` wrapped to -pi..pi.
 pub(crate) fn wrap_pi(angle: f64) -> f64 {
     wrap_tau(angle + PI) - PI
 }
@@ -139,7 +139,8 @@ pub(crate) fn drain_per_s(state: &State, model: &VehicleModel) -> f64 {
     model.drain_per_s(state.true_airspeed, state.altitude_m, state.vertical_speed)
 }
 
-/// Returns the flight time until fuel or battery are empty, s: in level flight as fast and as high as now; parked, at cruise.
+/// Returns the flight time until fuel or battery are empty, s: in level flight as fast and as high as now; parked, with the drain that
+/// plans count on.
 pub(crate) fn endurance_s(state: &State, model: &VehicleModel, temperature_c: f64) -> f64 {
     let drain = if state.on_ground {
         model.drain_planned_per_s(state.altitude_m)

@@ -164,9 +164,9 @@ pub const VARIABLES: &[PublishedVariable] = &[
 pub(crate) enum Extent {
     /// Position and attitude, and the angles of cameras in use.
     Attitude,
-    /// All that changes fast.
+    /// All variables that change fast.
     Fast,
-    /// Everything.
+    /// All variables.
     Full,
 }
 
@@ -183,7 +183,7 @@ pub(crate) fn location(state: &State) -> Value {
     location_at(state.position, state.altitude_m)
 }
 
-/// A place as `location` is published.
+/// Returns a place in the form in which `location` is published.
 pub(crate) fn location_at(position: Position, altitude_m: f64) -> Value {
     let Position { latitude_deg, longitude_deg } = position;
     let degrees = |degrees: f64| rounded(degrees, POSITION_PER_DEG);
@@ -234,7 +234,7 @@ fn endurance(snapshot: &Snapshot) -> Value {
     Value::Duration(Duration::from_seconds(libm::round(seconds)))
 }
 
-/// Gusts along the flight are felt by the pitot tube.
+/// Returns the indicated airspeed; gusts along the flight count, because the pitot tube measures them.
 fn indicated_airspeed(snapshot: &Snapshot) -> f64 {
     (snapshot.state.true_airspeed + snapshot.gusts.along_m_s()).max(0.0) / snapshot.air.true_per_indicated()
 }
@@ -247,17 +247,17 @@ fn wind_from_rad(snapshot: &Snapshot) -> f64 {
     geodesy::wrap_360(atan2(-east_mps, -north_mps) / RAD_PER_DEG) * RAD_PER_DEG
 }
 
-/// One variable, prepared.
+/// A variable with its name, unit and rounding, prepared once for all packets.
 #[derive(Clone, Debug)]
 struct Published {
     name: StateVariable,
-    /// A zero of the unit.
+    /// Zero in the unit of the variable.
     quantity: Quantity,
     /// SI value of one unit.
     factor: f64,
     /// Number of parts of one unit to which values are rounded.
     parts: f64,
-    /// The vehicle has it.
+    /// True if the vehicle has the variable.
     carried: bool,
 }
 

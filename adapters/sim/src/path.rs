@@ -21,7 +21,7 @@ pub(crate) enum Path {
     Leg(Line, f64),
     /// As `Line`, no faster over ground than this (rotorcraft).
     Paced(Line, f64),
-    /// Round a point.
+    /// Around a point.
     Circle(Circle),
     /// Stay over a point (rotorcraft).
     Hover(Position),

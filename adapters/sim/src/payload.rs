@@ -15,7 +15,7 @@ use apex_runtime::ports::Input;
 use apex_vehicle::Airframe;
 
 impl SimulatedWorld {
-    /// `(scanner on)`, `(scanner off)`.
+    /// Executes `(scanner on)` and `(scanner off)`.
     pub(crate) fn switch_scanner(
         &mut self,
         id: CommandId,

@@ -5,14 +5,14 @@ use crate::random::{Random, Wander};
 use apex_geo::link::FULL_LEVEL_DB;
 use apex_model::problem::Position;
 
-/// A link counts as lost below the first level for the span, as regained above the second for as long.
+/// A link counts as lost if its level is below the first figure for the span, as regained if it is above the second for as long.
 const LOST_LEVEL: f64 = 0.05;
 const REGAINED_LEVEL: f64 = 0.15;
 const SETTLED_S: f64 = 5.0;
 /// Correlation time of fading.
 const FADING_S: f64 = 4.0;
 
-/// One radio link at work.
+/// State of one radio link.
 #[derive(Clone, Debug)]
 pub(crate) struct Radio {
     pub(crate) modem: Modem,
@@ -44,7 +44,7 @@ impl Radio {
         self.fading = Radio::new(self.modem.clone(), seed, index).fading;
     }
 
-    /// Listens at a place and time, `elapsed_s` after the last time.
+    /// Samples the level at a place and time, `elapsed_s` after the last sample; returns the change of the link, if any.
     pub(crate) fn listen(&mut self, here: Position, altitude_m: f64, now_s: f64, elapsed_s: f64) -> Option<LinkChange> {
         let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);
         let silent =

@@ -37,7 +37,7 @@ impl Situation<'_> {
         self.model.airframe == Airframe::FixedWing
     }
 
-    /// Returns true on the commanded altitude, or outside the range of altitudes.
+    /// Returns true on the commanded altitude, and always without a running engine, because the vehicle then cannot hold an altitude.
     pub(crate) fn at_altitude(&self) -> bool {
         let within = if self.fixed() { ALTITUDE_M.0 } else { ALTITUDE_M.1 };
         (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running

@@ -5,9 +5,9 @@ use crate::geodesic::bearing;
 use apex_geo::geodesy::wrap_180;
 use apex_model::problem::Position;
 
-/// The selection is valid within this many degrees of latitude and longitude from the place at which it was made ..
+/// The selection is valid within this many degrees of latitude and longitude from the place at which it was made.
 const NEAR_DEG: f64 = 0.1;
-/// .. which is less than this, anywhere on Earth.
+/// Upper bound on the distance from that place, anywhere on Earth.
 const NEAR_M: f64 = 16_000.0;
 
 /// Lower bound on the length of a degree of latitude.

@@ -26,7 +26,7 @@ pub(crate) struct Turbulence {
     pub(crate) gusts: Gusts,
     /// Roll that the air has added.
     pub(crate) roll_rad: f64,
-    /// Its rate.
+    /// Rate of this roll.
     pub(crate) roll_rate_rad_s: f64,
 }
 

@@ -87,9 +87,9 @@ pub struct SimulatedWorld {
     pub(crate) turbulence: Turbulence,
     /// `None` only while the reporter writes, because it reads the rest of the world meanwhile.
     pub(crate) reporter: Option<Reporter>,
-    /// Nothing changes: the next step may be long.
+    /// True if nothing changes, so that the next step may be long.
     pub(crate) settled: bool,
-    /// Something happened in flight that must be sent in a packet at once.
+    /// True if something happened in flight that must be sent in a packet at once.
     pub(crate) changed: bool,
     pub(crate) crashed: bool,
     pub(crate) home: Position,
@@ -178,7 +178,7 @@ impl SimulatedWorld {
         &self.vehicle
     }
 
-    /// Its true altitude above mean sea level.
+    /// Returns the true altitude of the vehicle above mean sea level.
     pub fn altitude_m(&self) -> f64 {
         self.state.altitude_m
     }

@@ -14,7 +14,7 @@ use common::{Run, form, location, predator, rmax, wind, word};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A stream of numbers that the simulator's streams, which have other numbers, do not share.
+/// Random numbers from a stream that the simulator does not use.
 struct Dice(ChaCha8Rng);
 
 impl Dice {

@@ -1,6 +1,6 @@
 //! Failures over time: stated times, and Poisson processes drawn by seed before the flight.
 //!
-//! Bound: O(active failures and those that began since the last query of changes) for each question; at most [`SPANS_MAX`] spans of one
+//! Bound: O(active failures and those that began since the last query of changes) for each query; at most [`SPANS_MAX`] spans of one
 //! failure.
 
 use super::{FaultKind, FaultSpec};
@@ -33,7 +33,7 @@ impl FaultSpan {
     }
 }
 
-/// All failures of a flight, by their beginnings. The time of the questions never goes back behind the last [`Faults::changes`].
+/// All failures of a flight, by their beginnings. No query may be about an instant before the last [`Faults::changes`].
 #[derive(Clone, Debug)]
 pub(crate) struct Faults {
     spans: Vec<FaultSpan>,
@@ -66,7 +66,7 @@ impl Faults {
         open.chain(self.since_changes(now)).filter(move |span| span.holds(now))
     }
 
-    /// The spans that began after the last query of changes, and not later than `now`.
+    /// Returns the spans that began after the last query of changes, and not later than `now`.
     fn since_changes(&self, now: Time) -> impl Iterator<Item = &FaultSpan> {
         self.spans.iter().skip(self.begun).take_while(move |span| span.from <= now)
     }
@@ -87,7 +87,7 @@ impl Faults {
         ends.chain(next).filter(|at| *at < Time::END).min()
     }
 
-    /// Failures that began or ended since the last call, in order.
+    /// Returns the failures that began or ended since the last call, in order.
     pub(crate) fn changes(&mut self, now: Time) -> Vec<FaultChange> {
         let new = self.since_changes(now).count();
         let mut changes = Vec::new();
@@ -171,7 +171,7 @@ mod tests {
         assert_ne!(faults.spans[0], other.spans[0]);
     }
 
-    /// The naive twin: every question reads all spans.
+    /// The naive twin: every query reads all spans.
     struct Naive {
         spans: Vec<FaultSpan>,
         known: Vec<bool>,
@@ -198,7 +198,7 @@ mod tests {
         }
     }
 
-    /// Long and short failures, some without an end, are asked at irregular instants, at times without a query of changes between them.
+    /// Long and short failures, some without an end, are queried at irregular instants, sometimes without a query of changes in between.
     #[test]
     fn the_naive_twin_gives_the_same_answers() {
         let mut random = Random::new(11, 5);

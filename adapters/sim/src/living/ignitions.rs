@@ -14,7 +14,7 @@ const STREAM: u64 = 2_000;
 const STREAM_OF_LOOKS: u64 = 5_000;
 /// Fires after this time are not drawn: no flight is longer.
 const HORIZON_S: f64 = 5.0 * 86_400.0;
-/// Fires of one structure.
+/// Maximum number of fires of one structure.
 const FIRES_MAX: usize = 10_000;
 
 /// A fire.
@@ -85,7 +85,7 @@ impl Ignitions {
         self.fires.get(self.reported).map(|fire| fire.broke_out_s)
     }
 
-    /// Fires that have broken out since the last call.
+    /// Returns the fires that have broken out since the last call.
     pub(crate) fn broken_out(&mut self, now_s: f64) -> Vec<Fire> {
         let new: Vec<Fire> =
             self.fires.iter().skip(self.reported).take_while(|fire| fire.broke_out_s <= now_s).copied().collect();
@@ -112,7 +112,7 @@ impl Ignitions {
         self.looks.retain(|look| !is_over(look.camera));
     }
 
-    /// Fires that are seen now for the first time.
+    /// Returns the fires that are detected now for the first time.
     pub(crate) fn sighted(&mut self, now_s: f64) -> Vec<Fire> {
         let Ignitions { spec, fires, looks, random, .. } = self;
         let mut seen = Vec::new();
@@ -136,7 +136,7 @@ impl Ignitions {
     }
 }
 
-/// Instants of a Poisson process with a changing rate: exponential steps of the integrated rate, piece by piece.
+/// Returns the instants of a Poisson process with a changing rate: exponential steps of the integrated rate, piece by piece.
 fn instants(site: &BurnableSite, mut random: Random) -> Vec<f64> {
     let steps = &site.rate.steps;
     let mut found = Vec::new();

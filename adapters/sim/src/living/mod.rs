@@ -253,7 +253,7 @@ fn storm_edr() -> f64 {
     0.7
 }
 
-/// The deviation of the wind that blows from the mission's weather: a Gaussian field, correlated in time and space.
+/// Deviation of the true wind from the wind of the mission's weather: a Gaussian field, correlated in time and space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindErrorSpec {

@@ -20,7 +20,7 @@ pub(crate) struct NavigationError {
 }
 
 impl NavigationError {
-    /// Length of the error.
+    /// Returns the length of the error, m.
     pub(crate) fn length_m(&self) -> f64 {
         hypot(self.north_m, self.east_m)
     }
@@ -29,7 +29,7 @@ impl NavigationError {
         self.north_m == 0.0 && self.east_m == 0.0
     }
 
-    /// The true place of the estimated `position`.
+    /// Returns the true place of the estimated `position`.
     pub(crate) fn truth(&self, position: Position) -> Position {
         if self.is_none() { position } else { moved(position, -self.north_m, -self.east_m) }
     }

@@ -22,7 +22,7 @@ pub(crate) struct Perimeters {
 }
 
 impl Perimeters {
-    /// The fires that the world file lets grow.
+    /// Returns the outlines of the fires that grow according to the world file.
     pub(crate) fn new(spec: PerimeterSpec, fires: &[BurningTarget]) -> Perimeters {
         let is_named = |fire: &&BurningTarget| {
             spec.targets.is_empty() || spec.targets.iter().any(|name| name.eq_ignore_ascii_case(&fire.name))
@@ -32,13 +32,14 @@ impl Perimeters {
         Perimeters { spec, fires, grown_s, next_s }
     }
 
-    /// Instant of the next report.
+    /// Returns the instant of the next report; `None` if there is no further one.
     pub(crate) fn next_s(&self) -> Option<f64> {
         let is_over = self.spec.until_h.is_some_and(|until_h| self.next_s > until_h * HOUR_S);
         (!self.fires.is_empty() && !is_over).then_some(self.next_s)
     }
 
-    /// The messages `(new-perimeter TARGET ((LATITUDE LONGITUDE) ..))` that are due; `wind` blows at a place and time, east and north.
+    /// Returns the messages `(new-perimeter TARGET ((LATITUDE LONGITUDE) ..))` that are due; `wind` returns the wind at a place and time,
+    /// east and north, m/s.
     pub(crate) fn reports(&mut self, now: Time, wind: impl Fn(Position, f64) -> (f64, f64)) -> Vec<Value> {
         let mut reports = Vec::new();
         while let Some(at_s) = self.next_s().filter(|at_s| *at_s <= now.seconds()) {

@@ -21,7 +21,7 @@ const DEGRADED_M: f64 = 50.0;
 const RADAR_M: f64 = 300_000.0;
 
 impl SimulatedWorld {
-    /// Readings of subsystems and of the weather radar, with a packet.
+    /// Adds the readings of subsystems and of the weather radar to a packet.
     pub(crate) fn report_subsystems(&self, inputs: &mut Vec<Input>) {
         let Some(living) = &self.living else { return };
         let (now, now_s) = (self.now, self.now.seconds());

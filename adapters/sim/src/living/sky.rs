@@ -37,12 +37,12 @@ impl CloudField {
 }
 
 impl StormCell {
-    /// Returns its middle.
+    /// Returns the middle of the cell.
     pub(crate) fn middle(&self, time_s: f64) -> Position {
         moved(self.latitude_deg, self.longitude_deg, self.east_mps, self.north_mps, time_s)
     }
 
-    /// Returns the distance to the edge; negative inside, `None` at times when the field does not exist.
+    /// Returns the distance to the edge, m; negative inside, `None` at times when the cell does not exist.
     pub(crate) fn distance_m(&self, position: Position, time_s: f64) -> Option<f64> {
         is_there(self.from_h, self.until_h, time_s)
             .then(|| geodesy::distance_m(self.middle(time_s), position) - self.radius_m)

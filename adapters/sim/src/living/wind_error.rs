@@ -12,7 +12,7 @@ use apex_geo::wind::Wind;
 use apex_model::problem::Position;
 use libm::{cos, exp, hypot, sin, sqrt, tan};
 
-/// Waves of one component.
+/// Number of waves of one component.
 const WAVES: usize = 64;
 const STREAM: u64 = 4_000;
 /// The Cauchy distribution has no moments: waves beyond this many correlation lengths are noise that no vehicle resolves.
