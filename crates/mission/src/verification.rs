@@ -113,7 +113,7 @@ pub struct CheckResult {
 }
 
 impl CheckResult {
-    /// Returns positions at which some requirement was violated.
+    /// Returns the number of violations: a position counts once for each requirement that is violated there.
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }

@@ -23,7 +23,7 @@ pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> Missi
     create_record_with(path, mission, seed, RecordOptions::default())
 }
 
-/// Like [`create_record`], with this durability.
+/// Like [`create_record`], with these options.
 ///
 /// # Errors
 /// As [`recording::of_mission`].
@@ -42,7 +42,7 @@ pub fn create_record_with(
     Ok(recorder)
 }
 
-/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
+/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished. `None`: as fast as possible.
 ///
 /// # Errors
 /// The clock of the mission belongs to an outside simulator.

@@ -21,7 +21,7 @@ use std::sync::mpsc;
 
 /// Greatest number of flights in one series.
 pub const RUNS_MAX: usize = 1_000_000;
-/// Threads at most.
+/// Maximum number of threads.
 pub const JOBS_MAX: usize = 1_024;
 
 /// Selection of flights.
@@ -172,7 +172,7 @@ impl RunRow {
         }
     }
 
-    /// Returns positions at which some requirement was violated.
+    /// Returns the number of violations: a position counts once for each requirement that is violated there.
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }
@@ -243,7 +243,7 @@ fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: 
 pub struct RunSummary {
     /// Flights flown.
     pub runs: usize,
-    /// Of them completed.
+    /// Number of completed flights.
     pub completed: usize,
     /// Summarised measure: `score` or `expected cost`; empty if neither is known of any flight.
     pub measure: &'static str,
@@ -266,7 +266,7 @@ pub struct IgnoranceSummary {
     pub flights: usize,
     /// Fires that broke out in these flights.
     pub fires: u64,
-    /// Of them seen.
+    /// Number of these fires that were seen.
     pub seen: u64,
     /// Mean cost of the fires of a flight.
     pub realised: f64,
@@ -315,9 +315,9 @@ pub struct Violated {
 /// Flights that ended for the same reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct NotCompleted {
-    /// Their number.
+    /// Number of these flights.
     pub flights: usize,
-    /// Seed of the first.
+    /// Seed of the first of these flights.
     pub first_seed: u64,
 }
 

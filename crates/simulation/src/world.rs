@@ -75,7 +75,7 @@ fn sites(mission: &Mission) -> Vec<BurnableSite> {
     mission.targets.iter().filter_map(site).collect()
 }
 
-/// The fires with the outline of their ground; a fire in several parts has that of its largest.
+/// Returns the fires with the outline of their ground: that of the largest part, or the circle that represents a fire without outline.
 fn burning(mission: &Mission) -> Vec<BurningTarget> {
     let fire = |target: &Target| {
         let outline = target.outline()?;

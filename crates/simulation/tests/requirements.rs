@@ -213,7 +213,7 @@ fn an_aircraft_stays_within_reach_of_its_landing_place() {
         north_m.hypot(east_m)
     });
     let farthest_m = farthest_m.fold(0.0, f64::max);
-    // The sphere of this test is 0.3 % wrong.
+    // Distances on the sphere of this test are wrong by 0.3 %.
     assert!((50e3..60.2e3).contains(&farthest_m), "{farthest_m} m");
     flown.assert_replays();
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 const HOME: (f64, f64) = (37.4, -121.1);
 const DEGREE_M: f64 = 111_195.0;
 
-/// A mission in the making.
+/// Builder of a mission.
 pub(crate) struct World {
     vehicle: String,
     sites: Vec<(String, f64, f64)>,
@@ -58,25 +58,25 @@ impl World {
         self
     }
 
-    /// Options of the modem in the world.
+    /// Sets the options of the modem in the world.
     pub(crate) fn modem(mut self, options: &str) -> World {
         self.modem = options.to_string();
         self
     }
 
-    /// Further options of the application.
+    /// Sets further options of the application.
     pub(crate) fn options(mut self, options: &str) -> World {
         self.options = options.to_string();
         self
     }
 
-    /// Returns the mission's duration, when home is not called before.
+    /// Sets the time after which the program returns home, unless something else leads home before.
     pub(crate) fn lasting(mut self, duration: &str) -> World {
         self.duration = duration.to_string();
         self
     }
 
-    /// Events of the scenario: seconds and PDL.
+    /// Adds an event to the scenario: seconds and PDL.
     pub(crate) fn event(mut self, at_s: f64, event: &str) -> World {
         writeln!(self.scenario, "{{\"t\": {at_s}, \"event\": \"{event}\"}}").unwrap();
         self
@@ -143,7 +143,7 @@ impl World {
     }
 }
 
-/// Latitude and longitude of the place at the given distances east and north of home.
+/// Returns latitude and longitude of the place at the given distances east and north of home.
 pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
     (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
 }
@@ -170,7 +170,7 @@ impl Flown {
         of.map(|(at_s, form)| (*at_s, form.to_string())).collect()
     }
 
-    /// All statements of the flight, and all places to which the vehicle was sent.
+    /// Returns all statements of the flight, and all places to which the vehicle was sent.
     pub(crate) fn story(&self) -> String {
         let said = self.said.iter().map(|(at_s, form)| (*at_s, form.to_string()));
         let failed = self.events.iter().filter_map(|(at_s, kind)| match kind {
@@ -206,7 +206,8 @@ impl Flown {
         self.events.iter().filter_map(level).collect()
     }
 
-    /// Returns the last place before `until_s` at which no sample of ten seconds before and five seconds after was below 0.3: not the edge.
+    /// Returns the last place before `until_s` with a good link: all samples from ten seconds before to five seconds after it are 0.3 or
+    /// more, so that it does not lie at the edge of the coverage.
     pub(crate) fn last_good_place(&self, until_s: f64) -> (f64, f64) {
         let levels: Vec<(f64, f64)> = self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s).collect();
         let is_good = |from_s: f64, to_s: f64| {

@@ -25,7 +25,7 @@ const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,e
 /// Clouds that a mission may expect: north of 37.2 degrees from 3,000 to 5,000 m.
 const CLOUDS: &str = "south_deg,north_deg,west_deg,east_deg,base_m,top_m,cover\n37.2,39,-118,-116,3000,5000,0.9\n";
 
-/// A mission in the making.
+/// Parts of a mission.
 pub(crate) struct Flight {
     pub(crate) vehicle: &'static str,
     /// Guards, as steps of the program.
@@ -138,7 +138,7 @@ fn fly(mission: Mission, folder: tempfile::TempDir) -> Flown {
 }
 
 impl Flown {
-    /// Instant of the first message with this beginning.
+    /// Returns the instant of the first message with this beginning.
     pub(crate) fn first_s(&self, text: &str) -> f64 {
         let found = self.said.iter().find(|(_, said)| said.starts_with(text));
         found.map(|(at_s, _)| *at_s).unwrap_or_else(|| panic!("no {text}\n{}", self.story()))
@@ -174,7 +174,7 @@ impl Flown {
         found.unwrap_or_else(|| panic!("no {variable} until {at_s} s")).1.clone()
     }
 
-    /// The places of a variable with their instants: degrees north and east, metres.
+    /// Returns the places of a variable with their instants: degrees north and east, metres.
     pub(crate) fn places(&self, variable: &str) -> Vec<(f64, [f64; 3])> {
         let of = self.measured.iter().filter(|(_, name, _)| name == variable);
         let number = |items: &[Value], index: usize| items[index].as_number().unwrap().0;
@@ -182,7 +182,7 @@ impl Flown {
         of.filter_map(|(at_s, _, value)| Some((*at_s, place(value.as_list()?)))).collect()
     }
 
-    /// The last place that the aircraft reported: degrees north and east, metres.
+    /// Returns the last place that the aircraft reported: degrees north and east, metres.
     pub(crate) fn last_place(&self) -> (f64, f64, f64) {
         let of = self.measured.iter().rev().find(|(_, name, _)| name == "(location uav-1)").unwrap();
         let items = of.2.as_list().unwrap();
@@ -206,7 +206,7 @@ impl Flown {
         text
     }
 
-    /// The second check of the recorded flight.
+    /// Returns the result of the independent check of the recorded flight.
     pub(crate) fn verified(&self) -> apex_mission::verification::CheckResult {
         let reader = RecordReader::open(&self.record).unwrap();
         let mission = recorded::mission_of(&reader).unwrap().unwrap();

@@ -55,14 +55,14 @@ fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
     rules
 }
 
-/// A report came before a vehicle was lost.
+/// Returns a violation if the vehicle was lost, and no report came before.
 fn loss_reported(story: &Story) -> Option<String> {
     let lost_s = story.lost_s?;
     let reported = story.reported.iter().any(|(at_s, _)| *at_s <= lost_s && lost_s - at_s <= EXPLAINED_S_MAX);
     (!reported).then(|| format!("at {lost_s:.0} s it was lost, and no task reported it before: {:?}", story.faults))
 }
 
-/// Every loss of a vehicle has a known cause.
+/// Returns a violation if the vehicle was lost without a known cause.
 fn loss_explained(story: &Story) -> Option<String> {
     let lost_s = story.lost_s?;
     // Without engine or energy a landing may fail; with wrong readings, or without acknowledgements, a flight may meet the ground.

@@ -56,7 +56,7 @@ pub(crate) struct Story {
     pub(crate) steps: u64,
     /// Failures in the order in which they began.
     pub(crate) faults: Vec<FaultSpan>,
-    /// Those messages with their instants.
+    /// Messages of [`REPORTS`] with their instants.
     pub(crate) reported: Vec<(f64, String)>,
     pub(crate) asker: Asker,
     pub(crate) landed: bool,

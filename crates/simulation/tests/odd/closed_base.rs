@@ -4,8 +4,7 @@ use crate::harness::{area, collection, feature, fly, home, point, program};
 
 const CLOSED: (f64, f64, f64, f64) = (-121.001, 37.399, -120.999, 37.401);
 
-/// A target is added while the base is closed. The new plan waits until the base opens. Formerly it contained no visits, so two targets of
-/// the old plan were lost.
+/// A target is added while the base is closed. The new plan waits until the base opens, and keeps the targets of the old plan.
 #[test]
 fn a_base_that_opens_again_does_not_end_the_mission() {
     let target = |id: &str, more: &str, at: String| {

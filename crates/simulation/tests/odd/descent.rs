@@ -13,7 +13,7 @@ fn fuel(flown: &Flown) -> Vec<(f64, f64)> {
 }
 
 /// A Global Hawk whose tank allows four hours among more fires than it can see. Its descent from 18.3 km takes an hour, longer than its
-/// reserve of 45 minutes lasts: plans took it from the reserve, and the energy requirement did not count it.
+/// reserve of 45 minutes lasts: plans and the energy requirement must count the descent, so that the reserve is left after the landing.
 #[test]
 fn a_high_aircraft_lands_with_its_reserve() {
     let shipped = include_str!("../../../../library/vehicles/global-hawk.json");

@@ -2,7 +2,7 @@
 
 use crate::harness::{collection, feature, fly, point};
 
-/// The nearest field lies on a mesa, too high to be reached; the aircraft glides to a lower one farther away. It took the nearest one.
+/// The nearest field lies on a mesa, too high to be reached, so the aircraft glides to a lower one farther away.
 #[test]
 fn a_glide_leads_to_a_field_that_is_low_enough() {
     let base = feature(r#""id": "home", "kind": "base", "elevation_m": 700"#, &point(-117.9, 34.9));

@@ -16,14 +16,14 @@ fn mapped(options: &str, files: &[(&str, &str)]) -> Flown {
     fly(&program(&options, "6000m"), &files)
 }
 
-/// Timing as flown and as the plan predicted, and the remarks.
+/// Returns the timing factor as flown and as the plan predicted it, and the remarks.
 fn timing(flown: &Flown) -> (f64, f64, String) {
     let MissionValue::Score(score) = &flown.outcome.report.value else { panic!("{}", flown.text()) };
     let look = &score.looks[0];
     (look.flown.factors.timing, look.predicted.as_ref().unwrap().timing, format!("{:?}", look.flown.remarks))
 }
 
-/// The score took images for lost whatever the record said, and plans took them for timely.
+/// Score and plan agree about an image that is sent when it is taken: it arrives in time.
 #[test]
 fn an_image_that_is_sent_at_once_is_in_time_as_planned() {
     let world = r#"{"format": "apex-world-1", "downlink": {"over": "satellite", "rate_mbit_s": 1, "picture_mbit": 60, "store_mbit": 4000, "processing_s": 60}}"#;
@@ -50,8 +50,8 @@ fn an_image_that_is_read_after_the_landing_is_late_as_planned() {
     assert!(!remarks.contains("Arrival"), "{remarks}");
 }
 
-/// Images of both fires are read after the landing, so the one that is seen first waits for the other. Plans took each for as late as its own
-/// way home, and saw the valuable one first.
+/// Images of both fires are read after the landing, so the image of the fire that is seen first waits for the other. A plan that counted
+/// only the way home of each would see the valuable fire first.
 #[test]
 fn images_wait_for_the_landing_of_the_plan() {
     let fire = |id: &str, value: i32, at: String| {

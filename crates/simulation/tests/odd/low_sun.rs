@@ -8,7 +8,7 @@ const SUN: (f64, f64) = (289.5, 4.6);
 /// Half of the field of view of the quadrotor's camera (36 mm at a focal length of 35 mm), and the keep-out angle of its file.
 const KEPT_DEG: f64 = 27.2 + 5.0;
 
-/// Angle between a sight line and the sun.
+/// Returns the angle between a sight line and the sun.
 fn off_the_sun_deg(azimuth_deg: f64, elevation_deg: f64) -> f64 {
     let (azimuth, elevation) = ((azimuth_deg - SUN.0).to_radians(), elevation_deg.to_radians());
     let sun = SUN.1.to_radians();
@@ -35,7 +35,7 @@ fn a_plan_looks_from_the_side_that_keeps_the_camera_off_the_sun() {
         kept_deg >= KEPT_DEG - 0.5,
         "{kept_deg:.1} degrees off the sun, looking to {azimuth_deg:.0} {elevation_deg:.0}"
     );
-    // The way from home leads towards the sun: looking on along it would have been too near.
+    // The way from home leads towards the sun: a camera that looks along this way looks too near to the sun.
     assert!(
         off_the_sun_deg(290.0, elevation_deg) < KEPT_DEG,
         "the test must have something to avoid: {elevation_deg:.0}"

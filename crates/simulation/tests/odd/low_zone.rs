@@ -25,7 +25,7 @@ fn a_target_below_a_zone_is_visited_from_below() {
     assert!(!flown.text().contains("has to be broken"), "{}", flown.text());
 }
 
-/// Pixels of 3 cm need 99 m above the ground. The simulator refused every fixed wing lower than 100 m.
+/// Pixels of 3 cm need 99 m above the ground, less than the 100 m below which the simulator refuses fast fixed wings.
 #[test]
 fn a_mapping_aircraft_flies_as_low_as_it_plans() {
     let tank =

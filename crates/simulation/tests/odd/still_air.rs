@@ -4,7 +4,7 @@ use crate::harness::{collection, feature, fly, point, program};
 use apex_mission::report::MissionValue;
 
 /// One line sees each fire. Aircraft fly nose up, so that the scanner looks ahead, and it is on a second after the beginning of the line:
-/// lines that began at the edge left 3 % of the ground unseen.
+/// lines that begin at the edge of a fire would leave 3 % of the ground unseen.
 #[test]
 fn what_is_flown_is_what_was_predicted() {
     for (model, cruise, elevations) in [("predator-b", "6000m", [300, 1_500]), ("global-hawk", "16000m", [300, 1_500])]

@@ -2,8 +2,7 @@
 
 use crate::harness::{Flown, collection, feature, fly, home, point, program};
 
-/// The quadrotor flies 17 m/s at most and the wind rises to 18: no way leads home, so it lands where it is. It tried to fly home until its
-/// battery was empty, and crashed.
+/// The quadrotor flies 17 m/s at most and the wind rises to 18: no way leads home, so it lands where it is, before its battery is empty.
 #[test]
 fn a_rotorcraft_that_cannot_get_home_against_the_wind_lands_in_time() {
     let mast = r#""id": "mast", "kind": "inspection", "elevation_m": 100, "value": 20, "resolution_m": 0.05"#;
@@ -64,7 +63,7 @@ fn fly_downwind(
     flown
 }
 
-/// By the forecast there is time for the third fire, from which the aircraft would not be back before the end of the mission.
+/// By the forecast there is time for the third fire; by the measured wind the aircraft would not be back before the end of the mission.
 #[test]
 fn a_plan_in_flight_leaves_out_what_the_measured_wind_does_not_allow() {
     let flown = downwind(&[("near", -120.0), ("far", -118.5), ("farther", -117.7)]);
@@ -102,8 +101,8 @@ fn a_small_margin_leads_to_a_new_plan_before_it_leads_home() {
 }
 
 /// The wind rises when the aircraft is far downwind: the base cannot be reached before the mission ends, and a field behind it can. The
-/// aircraft is on its way home when the field is the last one in reach; it flew on to the base before, because a landing in progress was not
-/// outranked. The descent in the wind takes some of the minutes before the end.
+/// aircraft is on its way home when the field is the last one in reach; the landing there must outrank the landing in progress at the base.
+/// The descent in the wind takes some of the minutes before the end.
 #[test]
 fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
     let fire = r#""id": "farther", "kind": "fire", "acres": 4000, "value": 20"#;

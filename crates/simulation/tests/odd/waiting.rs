@@ -21,8 +21,8 @@ fn what_becomes_known_during_a_wait_is_planned_at_once() {
     assert!((3.0..3.6).contains(&(late_s / 3_600.0)), "{late_s}");
 }
 
-/// A fixed wing circles until the window opens and leaves the circle so that it crosses the beginning of the first line then. It left when
-/// the window opened, wherever it was on the circle, and began 4.5 minutes late in still air.
+/// A fixed wing circles until the window opens, and leaves the circle so that it crosses the beginning of the first line at that instant.
+/// An aircraft that left only when the window opens would begin 4.5 minutes late in still air.
 #[test]
 fn a_line_that_is_waited_for_begins_at_its_instant() {
     let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";
@@ -43,7 +43,7 @@ fn a_line_that_is_waited_for_begins_at_its_instant() {
     }
 }
 
-/// The far target has no window, and was left out because its "last time window closes".
+/// The far target has no window, so the end of the mission is the reason for which it is left out.
 #[test]
 fn a_target_without_windows_is_not_left_out_for_a_window() {
     let target = |id: &str, more: &str, at: String| {
