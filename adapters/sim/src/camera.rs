@@ -153,7 +153,7 @@ impl TargetDirection {
 struct Angles {
     tilt_rad: f64,
     pan_rad: f64,
-    /// Angle to the target that remains there.
+    /// Angle between sight line and target at this tilt and pan.
     left_rad: f64,
 }
 
@@ -265,7 +265,7 @@ impl Camera {
             (true, true) => self.pan_rad,
             (true, false) => atan2(sight.right, sight.forward).clamp(-pan_max, pan_max),
         };
-        // In the plane of the mount's pan. A target behind the mount needs a tilt beyond straight down.
+        // The tilt is in the vertical plane of the pan. A target behind the mount needs a tilt beyond straight down.
         let ahead = sight.forward * cos(pan_rad) + sight.right * sin(pan_rad);
         let wanted = -atan2(sight.down, ahead);
         let (low, high) = (self.model.tilt_deg_min * RAD_PER_DEG, self.model.tilt_deg_max * RAD_PER_DEG);
@@ -275,8 +275,8 @@ impl Camera {
         Angles { tilt_rad, pan_rad, left_rad: TargetDirection::of(tilt_rad, pan_rad).angle_rad(sight) }
     }
 
-    /// Begins to slew towards `aim`, and returns the seconds after which the slew has failed. They are the angles at the slew rate, the
-    /// time in which a rotorcraft turns its nose for a tilt-only mount (`yaw_rate_rad_s`), settling and a margin.
+    /// Begins to slew towards `aim`, and returns the seconds after which the slew has failed: the time of the slew, the time in which a
+    /// rotorcraft turns its nose for a tilt-only mount (at `yaw_rate_rad_s`), settling and a margin.
     pub(crate) fn begin_slew(&mut self, aim: Aim, state: &State, yaw_rate_rad_s: Option<f64>) -> f64 {
         let sight = Camera::sight(&aim, state);
         self.aim = Some(aim);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Predicted {
     /// Coverage, resolution and clarity.
     pub quality: QualityFactors,
-    /// Timing.
+    /// Timing factor, 0 to 1.
     pub timing: f64,
     /// Points.
     pub worth: f64,

@@ -14,7 +14,7 @@ const KEYS: &str =
     "ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize (or dx and dy), NODATA_value";
 /// Posts along a side of SRTM tiles of 3 and of 1 arc seconds.
 const TILE_POSTS: [usize; 2] = [1_201, 3_601];
-/// Elevation of a post of a tile that is not known.
+/// Number in a tile for a post without a known elevation.
 const TILE_VOID: i16 = -32_768;
 /// Difference allowed between a stated elevation and the ground there: geoids, levelled airfields, coarse grids.
 const STATED_M: f64 = 150.0;
@@ -198,7 +198,8 @@ fn made(
     })
 }
 
-/// Returns the elevation of a place of the mission: the stated one, which must agree with the terrain, or that of the terrain.
+/// Returns the elevation of a place of the mission: the stated one, which must agree with the terrain, or that of the terrain; 0 if
+/// neither is known.
 ///
 /// # Errors
 /// If the terrain does not cover the place, or has another elevation there.

@@ -75,7 +75,7 @@ fn ignorance(world: &str, runs: usize) -> IgnoranceSummary {
 fn expected_and_realised_ignorance_agree() {
     let seeds = std::env::var("APEX_IGNORANCE_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(1_000);
     let seen = ignorance(r#"{"format": "apex-world-1", "ignitions": {}}"#, seeds);
-    // 12 min at 6 per hour with 2 min before; 4.8 min at 2 and 7.2 min at 9 per hour: 2.64 fires a flight.
+    // Barn: 6 per hour for the 2 min before and the 12 min of the flight. Mill: 2 per hour for 4.8 min, 9 for 7.2 min. In all 2.64 fires.
     let fires = seen.fires as f64 / seen.flights as f64;
     assert!((fires - 2.64).abs() < 4.0 * (2.64 / seen.flights as f64).sqrt(), "{fires} fires a flight");
     assert!(seen.deviation().abs() <= 3.0, "{seen:?}");

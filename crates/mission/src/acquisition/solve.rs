@@ -1,5 +1,5 @@
 //! Synthesis: predicts the candidates for a goal, filters them by the requirements and by Pareto dominance, and chooses one by value and
-//! time. A dropped candidate keeps its reason; an empty answer names the nearest miss.
+//! time. A rejected candidate keeps its reason; if all are rejected, the error is the reason of the candidate nearest to the goal.
 //!
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 

@@ -130,7 +130,7 @@ impl Deliberator for MissionDeliberator {
     }
 }
 
-/// Everything except the planners on which the answer to one request depends.
+/// Everything on which the answer to one request depends, except the planners.
 struct Question {
     /// The mission as updated so far.
     believed: Mission,
@@ -153,7 +153,7 @@ struct Question {
     observed: Vec<String>,
     /// True if a plan is imposed: if it cannot be flown, planning fails, and the mission does not end.
     is_imposed: bool,
-    /// Numbers the plans of a flight.
+    /// Number of planning problems posed so far in the flight; it numbers the plans.
     number: u32,
 }
 

@@ -203,7 +203,7 @@ fn name_unseen(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&s
     }
 }
 
-/// The planner's word for the limit of a flight by energy.
+/// The planners' words for the limit that energy sets, in reasons of left-out targets.
 const ENDURANCE: &str = "endurance leaves";
 
 /// Replaces the name of the limit by the battery's endurance above its reserve, if the battery limits the flight.

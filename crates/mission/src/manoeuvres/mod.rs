@@ -20,7 +20,7 @@ use apex_model::problem::Manoeuvre;
 /// Maximum number of manoeuvres of one look that planners get.
 const MANOEUVRES_MAX: usize = 8;
 
-/// Returns the ways to observe the look that no other way exceeds in both value and time, the highest value first.
+/// Returns the ways to observe the look for which no other way is both faster and of higher value, the highest value first.
 ///
 /// # Errors
 /// If there is none: the reason, with the nearest possibility.

@@ -108,7 +108,7 @@ pub struct Benchmark {
     pub format: &'static str,
     /// Kind of the problem.
     pub asked: formats::ProblemKind,
-    /// Vehicles that the file names.
+    /// Number of vehicles that the file states.
     pub vehicles: Option<usize>,
 }
 

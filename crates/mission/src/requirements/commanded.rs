@@ -331,12 +331,12 @@ pub(super) struct ReportedCamera {
     pub(super) pan_deg: f64,
     /// True while the camera slews, points or exposes.
     pub(super) is_pointing: bool,
-    /// True if the camera did so before.
+    /// True once the camera has slewed, pointed or exposed.
     pub(super) has_pointed: bool,
-    /// Temperature of its detector, and its instant.
+    /// Last compared temperature of its detector, and its instant.
     pub(super) detector_k: Option<f64>,
     detector_s: f64,
-    /// Rate between the last two temperatures that were reported.
+    /// Rate between the last two compared temperatures, K/s; they are at least [`WARMING_SPAN_S`] apart.
     pub(super) warming_k_s: Option<f64>,
 }
 

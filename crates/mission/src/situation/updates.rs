@@ -296,7 +296,7 @@ fn name(value: &Value) -> String {
     }
 }
 
-/// Returns the cost of an event that is never found: the last cost of a table, otherwise `of_families`.
+/// Returns the cost of an event that is never found: the last cost of a table; for a formula `of_families`, the stated importance.
 fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     match cost {
         CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),
