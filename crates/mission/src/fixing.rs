@@ -6,7 +6,7 @@ use apex_pdl::{Applicability, Checked, Diagnostic, Fix, Severity};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of passes: a fix may uncover the next mistake, but not forever.
+/// Maximum number of passes. Each may uncover further mistakes.
 const PASSES_MAX: usize = 20;
 /// A text that may be changed.
 pub struct Text {

@@ -100,11 +100,11 @@ pub struct CheckResult {
     pub positions: u64,
     /// Number of these positions inside active restricted zones.
     pub inside_zones: u64,
-    /// Outside of the permitted area.
+    /// Number of these positions outside of the permitted area.
     pub outside_permitted: u64,
-    /// Lower over ground than the margin.
+    /// Number of these positions too near to the ground, without take-off, landing and climbs.
     pub near_ground: u64,
-    /// Beyond the landing distance.
+    /// Number of these positions beyond the required landing distance.
     pub beyond_landing_distance: u64,
     /// Requirements that the flight announced as broken, in order.
     pub said_broken: Vec<(f64, String)>,

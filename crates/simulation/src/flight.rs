@@ -33,7 +33,7 @@ pub fn create_record_with(
     seed: Option<u64>,
     options: RecordOptions,
 ) -> MissionResult<Recorder> {
-    // Nothing outside depends on a simulated flight, so that no step waits for its row.
+    // Nothing outside depends on a simulated flight, so no step has to wait until its row is written.
     let options = RecordOptions { has_thread: true, ..options };
     let mut recorder = recording::of_mission(path, mission, options)?;
     let seed = seed.unwrap_or(mission.settings.seed).to_string();

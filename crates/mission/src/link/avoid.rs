@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 const ZONES_MAX: usize = 40;
 /// Steps of the grid on which stated shadows are looked for, across the area of the mission.
 const GRID_STEPS: i32 = 40;
-/// Height over a place where the link is weak that is avoided, too, m.
+/// Height above a weak cell up to which the air is avoided, too, m.
 const ABOVE_M: f64 = 50.0;
 /// Distance from the vehicle and the base, in circle radii, within which weak cells are ignored, so that the vehicle can leave both.
 const CIRCLES: f64 = 2.5;
@@ -117,7 +117,7 @@ fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<A
         }
     }
     weak.extend(beliefs.shaded());
-    // A goal on the way that led to a loss is not flown to again.
+    // The place to which the vehicle was flying when the link was lost counts as weak, unless the link was measured there.
     for loss in beliefs.learned.iter().flat_map(|learned| &learned.losses) {
         if let Some(goal) = loss.goal {
             let cell = cells.of(goal, loss.here.altitude_m);

@@ -34,7 +34,7 @@ pub(crate) enum Belief {
     Measured(f64),
     /// Next to, or below, a place with this measured level that no law explains: a shadow has an extent.
     Shadow(f64),
-    /// By the stated law and shadows, or a law fitted to the samples; at this distance from the station, m.
+    /// Level by the stated law and shadows, or by a law fitted to the samples; then the distance from the station, m.
     Predicted(f64, f64),
 }
 

@@ -140,5 +140,5 @@ pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
 
 /// Time of a turn between two lines as a share of the time of a full stop.
 const TURN_SHARE: f64 = 0.5;
-/// Time in which the last metres are flown, s.
+/// Time in which a rotorcraft flies the last metres to a hover, s.
 const HANG_S: f64 = 3.0;

@@ -13,7 +13,7 @@ const VERSION: f64 = 2.0;
 const FIRST: f64 = 1.0;
 /// Members of the object.
 const MEMBERS: &[&str] = &["version", "Surveillance", "SingleVisit"];
-/// Last instant of a half-open window before its end: plans and benchmarks have microseconds.
+/// Time between the last instant of a half-open window and its end: plans and benchmarks have microseconds.
 const INSTANT_S: f64 = 1e-6;
 
 /// Reads a problem in either version.

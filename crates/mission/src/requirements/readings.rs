@@ -254,7 +254,7 @@ impl<'a> Scene<'a> {
         };
         let margin = margin_m(self.here, self.flown.altitude_m);
         let span = RouteSpan { from_s: 0.0, until_s: self.requirements().look_ahead_s };
-        // A glide loses its ratio in distance for each metre of height.
+        // A glide reaches less far by the glide ratio, in metres, for each metre of height lost.
         let change_per_s = match reach {
             LandingReach::Disc { .. } => self.route.speed_mps_max(),
             LandingReach::Gliding { .. } => self.route.speed_mps_max() * (1.0 + model.glide_ratio),

@@ -41,7 +41,8 @@ const STEP_S: f64 = 5.0;
 const GROUND_TILT_DEG: f64 = -3.0;
 
 impl Scene<'_> {
-    /// Returns the least margin of all cameras that point; `None` by night, without civil time, and while no camera points.
+    /// Returns the least margin of all cameras that point, 180 degrees by night and while none points; `None` without civil time, and until
+    /// a camera has pointed.
     pub(super) fn sun(&self) -> Option<Reading> {
         let keep_out = self.requirements().sun?;
         let zero_unix_s = self.mission.settings.epoch_unix_s?;
@@ -74,7 +75,7 @@ impl Scene<'_> {
             }
         }
         if worst.is_none() && self.flown.cameras.values().any(|camera| camera.has_pointed) {
-            // A camera that rests is as far off the sun as can be.
+            // The margin of a camera that rests is the greatest possible one.
             worst = Some((180.0, None, "camera"));
         }
         let (margin_deg, after_s, camera) = worst?;

@@ -29,7 +29,7 @@ use std::sync::RwLockReadGuard;
 /// Longest time between two samples across which the ground counts as seen.
 const SAMPLE_GAP_S_MAX: f64 = 2.5;
 
-/// Least vertical part of the middle of a picture for which its distance to the ground is counted.
+/// Least vertical component of the sight line with which the distance from the camera to the ground is computed.
 const STEEPNESS_MIN: f64 = 0.2;
 
 /// Observations until now: a fold over the batches of a flight.

@@ -89,8 +89,8 @@ mod tests {
     use crate::Mission;
     use apex_model::problem::{FOREVER_S, WindLayer};
 
-    /// Wind along the track and across it, m/s, and the shortest time to fly 1 km again, from its end to its end or its beginning: an
-    /// optimum of Dubins paths in the wind, computed with another program (speed 95 m/s, bank 18 degrees, 5 s of straight flight before).
+    /// Wind along the track and across it, m/s, and the shortest time, s, from the end of 1 km until it has been flown again in either
+    /// direction: an optimum of Dubins paths in wind from another program (95 m/s, bank 18 degrees, 5 s of straight flight before).
     const TABLE: [(f64, f64, f64); 11] = [
         (0.0, 0.0, 218.4),
         (10.0, 0.0, 232.2),
