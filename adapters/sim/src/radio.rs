@@ -5,7 +5,7 @@ use crate::random::{Random, Wander};
 use apex_geo::link::FULL_LEVEL_DB;
 use apex_model::problem::Position;
 
-/// A link counts as lost if its level is below the first figure for the span, as regained if it is above the second for as long.
+/// A link counts as lost if its level is below `LOST_LEVEL` for `SETTLED_S`, as regained if it is above `REGAINED_LEVEL` for as long.
 const LOST_LEVEL: f64 = 0.05;
 const REGAINED_LEVEL: f64 = 0.15;
 const SETTLED_S: f64 = 5.0;

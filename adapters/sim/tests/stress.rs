@@ -103,7 +103,7 @@ fn storm(config: WorldConfig, seed: u64, radius_m: f64, altitude_m: (f64, f64), 
             .iter()
             .filter(|input| matches!(&input.kind, EventKind::CommandAcknowledged(found, _) if found == id));
         let count = answers.count();
-        // An endless loiter, a camera that never sees its target and the last land may be open.
+        // An endless loiter, a camera that never sees its target and the last landing may be without an answer.
         assert!(count <= 1, "{command} was answered {count} times");
         let may_be_open = withdrawn.contains(id) || !command.to_string().starts_with("(fly-");
         assert!(count == 1 || may_be_open, "{command} was never answered");

@@ -45,7 +45,7 @@ pub enum Violation {
     Inside(String),
     /// Outside of every permitted zone that was active.
     OutsidePermitted,
-    /// Under way lower over ground than the margin.
+    /// Too near to the ground, without take-off, landing or climb.
     NearGround,
     /// Farther from every landing place than the mission allows.
     BeyondLandingDistance,

@@ -193,7 +193,7 @@ impl VehicleModel {
         }
     }
 
-    /// Returns the part of `stored` that can be drained at an outside temperature: kg or J. Cold locks a share of a battery.
+    /// Returns the part of `stored` that can be drained at an outside temperature: kg or J. Cold makes a share of a battery unusable.
     pub fn available(&self, stored: f64, temperature_c: f64) -> f64 {
         match &self.energy {
             EnergyModel::Fuel(_) => stored,

@@ -31,7 +31,7 @@ pub struct SensorModel {
     pub mass_kg: f64,
     /// Temperature inside the sensor, if it limits use.
     pub temperature: Option<SensorTemperature>,
-    /// Use of its data.
+    /// Size, processing and storage of its data.
     pub data: SensorData,
 }
 
@@ -166,7 +166,7 @@ pub struct SensorTemperature {
     pub self_heating_w: f64,
 }
 
-/// Use of the data of a sensor.
+/// Size, processing and storage of the data of a sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorData {
     /// Bytes of one line or picture.

@@ -167,7 +167,7 @@ pub struct PerimeterSpec {
     /// Hours between reports.
     #[serde(default = "one")]
     pub every_h: f64,
-    /// Hour of the mission from which they grow.
+    /// Hour of the mission from which the fires grow.
     #[serde(default)]
     pub from_h: f64,
     /// Hour of the last report; `None` is the end of the flight.

@@ -24,7 +24,7 @@ pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -
     let lowest_m = clear_m.unwrap_or(f64::NEG_INFINITY).max(ground_m.max(seen_m) + clearance_m) + LEVEL_M;
     let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
     let cosine = libm::cos(look_angle_deg * RAD_PER_DEG);
-    // The worst direction of a pixel grows with the square of the distance over the height.
+    // The longer side of a pixel on the ground grows with the square of the distance over the height.
     let height_m = |pixel_m: f64| pixel_m * cosine * cosine / camera.pixel_rad();
     let wanted_m = look.resolution.wanted_m;
     let coarsest_m = WORTH_SHARE * look.resolution.zero_multiple.max(1.0 / WORTH_SHARE) * wanted_m;

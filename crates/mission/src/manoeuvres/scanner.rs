@@ -160,7 +160,8 @@ fn earlier((from, to): (Position, Position), (ahead_m, start_m): (f64, f64)) -> 
     (geodesy::destination(from, begin_deg, ahead_m + start_m), geodesy::destination(to, end_deg, ahead_m))
 }
 
-/// Returns the drafts that no other draft with at least as many lines exceeds in estimated value and time; the others need no prediction.
+/// Returns the drafts that are worth a prediction: no other draft with at least as many lines has more estimated value in no more time,
+/// or as much in less time.
 fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
     let beaten = |draft: &SweepDraft| {
         drafts.iter().any(|other| {

@@ -1,5 +1,5 @@
-//! The observations of a flight, accumulated behind it: the samples of a scanner are handed over in parts to a thread, because marking the
-//! cells of a swath takes a sixteenth of the time of a simulated flight, and few instants of a flight read them.
+//! The observations of a flight, accumulated later than they are made: the samples of a scanner are handed over in parts to a thread,
+//! because marking the cells of a swath takes a sixteenth of the time of a simulated flight, and the cells are rarely read.
 //!
 //! A reader waits until all samples are in the observations. So it receives what it would receive without the thread.
 
