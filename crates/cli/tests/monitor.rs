@@ -168,7 +168,7 @@ fn what_became_of_each_sample_is_in_the_table() {
     desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["overwrite its source"]);
 }
 
-/// Counts from a plain scan of the files' bytes, independent of these readers.
+/// The expected counts come from a plain scan of the files' bytes, independent of these readers.
 #[test]
 fn rolls_above_fifteen_degrees_are_found_in_real_logs() {
     let right = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (> 15deg))";
