@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-/// Bytes per read.
+/// Number of bytes per read.
 const BLOCK: usize = 1 << 16;
 
 /// A window over the bytes that are read next.

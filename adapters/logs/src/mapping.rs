@@ -63,16 +63,16 @@ pub struct Sampled {
     pub at: Time,
 }
 
-/// A field that serves an entry.
+/// A field from which a mapping entry takes its samples.
 #[derive(Clone, Copy, Debug)]
 struct Source {
     entry: usize,
     field: usize,
-    /// Factor of its numbers.
+    /// Factor of the field's numbers.
     scale: f64,
 }
 
-/// Makes samples of messages.
+/// Converts messages into samples.
 #[derive(Debug)]
 pub struct Sampler {
     mapping: Mapping,

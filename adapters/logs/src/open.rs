@@ -77,7 +77,7 @@ impl Format {
     }
 }
 
-/// Bytes that show a format.
+/// Number of leading bytes by which a format is recognised.
 const SHOWN: usize = 512;
 
 /// Recognises the format of `input`, which has a name with `extension`.

@@ -136,7 +136,7 @@ impl<R: Read> ULog<R> {
 
     /// Processes a message of the vehicle's software: level, time stamp and text.
     fn said(&mut self, payload: &[u8], stamp: usize, message: &mut Message) -> bool {
-        // Any bytes contain such texts: without the beginning of a log, definitions of data must come first.
+        // Arbitrary bytes can look like such texts: in a file without the beginning of a log, definitions of data must come first.
         if !self.is_whole && self.subscriptions.is_empty() {
             return false;
         }
