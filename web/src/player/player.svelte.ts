@@ -50,7 +50,7 @@ interface Moment {
 export class Player {
   mission = $state.raw<Mission | null>(null);
   track = $state.raw<Track | null>(null);
-  /** The last samples before the cursor's instant; the track above has a part of the samples. */
+  /** All samples shortly before the cursor's instant; `track` has only a part of the samples. */
   tail = $state.raw<Track | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
@@ -77,7 +77,7 @@ export class Player {
   trouble = $state<{ error: string; help: string } | null>(null);
 
   selection = $state.raw<Selection>(null);
-  /** Plotted signals by name without parentheses; null means those that matter most. */
+  /** Plotted signals by name without parentheses; null means the default choice (`chosenSignals`). */
   strips = $state.raw<string[] | null>(null);
   /** The selected stretch of time. */
   span = $state.raw<Range | null>(null);

@@ -51,7 +51,7 @@ export function columnsOf(window: SignalWindow, atNs: number): Columns {
     scaled(window.mean),
   ];
   const last = window.t_ns.at(-1);
-  // A word applies until the next one.
+  // A value that is a word holds until the next sample.
   if (window.kind === 'words' && last !== undefined && last < atNs) {
     const word = window.mean.at(-1) ?? 0;
     columns[0].push(atNs / NANOSECONDS_PER_SECOND);
@@ -136,7 +136,7 @@ export function valueNow(window: SignalWindow): string {
   return withUnit((window.statistics?.last ?? last) * factor, unit);
 }
 
-/** Statistics as pairs; the range is that of the question. */
+/** Statistics as pairs, over the range that the request states. */
 export function statisticsOf(window: SignalWindow): { name: string; value: string }[] {
   const { statistics } = window;
   if (!statistics) return [{ name: 'samples', value: String(window.samples) }];

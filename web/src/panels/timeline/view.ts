@@ -301,7 +301,7 @@ export function lineOf(
     const last = points.at(-1);
     const previous = points.at(-2);
     if (Math.floor(x) === column && last && previous && Math.floor(previous[0]) === column) {
-      // Third and later points of a pixel only stretch its two.
+      // Further points of a pixel only widen the range between its two points.
       const [upper, lower] = previous[1] < last[1] ? [previous, last] : [last, previous];
       upper[1] = Math.min(upper[1], height);
       lower[1] = Math.max(lower[1], height);
