@@ -11,7 +11,7 @@ use apex_portfolio::profile::{Planner, Profile, conclusion, measure, merge, name
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// Returns the names of cells: `all` and `subset` name many.
+/// Returns the names of cells; `all` and `subset` in `names` each mean several cells.
 #[pyfunction]
 pub(crate) fn cell_names(python: Python<'_>, names: Vec<String>) -> PyResult<Vec<String>> {
     let found = named::cells(&names).map_err(|error| failed(python, refused(error)))?;
