@@ -1,9 +1,9 @@
 """Plans the orienteering problems of a folder with PyVRP or OR-Tools, at equal processor time.
 
 Both maximise profit before they shorten ways: PyVRP by prizes larger than any way (`unit_distance_cost=1`), OR-Tools by
-penalties, the best of three scales, each with the whole time. Limits are processor time, as for Apex. Prints one JSON
-object: problem -> seconds -> profit. Arguments: the
-folder, `pyvrp` or `ortools`, seconds.
+penalties for targets left out; of three scales of the penalties, each with the whole time, the best counts. Limits are
+processor time, as for Apex. Prints one JSON object: problem -> seconds -> profit. Arguments: the folder, `pyvrp` or
+`ortools`, seconds.
 """
 
 import json

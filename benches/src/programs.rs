@@ -12,7 +12,7 @@ fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: 
     text
 }
 
-/// Steps that each wait for a sample of a separate variable, and command.
+/// Steps that each wait for a sample of a separate variable, and then send a command.
 pub fn waiting(steps: usize) -> String {
     let step = |number| format!("(step s{number} (work on {number}) (waitfor (level {number} > 10)))");
     written("", steps, step, "(on-start (command (act ?n)))")

@@ -31,7 +31,7 @@ const FLOOD_PER_SECOND: u64 = 150_000;
 const BLOCKS_PER_SECOND: u64 = 100;
 /// An operator's message acts, and a deadline is met, within this time.
 const BAR_MS: f64 = 50.0;
-/// Time between two messages of the operator: no multiple of a block.
+/// Time between two messages of the operator: not a multiple of the time between two blocks of the floods.
 const MESSAGE_PERIOD: Duration = Duration::from_millis(47);
 
 fn main() -> Result<(), Box<dyn Error>> {

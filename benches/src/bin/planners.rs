@@ -15,7 +15,7 @@ use apex_solvers::bounds::age_grid::cycles;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Of a row of `pairs`.
+/// Number of columns in a row of `pairs`.
 const COLUMNS: usize = 8;
 
 /// CPU time of this thread, in nanoseconds.

@@ -1,7 +1,7 @@
 //! Travel matrices among zones: processor time and growth, compared with extremitypathfinder.
 //!
-//! `travel world FILE` writes the world of 100 places and 50 zones for the peer. `travel report FILE PEER.json` prints our matrix of the
-//! same world with a comparison of the lengths, matrices on the Earth with margins of zones and changing wind, and the growth.
+//! `travel world FILE` writes the world of 100 places and 50 zones for the peer. `travel report PEER.json` prints our matrix of the same
+//! world with a comparison of the lengths, matrices on the Earth with margins of zones and changing wind, and the growth.
 
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Air, EndpointId, Network, PlaneZone, Setting};
@@ -9,10 +9,10 @@ use apex_model::problem::{AirspaceZone, Area, Position, TimeWindow, WindField, W
 use apex_planning::random::Generator;
 use std::fmt::Write;
 
-/// The world of the bar.
+/// Size of the world to which the bar applies.
 const PLACES: usize = 100;
 const ZONES: usize = 50;
-/// Side of the square that a zone has for itself.
+/// Side of the grid's cells, each of which contains at most one zone.
 const CELL_M: f64 = 120_000.0;
 /// Bar, in seconds of processor time.
 const BAR_S: f64 = 0.1;
@@ -162,7 +162,7 @@ fn earth(world: &World, windows: bool) -> Earth {
     }
 }
 
-/// Returns the matrix for a departure, from nothing: reachable pairs and bends.
+/// Computes the travel matrix for a departure at `ready_s`, with all preparations. Returns the numbers of reachable pairs and of bends.
 fn flown(earth: &Earth, ready_s: f64) -> (usize, usize) {
     let setting = Setting {
         zones: &earth.zones,
