@@ -125,7 +125,7 @@ impl Described {
         Ok(())
     }
 
-    /// Returns the results of the looks by their names: first those of the ground, then those of what it has grown by.
+    /// Returns the results of the looks by their names: first those of the original ground, then those of the added ground.
     fn assessed(&self) -> Result<Vec<(String, LookResult)>, String> {
         let target = self.target();
         let grid = TargetGrid::new(&target, GridSettings::default()).map_err(|error| error.to_string())?;

@@ -84,7 +84,7 @@ fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Members that the text must show at any depth: time, subject, event, cause; and the lists of these.
+/// Returns true for members that the text must show at any depth: time, subject, event, cause; and the lists of these.
 fn is_shown(path: &str) -> bool {
     let parts: Vec<&str> = path.split('/').collect();
     let own = ["because", "history", "waiting", "blocked"];

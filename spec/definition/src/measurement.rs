@@ -27,7 +27,8 @@ pub(crate) fn series_of<'a>(
     found
 }
 
-/// The instant from which samples count: the creation, the last sample before it if that may still be valid, or the beginning of time.
+/// Returns the instant from which samples count: the creation, the last sample before it if that may still be valid, or the earliest
+/// instant.
 fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time {
     if !measurement.timestamp.is_empty() {
         return Time::MIN;

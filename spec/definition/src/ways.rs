@@ -52,7 +52,7 @@ impl Way {
         }
     }
 
-    /// Returns both, unless they disagree about a variable.
+    /// Returns both ways as one, or `None` if they give a variable different values.
     fn with(&self, next: &Way) -> Option<Way> {
         let hull = match (self.hull, next.hull) {
             (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
@@ -67,7 +67,7 @@ impl Way {
     }
 }
 
-/// Intervals of a run that are meant (rule 7).
+/// The intervals of a run that count as its results (rule 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Runs {
     /// From the first sample of the run up to the one that proves it.
@@ -78,7 +78,7 @@ pub(crate) enum Runs {
     Whole,
 }
 
-/// At which instant, and from which on, a condition is judged.
+/// Context in which a condition is judged: the knowledge, the instant from which evidence counts, and the present instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'a> {
     pub(crate) question: &'a Question,

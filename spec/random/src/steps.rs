@@ -7,7 +7,7 @@ use apex_reference::program::{
     Activity, Clauses, Condition, Expr, Kind, Need, Priority, Relation, Repetition, SECOND, Step, Term,
 };
 
-/// Items to which a step can refer.
+/// The surroundings to which a step can refer.
 struct Around<'a> {
     tags: &'a [String],
     own: usize,

@@ -158,7 +158,7 @@ impl<'p> Agent<'p> {
         used(step).into_iter().filter(|name| !own.contains(name) && produced(name)).collect()
     }
 
-    /// No further task is made from the step.
+    /// Forgets a task, so that no clause refers to it any longer.
     pub(crate) fn forget(&mut self, id: usize) {
         self.tasks[id].forgotten = true;
         self.tasks[id].watches.clear();

@@ -11,7 +11,7 @@ use crate::value::{Bindings, Value, joined, matches};
 pub(crate) struct Proof {
     /// First and last evidence; `None` if no evidence was needed.
     hull: Option<(Time, Time)>,
-    /// Since when it is known.
+    /// The instant since which the proof is known.
     known: Time,
     pub(crate) bound: Bindings,
     evidence: Vec<Evidence>,
@@ -47,7 +47,7 @@ impl Proof {
 struct Place<'a> {
     task: usize,
     watch: &'a Watch,
-    /// Messages count that came before the watching began, while the step was busy.
+    /// True if messages count that arrived before the watch began, while the step was busy.
     missed: bool,
 }
 

@@ -43,7 +43,7 @@ impl<'p> Agent<'p> {
         true
     }
 
-    /// Of all that works.
+    /// Checks the invariants of all tasks that work.
     pub(crate) fn judge_invariants(&mut self) {
         let works = self.ids(|task| {
             task.state == State::Ongoing && task.work.is_some() && !matches!(task.work, Some(Work::Handling(_)))

@@ -108,7 +108,7 @@ impl Agent<'_> {
     }
 }
 
-/// Returns true if the condition combines messages.
+/// Returns true if the condition contains a message.
 fn hears(condition: &Condition) -> bool {
     match condition {
         Condition::Event(_) => true,
