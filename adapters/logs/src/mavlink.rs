@@ -23,7 +23,7 @@ pub(crate) struct TelemetryLog<R> {
     definitions: Vec<MessageDefinition>,
     known: BTreeMap<(u8, u8, u32), usize>,
     topics: Vec<Topic>,
-    /// The first system with an autopilot: the topics of its messages have no prefix.
+    /// The first system with an autopilot: the topics of its messages have no suffix `@SYSTEM.COMPONENT`.
     vehicle: Option<u8>,
     stamp: Option<u64>,
     damages: ReadErrors,

@@ -262,7 +262,7 @@ impl ClockSource {
     }
 }
 
-/// Refuses a trace or record that would replace a file of the run.
+/// Refuses a trace that would replace the program, the file of inputs or the flight record.
 fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     let program = real(&sources::program_path(&options.program));
