@@ -18,7 +18,7 @@ pub(crate) fn cell_names(python: Python<'_>, names: Vec<String>) -> PyResult<Vec
     Ok(found.iter().map(ToString::to_string).collect())
 }
 
-/// Measures planners in cells of test missions, or on those of an existing profile; returns the profile's text.
+/// Measures planners in cells of test missions, or on the missions of an existing profile; returns the profile's text.
 #[pyfunction]
 pub(crate) fn measured(
     python: Python<'_>,

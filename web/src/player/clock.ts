@@ -49,7 +49,7 @@ export function advance(
   return next >= range.toNs ? { atNs: range.toNs, ended: true } : { atNs: next, ended: false };
 }
 
-/** The step of an arrow key: a hundredth of the visible range, but at least a millisecond. */
+/** The step of an arrow key: a hundredth of the visible range, but at least a millisecond; a coarse step is ten times as long. */
 export function stepNs(visible: Range, coarse: boolean): number {
   return Math.max((visible.toNs - visible.fromNs) / 100, 1e6) * (coarse ? 10 : 1);
 }

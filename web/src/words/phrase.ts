@@ -8,7 +8,7 @@ const LEADS = new Set(
   'from to along once due before after at on with for over by until of as and again more'.split(' '),
 );
 
-/** `observe Butler 2`, for `(observe butler-2 along (((34.3 ..)))) due P3H)`. */
+/** `observe Butler 2`, for `(observe butler-2 along (((34.3 ..))) due P3H)`. */
 export function phrase(goal: string, names: Names): string {
   const inner = goal.startsWith('(') ? goal.replace(/^\(|\)$/g, '') : goal;
   const plain = withoutLists(inner, '');

@@ -7,7 +7,7 @@ import { type ShownUnit, shownUnit, withUnit } from '../../units/aviation';
 
 /** Signals without a limit that are shown at first, if the record has them. */
 const FIRST = ['altitude', 'ground-speed', 'fuel', 'battery-charge'];
-/** Signals shown at first. */
+/** Number of signals shown at first. */
 const FIRST_COUNT = 4;
 
 /** Words such as `roll angle`, with the object if another signal has the same attribute. */
@@ -162,7 +162,7 @@ export function samplesTable(windows: readonly SignalWindow[]) {
     signal: [] as string[],
     unit: [] as string[],
     time_s: [] as number[],
-    /** A number, or none for a word. */
+    /** A number; null for a word. */
     value: [] as (number | null)[],
     lowest: [] as (number | null)[],
     highest: [] as (number | null)[],

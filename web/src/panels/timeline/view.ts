@@ -163,7 +163,7 @@ function laneName(lane: { tag: string; goal: string; tasks: number }, names: Nam
   return (goal.split(/\s/)[0] ?? lane.tag).replaceAll('-', ' ');
 }
 
-/** The bar or band at a point of the lanes (`y` from the top of the first lane). */
+/** The bar at a point of the lanes (`y` from the top of the first lane). */
 export function barAt(lanes: readonly LaneRow[], x: number, y: number, scale: Scale): Bar | null {
   const lane = lanes.find(candidate => y >= candidate.y && y < candidate.y + candidate.height);
   const row = lane?.rows[Math.floor((y - lane.y) / ROW_PX)];
