@@ -31,7 +31,7 @@ class ProcessorTime:
 
 
 def of_pyvrp(problem: dict, seconds: float) -> int:
-    """The profit of PyVRP's route."""
+    """Return the profit of PyVRP's route."""
     targets, legs, limit = problem["targets"], problem["legs"], problem["limit"]
     dear = limit + 1
     model = pyvrp.Model()
@@ -58,7 +58,7 @@ def of_pyvrp(problem: dict, seconds: float) -> int:
 
 
 def of_ortools(problem: dict, seconds: float, scale: int) -> int:
-    """The profit of the route of OR-Tools with penalties of this scale."""
+    """Return the profit of the route of OR-Tools with penalties of this scale."""
     targets, legs, limit = problem["targets"], problem["legs"], problem["limit"]
     manager = pywrapcp.RoutingIndexManager(len(legs), 1, 0)
     routing = pywrapcp.RoutingModel(manager)

@@ -32,7 +32,7 @@ class Command(py_trees.behaviour.Behaviour):
 
 
 def writer(*names: str) -> py_trees.blackboard.Client:
-    """A client that may write the variables."""
+    """Return a client that may write the variables."""
     client = py_trees.blackboard.Client(name="writer")
     for name in names:
         client.register_key(key=name, access=py_trees.common.Access.WRITE)
@@ -41,7 +41,7 @@ def writer(*names: str) -> py_trees.blackboard.Client:
 
 
 def check(variable: str, threshold: int) -> CheckBlackboardVariableValue:
-    """A condition on one variable."""
+    """Return a condition on one variable."""
     expression = ComparisonExpression(variable=variable, value=threshold, operator=operator.gt)
     return CheckBlackboardVariableValue(name=f"{variable}>{threshold}", check=expression)
 
@@ -124,7 +124,7 @@ def life(count: int) -> float:
 
 
 def hand_off(count: int) -> float:
-    """Of `count` competitors one of greater priority becomes ready and interrupts the one that runs, which continues later."""
+    """Return the time in which one of `count` competitors interrupts the task that runs, ends, and that task continues."""
     names = [f"wants{number}" for number in range(count)]
     client = writer(*names)
     rivals = [

@@ -78,7 +78,7 @@ impl PlannerManner {
 pub struct PageVehicle {
     manner: VehicleManner,
     answers: Vec<(CommandId, Input)>,
-    /// Inputs to pass on later, ordered by that instant.
+    /// Inputs to pass on later, ordered by the instants at which they arrive.
     late: Vec<(Time, Input)>,
 }
 

@@ -164,7 +164,7 @@ impl LogFile {
         }
     }
 
-    /// UTC in nanoseconds at mission time 0; `None` if the log does not state it.
+    /// Returns the UTC in nanoseconds at mission time 0; `None` if the log does not state it.
     ///
     /// # Errors
     /// The file cannot be read.

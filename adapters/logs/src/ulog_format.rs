@@ -169,7 +169,7 @@ fn push(
     Ok(())
 }
 
-/// `float[4]` as `float` and 4.
+/// Returns a type without its length, and the length: `float[4]` as `float` and 4.
 fn counted(kind: &str) -> Option<(&str, Option<usize>)> {
     match kind.split_once('[') {
         None => Some((kind, None)),

@@ -79,7 +79,7 @@ fn measure(csv: &std::path::Path) {
     }
 }
 
-/// Every planner that serves the problem, with every budget.
+/// Measures every planner that serves the problem, with every budget.
 fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem: &Problem) {
     for solver in apex_solvers::solvers().iter().filter(|solver| solver.serves(problem)) {
         for units in &BUDGETS {

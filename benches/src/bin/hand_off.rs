@@ -67,7 +67,7 @@ fn kinds() -> Vec<Kind> {
     kinds
 }
 
-/// The program of a kind with `count` competitors.
+/// Returns the program of a kind with `count` competitors.
 fn program(kind: Kind, count: usize) -> String {
     let mut text = String::from(
         "(resource r2 :capacity 2)\n(resource q2 :capacity 2)\n(resource r3 :capacity 3)\n(resource q3 :capacity 3)\n",
@@ -156,7 +156,7 @@ struct HandOffRun {
 }
 
 impl HandOffRun {
-    /// The next batch: an acknowledgement, or the next wake.
+    /// Returns the next batch: an acknowledgement, or the next wake.
     fn next(&mut self) -> Option<Batch> {
         if let Some(command) = self.commands.pop_front() {
             self.now = self.now + Duration(1_000_000);
@@ -206,7 +206,7 @@ fn measure(text: &str) -> Vec<f64> {
     all
 }
 
-/// Processor time of this thread, in nanoseconds.
+/// Returns the processor time of this thread, in nanoseconds.
 fn worked_ns() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 * 1e9 + time.tv_nsec as f64

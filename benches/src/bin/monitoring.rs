@@ -174,7 +174,7 @@ fn creation(count: usize) -> f64 {
     ns / more as f64
 }
 
-/// A hundred equal episodes with a minimum duration of `samples` samples.
+/// Returns a hundred equal episodes with a minimum duration of `samples` samples.
 fn bounded(samples: usize) -> Vec<String> {
     let seconds = samples as f64 * 0.02;
     (0..100)
@@ -301,7 +301,7 @@ fn memory_mb() -> [f64; 2] {
     ["VmRSS:", "VmHWM:"].map(|key| kibibytes(key).unwrap_or(f64::NAN) * 1024.0 / 1e6)
 }
 
-/// Ten monitors of all kinds, ten seconds of history, and unlimited samples: the kept data must not grow.
+/// Runs monitors of all kinds with ten seconds of history, and prints the kept data, which must not grow with the samples.
 fn soak(samples: usize) {
     let (texts, _) = mixed(20);
     let (library, conditions) = conditions("(defun keep () (mean-over 'x0 'uav 10s))", &texts);
@@ -331,7 +331,7 @@ fn soak(samples: usize) {
 struct MeasurementFile(Option<serde_json::Value>);
 
 impl MeasurementFile {
-    /// One row: the name, measurement and bar in nanoseconds, and the peers' row for the same work.
+    /// Prints one row: the name, measurement and bar in nanoseconds, and the peers' row for the same work.
     fn row(&self, what: &str, ns: f64, bar: Option<f64>, row: Option<&str>) {
         let verdict = match bar {
             Some(bar) if ns <= bar => "met",

@@ -157,7 +157,8 @@ fn read_json(path: &Path) -> Option<Value> {
     serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
 }
 
-/// Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying depth.
+/// Adds the medians of all rows below `folder`. Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying
+/// depth.
 fn collect(folder: &Path, rows: &mut Medians) {
     let new = folder.join("new");
     let row = read_json(&new.join("benchmark.json")).zip(read_json(&new.join("estimates.json")));
@@ -188,7 +189,7 @@ fn collect_others(folder: &Path, rows: &mut Medians) {
     }
 }
 
-/// Every row with its growth: the ratio of the times for the greatest and the least count.
+/// Prints every row with its growth: the ratio of the times for the greatest and the least count.
 fn print_growth(rows: &Medians) {
     println!("| measured | median at each count | growth |\n|---|---|---|");
     for ((group, function), counts) in rows {

@@ -18,13 +18,13 @@ const CELL_M: f64 = 120_000.0;
 const BAR_S: f64 = 0.1;
 const DAY_S: (f64, f64) = (0.0, 86_400.0);
 
-/// CPU time of this thread, in nanoseconds.
+/// Returns the CPU time of this thread, in nanoseconds.
 fn cpu_ns() -> u64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
 }
 
-/// Median seconds of processor time over `rounds`, with the last answer.
+/// Returns the median seconds of processor time over `rounds`, and the last answer.
 fn timed<T>(rounds: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     let mut once = || {
         let begin = cpu_ns();
@@ -49,8 +49,8 @@ struct World {
     places: Vec<Point>,
 }
 
-/// Ragged zones of five to eight corners in the cells of a grid, so that none overlap (a requirement of the peer), with places between
-/// them.
+/// Returns ragged zones of five to eight corners in the cells of a grid, so that none overlap (a requirement of the peer), with places
+/// between them.
 fn world(places: usize, zones: usize, seed: u64) -> World {
     let mut random = Generator::new(seed);
     let columns = (zones as f64 * 1.12).sqrt().ceil() as usize;

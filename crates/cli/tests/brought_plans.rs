@@ -131,7 +131,7 @@ fn what_is_left_out_says_why() {
     }
 }
 
-/// A plan of a few visits once, with a change.
+/// Stores a plan of a few visits once, with a change.
 fn edited(desk: &Desk, change: impl FnOnce(&mut Value)) {
     let mut planned = answer(&plan(desk, CELL, &["--json"]).well());
     let body = &mut planned["plan"]["Surveillance"];

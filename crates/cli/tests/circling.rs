@@ -27,7 +27,7 @@ const RIDGES: &str = r#"(defapplication "Ridge Watch"
 
 const DWELL_S: f64 = 60.0;
 
-/// Calm air, sites some 40 km apart.
+/// Writes a mission in calm air, with sites some 40 km apart.
 fn ridges(desk: &Desk) {
     let mut features =
         vec![json!({"type": "Feature", "properties": {"id": "home", "kind": "base", "elevation_m": 1400},

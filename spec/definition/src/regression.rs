@@ -150,7 +150,8 @@ fn bounds(constraint: &Constraint) -> Vec<f64> {
     }
 }
 
-/// Whether the value satisfies the constraint. A value within `near` of a bound, the size of rounding errors, counts as equal to it.
+/// Returns true if the value satisfies the constraint. A value within `near` of a bound, the size of rounding errors, counts as equal to
+/// it.
 fn satisfied(constraint: &Constraint, value: f64, near: f64) -> bool {
     let below = |bound: f64| value < bound - near;
     let above = |bound: f64| value > bound + near;

@@ -47,7 +47,7 @@ impl Maker<'_> {
         steps
     }
 
-    /// Many steps that need the same resource at once and state their durations.
+    /// Returns many steps that need the same resource at once and state their durations.
     fn crowd(&mut self) -> Vec<Step> {
         let lasting: Vec<Goal> = self.primitives.iter().filter(|goal| goal.lasts).cloned().collect();
         let Some(goal) = self.dice.pick(&lasting) else { return Vec::new() };

@@ -171,7 +171,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Priority, then work that has begun, then written order among siblings and creation order among others.
+    /// Compares by priority, then work that has begun, then written order among siblings and creation order among others.
     fn by_priority(&self, a: usize, b: usize, competitors: &[usize]) -> Ordering {
         let order = |id: usize| {
             let begun = self.goes_first(id, competitors);
@@ -396,7 +396,7 @@ impl Agent<'_> {
         worked + since.map_or(0, |since| self.now - since)
     }
 
-    /// Whether this task would end before the rejected claimant can begin, so that it may use the resource meanwhile.
+    /// Returns true if this task would end before the rejected claimant can begin, so that it may use the resource meanwhile.
     fn leaves_a_gap(&self, id: usize, share: &Share) -> bool {
         let expected = self.tasks[id].choice.as_ref().and_then(|choice| choice.expected);
         match (share.right, expected) {

@@ -7,7 +7,7 @@ use crate::trace::What;
 use crate::value::Bindings;
 use std::collections::BTreeSet;
 
-/// A sequential procedure without a stated end gets a final step that terminates it.
+/// Returns the program in which every sequential procedure without a stated end gets a final step that terminates it.
 pub(crate) fn with_ends(program: &Program) -> Program {
     let mut program = program.clone();
     let ends = |step: &Step| matches!(step.activity, Activity::Terminate { tag: None, .. });

@@ -70,8 +70,7 @@ impl Agent<'_> {
         self.variable(place.task, place.watch.level, name)
     }
 
-    /// A message or a sample is judged when it is noticed, or when the watch begins if that is later: the variable's value at that time
-    /// counts.
+    /// Returns the variable's value for a message or a sample: the value when it is noticed, or when the watch begins if that is later.
     fn saw(&self, place: Place<'_>, name: &str, arrival: u64) -> Option<Value> {
         let owner = self.owner(place.task, place.watch.level, name);
         let later = |change: &&Change| {
@@ -328,7 +327,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Notice: the satisfied clauses.
+    /// Returns the satisfied clauses, in the order in which they are noticed.
     pub(crate) fn noticed(&self, wanted: impl Fn(&Watch) -> bool) -> Vec<(usize, Watch)> {
         let mut noticed: Vec<(usize, Watch)> = Vec::new();
         for (id, task) in self.living() {
@@ -340,7 +339,7 @@ impl Agent<'_> {
         noticed
     }
 
-    /// Whether all variables in the conditions are known to the task.
+    /// Returns true if all variables in the conditions are known to the task.
     pub(crate) fn all_known(&self, id: usize, conditions: &[&Condition]) -> bool {
         let mut names = Vec::new();
         conditions.iter().for_each(|condition| crate::creation::in_condition(condition, &mut names));

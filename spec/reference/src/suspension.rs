@@ -16,7 +16,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// A suspension is watched from the creation of the task, or from the time at which all variables in it are known.
+    /// Watches for a suspension of the step, from the creation of the task or from the time at which all variables in the clauses are
+    /// known.
     pub(crate) fn watch_step_suspension(&mut self, id: usize) {
         let Some(clauses) = self.clauses(id, Level::Step) else { return };
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
@@ -103,7 +104,7 @@ impl<'p> Agent<'p> {
         self.run_step_hook(id, which);
     }
 
-    /// While a failure is handled, neither procedure nor primitive is at work.
+    /// Runs a hook of the procedure or primitive. While a failure is handled, neither is at work.
     pub(crate) fn run_inner_hook(&mut self, id: usize, which: impl Fn(&Hooks) -> &Vec<Form>) {
         let program = self.program;
         let forms = match &self.tasks[id].work {
@@ -129,7 +130,7 @@ impl<'p> Agent<'p> {
         all
     }
 
-    /// Children in order of creation.
+    /// Returns the children in order of creation.
     pub(crate) fn children(&self, id: usize) -> Vec<usize> {
         match &self.tasks[id].work {
             Some(Work::Procedure { children, .. } | Work::Items(children)) => children.iter().copied().collect(),
@@ -163,8 +164,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task's work has ended before the task: clauses of its procedure are no longer watched, and a suspension by the procedure is
-    /// over. A suspension by the step's clause or by an activity stays.
+    /// After the end of the task's work, before that of the task, ends the watches of clauses of its procedure, and a suspension by the
+    /// procedure. A suspension by the step's clause or by an activity stays.
     pub(crate) fn forget_clauses(&mut self, id: usize) {
         let task = &mut self.tasks[id];
         let mut watches = task.watches.iter();

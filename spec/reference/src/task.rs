@@ -294,7 +294,7 @@ impl Task {
     }
 }
 
-/// Two needs of one resource are combined into their sum.
+/// Adds a need; two needs of one resource are combined into their sum.
 pub(crate) fn add(needs: &mut Vec<(String, f64)>, name: &str, amount: f64) {
     match needs.iter_mut().find(|(other, _)| other == name) {
         Some((_, sum)) => *sum += amount,

@@ -230,7 +230,7 @@ fn may_fit(pattern: &Pattern, value: &Value) -> bool {
     }
 }
 
-/// The parts of a condition that can be evidence.
+/// Adds to `leaves` the parts of a condition that can be evidence.
 fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     match &condition.kind {
         ConditionKind::And(parts, _)

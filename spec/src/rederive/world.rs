@@ -209,7 +209,7 @@ impl<'a> World<'a> {
         (task.state, task.since, task.outcome) = (to, now, outcome);
     }
 
-    /// `(release-resource R..)` takes from its procedure the resources handed to it.
+    /// `(release-resource R..)`: takes from its procedure the resources handed to it.
     fn let_go(&mut self, id: TaskId) {
         let Some(task) = self.tasks.get(&id) else { return };
         let Some([Value::Symbol(word), names @ ..]) = task.goal.as_ref().and_then(Value::as_list) else { return };
