@@ -121,7 +121,7 @@ fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     }
 }
 
-/// Returns true if the subject was interrupted in this run and its behaviour matches.
+/// Returns true if the subject's states in this run show what follows an interruption with this behaviour.
 fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
     let states: Vec<TaskState> = log.states.iter().filter(|(tag, _)| tag == subject).map(|(_, state)| *state).collect();
     let after_interruption = |wanted: TaskState| states.windows(2).any(|pair| pair == [TaskState::Interrupted, wanted]);

@@ -31,7 +31,7 @@ pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     found
 }
 
-/// Rule 17: whether past instants are judged again when a sample comes late. They are if a variable of the part is declared with
+/// Rule 17: returns true if past instants are judged again when a sample comes late. They are if a variable of the part is declared with
 /// `:lateness`, or if nothing of the part comes late, which gives the same result.
 fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
     let watched = variables(part);

@@ -47,7 +47,7 @@ pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Ser
         .any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
 }
 
-/// Rule 2: the window begins with the creation unless the condition constrains the instants.
+/// Rule 2: returns true if the instant is in the window, which begins with the creation unless the condition constrains the instants.
 pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) -> bool {
     if tests.is_empty() { at >= view.created } else { instant_fits(at, tests) }
 }

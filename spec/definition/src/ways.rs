@@ -348,7 +348,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
     }
 }
 
-/// Combinations of each way of the first with each way of the second that agrees with it and follows it.
+/// Returns combinations of each way of the first with each way of the second that agrees with it and follows it.
 fn combined(first: &[Way], second: &[Way], follows: impl Fn(&Way, &Way) -> bool) -> Vec<Way> {
     let mut all = Vec::new();
     for before in first {

@@ -139,7 +139,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Samples within the window with a matching object and value. Among several at one time the last one counts.
+    /// Returns samples within the window with a matching object and value. Among several at one time the last one counts.
     fn samples_of(
         &self,
         attribute: &str,
@@ -347,7 +347,7 @@ impl Agent<'_> {
     }
 }
 
-/// Combinations of each proof of the first with each proof of the second that agrees with it and follows it.
+/// Returns combinations of each proof of the first with each proof of the second that agrees with it and follows it.
 fn combined(first: &[Proof], second: &[Proof], follows: impl Fn(&Proof, &Proof) -> bool) -> Vec<Proof> {
     let mut all = Vec::new();
     for before in first {

@@ -144,7 +144,7 @@ pub(super) fn was_measured(world: &World<'_>, variable: &str, value: &Value, at:
     require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
 }
 
-/// Returns true if the condition is about this variable.
+/// Returns true if the condition is about the attribute of this variable; objects are not compared.
 pub(super) fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     match leaf {
         ConditionKind::Measurement(measurement) => {
