@@ -22,7 +22,7 @@ export function axisOf(record: Range, plannedNs: number | null, atNs: number): R
   return { fromNs, toNs: plannedNs === null ? record.toNs : Math.max(fromNs + 1, plannedNs, atNs) };
 }
 
-/** The slowest speed that plays the whole record in a minute. */
+/** The slowest speed that plays the whole record in at most a minute; the fastest speed if none does. */
 export function speedFor(range: Range): number {
   const wanted = (range.toNs - range.fromNs) / NANOSECONDS_PER_SECOND / WATCH_S;
   return SPEEDS.find(speed => speed >= wanted) ?? SPEEDS[SPEEDS.length - 1] ?? 1;

@@ -81,7 +81,7 @@ export interface Needs {
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
-/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. The planner rounds whole minutes up, so seconds are not shown. */
+/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. From a minute on the planner rounds up to whole minutes. */
 function neededTime(seconds: number): string {
   const minutes = seconds / 60;
   if (seconds < 60 || !Number.isInteger(minutes)) return `${Math.ceil(seconds)} s`;

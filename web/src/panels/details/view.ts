@@ -43,7 +43,7 @@ function causeView(moment: Moment, goal: string): CauseView {
   };
 }
 
-/** Two or three words: `created`, `started`, `interrupted`, `ended: success`. */
+/** A few words: `created`, `started`, `interrupted`, `ended: success`. */
 function headingOf({ kind, from, to, outcome }: Moment): string {
   switch (kind) {
     case 'transition':

@@ -125,7 +125,7 @@ export interface ZoneView {
   active: boolean;
 }
 
-/** The zones; those not active now have their times and heights. */
+/** The zones with their names, times and heights, and whether they are active now; permitted areas have no text. */
 export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: number | null): ZoneView[] {
   const hour = atNs / NANOSECONDS_PER_SECOND / 3600;
   return surroundings.zones.map(zone => {
@@ -151,7 +151,7 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
   });
 }
 
-/** Text about the zones at a place: name, altitude band, times, and whether they are active; null if there are none. */
+/** Text about the zones at a place, without permitted areas: name, times, heights, and whether they are active; null if there are none. */
 export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
   if (here.length === 0) return null;

@@ -192,7 +192,7 @@ export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | u
   return best?.lane;
 }
 
-/** The scroll position at which a lane and, if there is space, the lane above it are visible. */
+/** The scroll position at which a lane is visible: the present one if it is, otherwise with a row's height beyond the lane. */
 export function scrollTo(lane: LaneRow, scrollPx: number, room: number): number {
   if (lane.y >= scrollPx && lane.y + lane.height <= scrollPx + room) return scrollPx;
   return Math.max(0, lane.y < scrollPx ? lane.y - ROW_PX : lane.y + lane.height + ROW_PX - room);
