@@ -26,8 +26,8 @@ impl Numbers {
     }
 }
 
-/// Returns a model in which each test needs `width` random components; one test in `redundant` also needs one of two others (0: no test
-/// does).
+/// Returns a model in which each test needs `width` random components and one more. For every `redundant`th test that one is either of two
+/// components (0: for no test).
 fn model(width: usize, redundant: usize) -> Arc<Model> {
     let mut numbers = Numbers(7);
     let mut components: Vec<String> = Vec::new();

@@ -24,7 +24,7 @@ fn to_command(driven: &mut Driven, kind: EventKind) -> Duration {
     taken
 }
 
-/// A sample satisfies one of `count` waiting tasks, each with a separate variable; measured until the task's command.
+/// Measures the time from a sample that satisfies one of `count` waiting tasks, each with a separate variable, to the task's command.
 fn event_to_command(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to command");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -61,7 +61,7 @@ fn event_to_command(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Samples without effect: of a variable that no condition watches, and on the wrong side of every bound.
+/// Measures samples without effect: of a variable that no condition watches, and on the wrong side of every bound.
 fn event_to_nothing(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to nothing");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -87,7 +87,7 @@ fn event_to_nothing(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// One variable and as many bounds as tasks; each sample is just above the least remaining bound.
+/// Measures samples of one variable with as many bounds as tasks; each sample is just above the least remaining bound.
 fn one_of_many_bounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one of many bounds");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -111,7 +111,7 @@ fn one_of_many_bounds(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Creation, enablement, selection, work and end of every task of a plan, all at one instant.
+/// Measures creation, enablement, selection, work and end of every task of a plan, all at one instant.
 fn task_life(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("task life");
     group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);

@@ -5,7 +5,7 @@ use apex_benches::{MEASUREMENT, WARM_UP, agent, check, library, programs};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
-/// The time must grow with the steps and no faster, however they are arranged.
+/// Times loading, which must grow with the steps and no faster, however they are arranged.
 fn load(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("load");
     group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);

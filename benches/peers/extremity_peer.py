@@ -22,14 +22,14 @@ AGREE = 1e-9
 
 
 def star(rng, x, y, radius, corners):
-    """A polygon around (x, y), counter-clockwise, in general not convex."""
+    """Return a polygon around (x, y), counter-clockwise, in general not convex."""
     angles = sorted((i + 0.4 * rng.random()) * 2 * math.pi / corners for i in range(corners))
     lengths = [radius * (0.25 + 0.75 * rng.random()) for _ in angles]
     return [(x + r * math.cos(a), y + r * math.sin(a)) for a, r in zip(angles, lengths)]
 
 
 def inside(point, polygon):
-    """By crossings; points on an edge do not occur in random worlds."""
+    """Return whether a point is inside, by counting crossings; no point of a random world is on an edge."""
     (px, py), odd = point, False
     for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1]):
         if (ay > py) != (by > py) and px < ax + (bx - ax) * (py - ay) / (by - ay):
@@ -38,7 +38,7 @@ def inside(point, polygon):
 
 
 def make(seed):
-    """A world of up to 16 obstacles in cells of a grid, inside a ragged boundary."""
+    """Return a world of up to 16 obstacles in cells of a grid, inside a ragged boundary."""
     rng = random.Random(seed)
     grid = rng.randint(1, 4)
     holes = [
@@ -50,7 +50,7 @@ def make(seed):
     middle, size = 10 * grid, 10 * grid * math.sqrt(2) + 4
     corners = rng.randint(8, 20)
     angles = [(i + 0.5 * rng.random()) * 2 * math.pi / corners for i in range(corners)]
-    # Ragged, but never into the grid of obstacles.
+    # The boundary is ragged, but stays outside the grid of obstacles.
     boundary = []
     for angle in angles:
         radius = size * (1.15 + 0.6 * rng.random())
@@ -64,7 +64,7 @@ def make(seed):
 
 
 def environment(boundary, holes):
-    """Prepared by the peer, which wants obstacles clockwise. Its own validation refuses some simple polygons."""
+    """Return the peer's environment. The peer needs clockwise obstacles; its validation refuses some simple polygons."""
     env = PolygonEnvironment()
     env.store(boundary, [hole[::-1] for hole in holes], validate=False)
     env.prepare()
@@ -72,7 +72,7 @@ def environment(boundary, holes):
 
 
 def ways(env, places):
-    """Lengths between all pairs, the first of lower number."""
+    """Yield both numbers and the length for each pair of places, the lower number first."""
     for i, start in enumerate(places):
         for j, goal in enumerate(places[i + 1 :], i + 1):
             yield i, j, env.find_shortest_path(start, goal)[1]
@@ -96,7 +96,7 @@ def worlds():
 
 
 def read(path):
-    """The worlds of a file: name, boundary, holes, places, ways."""
+    """Return the worlds of a file: name, boundary, holes, places, ways."""
     found = []
     for line in open(path, encoding="utf-8"):
         kind, *rest = line.split()

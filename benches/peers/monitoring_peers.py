@@ -1,8 +1,8 @@
 """Measures rtamt and reelay on the traces that Apex's monitors watch.
 
-Both watch formulas, one a monitor, and are handed one sample after the other as their own documentation does it. A value
-episode is the formula `x > b`; a duration episode is "x > b for the last D samples" (neither has a greatest gap, nor says
-which samples it rests on). Prints one JSON object: peer -> rows -> nanoseconds per monitor and sample.
+Each monitor watches one formula and receives one sample at a time, as the peers' documentation shows. A value episode is
+the formula `x > b`; a duration episode is "x > b for the last D samples". The peers have no largest gap and give no
+evidence. Prints one JSON object: peer -> rows -> nanoseconds per monitor and sample.
 """
 
 import json
@@ -19,17 +19,17 @@ MONITORS = 5
 
 
 def trace(folder: pathlib.Path, name: str) -> list[float]:
-    """The first samples of a trace."""
+    """Return the first samples of a trace."""
     return [float(line) for line in (folder / name).read_text().split()[:SAMPLES]]
 
 
 def bounds() -> list[tuple[float, int]]:
-    """Bounds with durations in samples, spread as Apex's are."""
+    """Return bounds with durations in samples, spread like those of Apex's monitors."""
     return [(-20.0 + 40.0 * number / MONITORS, 25 + number * 500 // MONITORS) for number in range(MONITORS)]
 
 
 def of_reelay(pattern: str, values: list[float]) -> float:
-    """Nanoseconds for each sample."""
+    """Return the processor time of reelay in nanoseconds per sample."""
     monitor = reelay.discrete_timed_monitor(pattern=pattern, semantics="boolean")
     samples = [{"x": value} for value in values]
     start = time.process_time_ns()
@@ -39,7 +39,7 @@ def of_reelay(pattern: str, values: list[float]) -> float:
 
 
 def of_rtamt(formula: str, values: list[float]) -> float:
-    """Nanoseconds for each sample."""
+    """Return the processor time of rtamt in nanoseconds per sample."""
     spec = rtamt.StlDiscreteTimeSpecification()
     spec.declare_var("x", "float")
     spec.declare_var("out", "float")

@@ -1,9 +1,9 @@
 """Plans the orienteering problems of a folder with PyVRP or OR-Tools, at equal processor time.
 
 Both maximise profit before they shorten ways: PyVRP by prizes larger than any way (`unit_distance_cost=1`), OR-Tools by
-penalties, the best of three scales, each with the whole time. Limits are processor time, as for Apex. Prints one JSON
-object: problem -> seconds -> profit. Arguments: the
-folder, `pyvrp` or `ortools`, seconds.
+penalties for targets left out; of three scales of the penalties, each with the whole time, the best counts. Limits are
+processor time, as for Apex. Prints one JSON object: problem -> seconds -> profit. Arguments: the folder, `pyvrp` or
+`ortools`, seconds.
 """
 
 import json
@@ -31,7 +31,7 @@ class ProcessorTime:
 
 
 def of_pyvrp(problem: dict, seconds: float) -> int:
-    """The profit of PyVRP's route."""
+    """Return the profit of PyVRP's route."""
     targets, legs, limit = problem["targets"], problem["legs"], problem["limit"]
     dear = limit + 1
     model = pyvrp.Model()
@@ -58,7 +58,7 @@ def of_pyvrp(problem: dict, seconds: float) -> int:
 
 
 def of_ortools(problem: dict, seconds: float, scale: int) -> int:
-    """The profit of the route of OR-Tools with penalties of this scale."""
+    """Return the profit of the route of OR-Tools with penalties of this scale."""
     targets, legs, limit = problem["targets"], problem["legs"], problem["limit"]
     manager = pywrapcp.RoutingIndexManager(len(legs), 1, 0)
     routing = pywrapcp.RoutingModel(manager)

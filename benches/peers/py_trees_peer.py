@@ -32,7 +32,7 @@ class Command(py_trees.behaviour.Behaviour):
 
 
 def writer(*names: str) -> py_trees.blackboard.Client:
-    """A client that may write the variables."""
+    """Return a client that may write the variables."""
     client = py_trees.blackboard.Client(name="writer")
     for name in names:
         client.register_key(key=name, access=py_trees.common.Access.WRITE)
@@ -41,13 +41,13 @@ def writer(*names: str) -> py_trees.blackboard.Client:
 
 
 def check(variable: str, threshold: int) -> CheckBlackboardVariableValue:
-    """A condition on one variable."""
+    """Return a condition on one variable."""
     expression = ComparisonExpression(variable=variable, value=threshold, operator=operator.gt)
     return CheckBlackboardVariableValue(name=f"{variable}>{threshold}", check=expression)
 
 
 def watchers(conditions) -> Parallel:
-    """Every watcher waits, as the others do, for its condition and then acts."""
+    """Return a tree of parallel watchers, each of which waits for its condition and then acts."""
     root = Parallel(name="all", policy=ParallelPolicy.SuccessOnAll(synchronise=False))
     for condition in conditions:
         root.add_child(Sequence(name="watch", memory=False, children=[condition, Command(name="act")]))
@@ -55,7 +55,7 @@ def watchers(conditions) -> Parallel:
 
 
 def median_ns(events) -> float:
-    """The median time of `events`, each a pair of setting up (not measured) and what is measured."""
+    """Return the median time of `events`, each a pair of a set-up (not measured) and the measured call."""
     times = []
     until = time.perf_counter() + SECONDS_PER_ROW
     for set_up, measured in events:
@@ -69,7 +69,7 @@ def median_ns(events) -> float:
 
 
 def event_to_command(count: int) -> float:
-    """One of `count` variables passes its threshold; until its command is sent."""
+    """Return the time from one of `count` variables passing its threshold to the command of its watcher."""
     names = [f"level{number}" for number in range(count)]
     client = writer(*names)
     root = watchers(check(name, 10) for name in names)
@@ -92,7 +92,7 @@ def event_to_command(count: int) -> float:
 
 
 def shared_variable(count: int) -> float:
-    """A sample of one variable that `count` watchers compare with separate thresholds; one of them acts."""
+    """Return the time of a sample that `count` watchers compare with separate thresholds; one of them acts."""
     client = writer("level")
     root = watchers(check("level", threshold) for threshold in range(count))
     root.tick_once()
@@ -112,7 +112,7 @@ def shared_variable(count: int) -> float:
 
 
 def life(count: int) -> float:
-    """A sequence of `count` behaviours that are done at once: time of one of them."""
+    """Return the time of one behaviour in a sequence of `count` behaviours that finish at once."""
     root = Sequence(name="chain", memory=True, children=[Success(name=f"s{number}") for number in range(count)])
 
     def events():
@@ -124,7 +124,7 @@ def life(count: int) -> float:
 
 
 def hand_off(count: int) -> float:
-    """Of `count` competitors one of greater priority becomes ready and interrupts the one that runs, which continues later."""
+    """Return the time in which one of `count` competitors interrupts the task that runs, ends, and that task continues."""
     names = [f"wants{number}" for number in range(count)]
     client = writer(*names)
     rivals = [
@@ -150,7 +150,7 @@ def hand_off(count: int) -> float:
 
 
 def memory(count: int) -> float:
-    """Bytes of one waiting watcher with its condition and its action."""
+    """Return the bytes of one waiting watcher with its condition and its action."""
     names = [f"level{number}" for number in range(count)]
     writer(*names)
     gc.collect()

@@ -19,12 +19,12 @@ use apex_pdl::{CheckOptions, Checked, SourceText};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time for which a row runs before its measurement, and roughly the time of the measurement; all rows together take minutes.
+/// Time for which a row runs before its measurement.
 pub const WARM_UP: Duration = Duration::from_millis(500);
-/// See [`WARM_UP`].
+/// Approximate time for which a row is measured, so short that all rows together take minutes.
 pub const MEASUREMENT: Duration = Duration::from_secs(2);
 
-/// Each of many tasks waits for a separate variable, commands, and waits again.
+/// Program of COUNT tasks, each of which waits for a separate variable, commands, and waits again.
 pub const WATCHERS: &str = "
 (procedure (index (do-domain))
   (step all (watch ?n) (forall ?n in (range COUNT))))

@@ -44,7 +44,7 @@ pub fn session(texts: &[String]) -> MonitorSession {
     session
 }
 
-/// Variable number `number`: `(x0 uav)`, `(x1 uav)`, ..
+/// Returns variable number `number`: `(x0 uav)`, `(x1 uav)`, ..
 pub fn variable(number: usize) -> StateVariable {
     StateVariable::new(Symbol::new(&format!("x{number}")), Value::symbol("uav"))
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// One procedure of `kind`, with steps made by `step` from their numbers, and the primitive that serves them.
+/// Returns one procedure of `kind`, with steps made by `step` from their numbers, and the primitive that serves them.
 fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: &str) -> String {
     let mut text = format!("(procedure {kind} (index (do-domain))\n");
     for number in 0..steps {
@@ -12,7 +12,7 @@ fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: 
     text
 }
 
-/// Steps that each wait for a sample of a separate variable, and command.
+/// Steps that each wait for a sample of a separate variable, and then send a command.
 pub fn waiting(steps: usize) -> String {
     let step = |number| format!("(step s{number} (work on {number}) (waitfor (level {number} > 10)))");
     written("", steps, step, "(on-start (command (act ?n)))")
@@ -32,7 +32,7 @@ pub fn flat(tasks: usize) -> String {
     )
 }
 
-/// `tasks` tasks in towers of fifty: each task has one child.
+/// Returns a program of `tasks` tasks in towers of fifty, in which each task but the lowest has one child.
 pub fn nested(tasks: usize) -> String {
     const HEIGHT: usize = 50;
     let towers = (tasks / HEIGHT).max(1);
@@ -44,17 +44,17 @@ pub fn nested(tasks: usize) -> String {
     text
 }
 
-/// One concurrent procedure of `steps` steps.
+/// Returns one concurrent procedure of `steps` steps.
 pub fn concurrent(steps: usize) -> String {
     written("", steps, |number| format!("(step s{number} (work on {number}))"), "")
 }
 
-/// One ranked procedure of `steps` steps.
+/// Returns one ranked procedure of `steps` steps.
 pub fn ranked(steps: usize) -> String {
     written(":ranked", steps, |number| format!("(step s{number} (work on {number}))"), "")
 }
 
-/// One sequential procedure of `steps` steps.
+/// Returns one sequential procedure of `steps` steps.
 pub fn sequence(steps: usize) -> String {
     let mut text = String::from("(procedure :sequential (index (do-domain))\n");
     for number in 0..steps {
@@ -64,7 +64,7 @@ pub fn sequence(steps: usize) -> String {
     text
 }
 
-/// One concurrent procedure of `steps` steps, each of which waits for the previous one.
+/// Returns one concurrent procedure of `steps` steps, each of which waits for the previous one.
 pub fn chain(steps: usize) -> String {
     let mut text = String::from("(procedure (index (do-domain))\n  (step s0 (work on 0))\n");
     for number in 1..steps {

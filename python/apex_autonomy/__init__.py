@@ -10,8 +10,8 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and r
 :func:`fly` flies a :class:`Mission` in the built-in simulator and records it, :func:`fly_runs` flies many seeds;
 :func:`replay`, :func:`fork` and :func:`report` work on the record. A :class:`Planner` is a user-defined planner:
 :func:`plan` plans with it, missions are flown with it, and a :class:`Profile` measures it with those that ship.
-:func:`expected_cost` scores any plan of surveillance, also by user-defined costs, and :func:`cost_table` makes them
-tables for planners.
+:func:`expected_cost` scores any plan of surveillance, also by user-defined costs, and :func:`cost_table` turns such
+costs into tables for planners.
 
 Syntax and meaning are those of PDL (``docs/reference/conditions.md``); this package only translates.
 """

@@ -200,7 +200,7 @@ class Mission:
 
     @property
     def duration_s(self) -> float:
-        """The time after which a flight ends at the latest."""
+        """The mission time in seconds at which a flight ends at the latest."""
         return self._native.duration_s
 
     @property
@@ -245,7 +245,7 @@ class Mission:
         Raises
         ------
         PlanningError
-            There is no plan, and why.
+            There is no plan; the message states the reason.
 
         Examples
         --------

@@ -69,7 +69,7 @@ class Monitor:
     >>> print(results[1])
     (roll-angle uav) from 3s to 6.5s, 8 samples
 
-    How dense the samples were that a result rests on:
+    The largest time between two samples of a result:
 
     >>> monitor = Monitor("(:episode (rssi uav) :quality :no-constraints :value (< 20))", gaps=True)
     >>> results = monitor.extend([1.0, 2.0, 6.0, 6.5, 7.0], [15.0, 12.0, 14.0, 11.0, 40.0])
@@ -123,7 +123,8 @@ class Monitor:
         Parameters
         ----------
         t : Instant
-            When it was measured. Earlier than others is late: it counts within the ``:lateness`` of its variable.
+            When it was measured. A sample earlier than the newest one is late: it counts within the ``:lateness`` of
+            its variable.
         value : object
             A number (in the declared unit, if one is declared), ``bool``, ``str``, :class:`Symbol`, :class:`Quantity`,
             ``numpy.timedelta64`` or a list of such. None and not-a-number are missing measurements.
@@ -162,7 +163,7 @@ class Monitor:
             Instants: seconds as float64, or ``timedelta64`` / ``datetime64``.
         values : array_like, shape (n,)
             Numbers, in the declared unit if one is declared; not-a-number is a missing measurement. An array of
-            booleans hands over true and false, as :meth:`push` does.
+            booleans gives true and false, as :meth:`push` does.
         variable : str or Variable, optional
             As in :meth:`push`.
 
@@ -198,12 +199,12 @@ class Monitor:
         return self._take()
 
     def event(self, t: Instant, form: str | Sequence[Any]) -> Results:
-        """Hand over a message, the last of its instant.
+        """Pass a message, the last input of its instant.
 
         Parameters
         ----------
         t : Instant
-            When it came.
+            When the message arrived.
         form : str or list
             The message as PDL, ``"(ready camera-1)"``, or as a list of values.
 
@@ -228,7 +229,7 @@ class Monitor:
         return self._take()
 
     def advance(self, t: Instant) -> Results:
-        """Let time come to ``t``; everything up to and with it was handed over.
+        """Advance time to ``t``, after all inputs up to and including ``t`` have been passed.
 
         Parameters
         ----------

@@ -18,7 +18,7 @@ __all__ = ["Environment", "Planner", "plan", "problem"]
 
 
 class PlannerStopped(BaseException):
-    """Thrown into a planner that did not stop when it should; no ``Exception``, so that it is not caught by habit."""
+    """Raised in a planner that did not stop when it should; not an ``Exception``, which many planners catch."""
 
 
 class Environment:
@@ -29,7 +29,7 @@ class Environment:
 
     @property
     def seed(self) -> int:
-        """Seed of the planner's chance: equal seed and budget give an equal plan."""
+        """Seed of the planner's random numbers: equal seed and budget give an equal plan."""
         return self._surroundings.seed
 
     @property
@@ -81,8 +81,8 @@ class Planner(abc.ABC):
         Returns
         -------
         sequence of str, or dict
-            Of surveillance the names of the targets in the order of visits, as often as there is time: it is flown and
-            priced for you. Otherwise, and if you like, a plan as ``plan.schema.json`` describes it, with its kind.
+            For surveillance the names of the targets in the order of visits, repeated while time remains: Apex computes
+            times and cost. For other problems, or instead, a plan as ``plan.schema.json`` describes it, with its kind.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class Planner(abc.ABC):
 
 
 class _Program:
-    """The surroundings of a planner in a separate process."""
+    """The context of a planner that runs in a separate process, with the methods of `PlannerContext`."""
 
     STEP = 10_000
 
@@ -254,7 +254,7 @@ def plan(
     Raises
     ------
     PlanningError
-        There is no plan, and why.
+        There is no plan; the message states the reason.
 
     Examples
     --------

@@ -76,7 +76,7 @@ def fly_runs(
     Raises
     ------
     MissionError
-        A number is out of range, or the mission cannot be simulated. A flight that breaks is a row with its reason.
+        A number is out of range, or the mission cannot be simulated. A flight that fails is a row with its reason.
 
     Examples
     --------

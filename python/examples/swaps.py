@@ -7,7 +7,7 @@ from apex_autonomy import Environment, Mission, Planner
 
 
 class Swaps(Planner):
-    """Flies a round through all targets, and exchanges two of them as long as that costs less time."""
+    """Plans a cycle through all targets, and swaps two targets as long as that lowers the travel time."""
 
     name = "py-swaps"
 
@@ -21,13 +21,13 @@ class Swaps(Planner):
 
         def flown(order: list[int]) -> list[str]:
             laps = int(problem["horizon_s"] // max(lap_s(order), 1.0)) + 1
-            # What is beyond the horizon is cut off.
+            # Apex cuts off the visits beyond the horizon.
             return [targets[index]["name"] for index in order] * laps
 
         dice = random.Random(environment.seed)
         best = list(range(len(targets)))
         environment.report(flown(best))
-        # Ten microseconds for each leg that is priced.
+        # Charges ten microseconds for each leg of the cycle.
         while len(best) > 1 and environment.charge(10 * len(best)):
             tried = best.copy()
             one, other = dice.sample(range(len(best)), 2)

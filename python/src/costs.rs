@@ -26,7 +26,7 @@ fn asking<'a>(cost: &'a Bound<'_, PyAny>, raised: &'a Raised) -> impl FnMut(f64)
     }
 }
 
-/// An `InputError` with the raised exception as its cause; an exception that is not an error, such as a keyboard interrupt, stays
+/// Returns an `InputError` with the raised exception as its cause. Returns an exception that is not an error, such as a keyboard interrupt,
 /// unchanged.
 fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
     match raised.take() {

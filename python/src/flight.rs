@@ -75,7 +75,7 @@ pub(crate) fn report_value(report: &Report) -> Value {
     json!({ "sections": sections, "text": report.text() })
 }
 
-/// Tells Python how far a flight is, and stops the flight at a signal or an exception.
+/// Reports the progress of a flight to Python, and stops the flight at a signal or an exception.
 pub(crate) struct Watch {
     stop: Sender<Control>,
     on_progress: Option<Py<PyAny>>,

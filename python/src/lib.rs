@@ -52,7 +52,7 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     errors::register(module)
 }
 
-/// Whole nanoseconds of an instant, by the rules of `Monitor`.
+/// Returns an instant in whole nanoseconds, by the rules of `Monitor`.
 #[pyfunction]
 fn instant_ns(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
     values::nanoseconds_of(instant)

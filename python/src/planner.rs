@@ -25,7 +25,7 @@ enum PlannerRequest {
     Ended(Result<String, String>),
 }
 
-/// Reply to a planner: work left, work used.
+/// Reply to a planner: whether its budget is exhausted, and the used units of work.
 #[derive(Clone, Copy)]
 struct PlannerReply {
     exhausted: bool,
@@ -114,7 +114,7 @@ impl Solver for PythonSolver {
         let (started, identity) = channel();
         let work = move || {
             let answer = Python::attach(|python| {
-                // No caller listens any longer to a planner that has been stopped.
+                // If the send fails, the planner has been stopped and no thread receives.
                 let _ = started.send(thread_identity(python));
                 let answer = call.bind(python).call1((text, surroundings))?;
                 answer.extract::<String>()

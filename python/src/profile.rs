@@ -11,14 +11,14 @@ use apex_portfolio::profile::{Planner, Profile, conclusion, measure, merge, name
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// Returns the names of cells: `all` and `subset` name many.
+/// Returns the names of cells; `all` and `subset` in `names` each mean several cells.
 #[pyfunction]
 pub(crate) fn cell_names(python: Python<'_>, names: Vec<String>) -> PyResult<Vec<String>> {
     let found = named::cells(&names).map_err(|error| failed(python, refused(error)))?;
     Ok(found.iter().map(ToString::to_string).collect())
 }
 
-/// Measures planners in cells of test missions, or on those of an existing profile; returns the profile's text.
+/// Measures planners in cells of test missions, or on the missions of an existing profile; returns the profile's text.
 #[pyfunction]
 pub(crate) fn measured(
     python: Python<'_>,

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Replays a record and compares: JSON.
+/// Replays a record and returns the comparison as JSON.
 #[pyfunction]
 pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
     let replayed = python.detach(|| -> MissionResult<String> {
@@ -111,7 +111,7 @@ pub(crate) fn fork_json(
     forked.map_err(|failure| failed(python, failure))
 }
 
-/// Returns the report of a recorded flight, computed from its steps: JSON.
+/// Returns the report of a recorded flight, computed from its steps, as JSON.
 #[pyfunction]
 pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
     let reported = python.detach(|| -> MissionResult<String> {

@@ -150,7 +150,7 @@ impl Result {
         Ok(is_open(&self.told()?.telling))
     }
 
-    /// bool: The interval is final and the result has arrived before, open.
+    /// bool: The interval is final, and the result was returned before while it was open.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(is_closed(&self.told()?.telling))

@@ -122,7 +122,7 @@ impl Session {
         }
     }
 
-    /// Numbers of samples kept, late, replaced and missing, for one variable.
+    /// Returns the numbers of samples of a variable: kept, late, replaced and missing.
     fn counts(&self, variable: &Variable) -> (usize, u64, u64, u64) {
         match self.session.histories().get(&variable.0) {
             Some(history) => {

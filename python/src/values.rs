@@ -10,7 +10,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-/// A name of PDL, as against a string: ``Symbol("auto")`` is ``auto``, ``"auto"`` is ``"auto"``.
+/// A name of PDL, in contrast to a string: ``Symbol("auto")`` is ``auto``, ``"auto"`` is ``"auto"``.
 ///
 /// Symbols are equal in any case.
 ///
@@ -222,7 +222,7 @@ pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bou
     }
 }
 
-/// As PDL knows it.
+/// Converts a value of Python to a value of PDL.
 ///
 /// # Errors
 /// `InputError` if PDL has no corresponding value.
@@ -269,7 +269,8 @@ pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     )))
 }
 
-/// Whole nanoseconds of seconds as a number, or of a ``numpy.timedelta64``, ``numpy.datetime64`` or ``datetime.timedelta``.
+/// Returns an instant in whole nanoseconds. It is seconds as a number, or a ``numpy.timedelta64``, ``numpy.datetime64`` or
+/// ``datetime.timedelta``.
 ///
 /// # Errors
 /// `InputError` if it is none of these, not a time, or further from zero than 292 years.

@@ -14,7 +14,7 @@ GIVEN = "small-fixed-uniform-6-globular@2"
 
 
 def smoke(age_s: float) -> float:
-    """Nothing for half a minute, then the alarm, then what burns."""
+    """Return 0 until an alarm, then 0.2 for the alarm plus a share of the building that has burnt."""
     return 0.0 if age_s < ALARM_S else 0.2 + 1.0 - math.exp(-(((age_s - ALARM_S) / 900.0) ** 2))
 
 
@@ -72,7 +72,7 @@ def test_a_cost_is_tabulated_planned_and_scored(relative_error):
     answer = plan(given, budget_s=0.05)
     names = [target["name"] for target in given["Surveillance"]["targets"]]
     exact = expected_cost(given, answer, costs=dict.fromkeys(names, smoke))
-    # A thousandth of the oldest age's cost is what costs less are held to, over the whole horizon of each target.
+    # Where a cost is below a thousandth of the cost of the oldest age, the error is relative to that thousandth.
     rates = [target["rate"]["steps"][0][1] for target in given["Surveillance"]["targets"]]
     small = sum(rates) * HORIZON_S * smoke(HORIZON_S) / 1000
     assert abs(answer["value"] - exact.total) <= relative_error * (exact.total + small)

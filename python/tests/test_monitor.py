@@ -1,4 +1,4 @@
-"""Stories of monitors, as their users meet them."""
+"""Monitors in typical uses, and with mistakes of their users."""
 
 from datetime import timedelta
 
@@ -12,7 +12,7 @@ WINGS = "(:episode (roll-angle uav) :quality (:max-gap 1s) :value (> 15) :timing
 
 
 def runs_above(t, values, limit, gap, least):
-    """Maximal runs by the definition: first and last instant of those that last long enough by their samples."""
+    """Return the first and last instant of each maximal run that lasts at least `least` by its samples."""
     runs, start, last = [], None, None
     for at, value in zip(t, values, strict=True):
         if start is not None and (value <= limit or at - last > gap):
@@ -50,7 +50,7 @@ def test_arrays_samples_and_pieces_tell_the_same_as_the_definition(seed):
     told += single.finish()
     assert [(r.start_ns, r.end_ns) for r in told if not r.open] == final
 
-    # Runs that are recognised by time alone, within the gap, are longer than their samples.
+    # A run can also be recognised after its last sample, within the gap, and is then shorter by its samples.
     expected = runs_above(t_ns, values, 15, 10**9, 2 * 10**9)
     assert [run for run in final if run[1] - run[0] >= 2 * 10**9] == expected
 
@@ -207,7 +207,7 @@ def test_derived_state_variables_are_computed_over_all_inputs():
     library = "(state-variable (error ?a) :derived (abs (- (want ?a) (roll ?a))) :join (:hold 1s))"
     condition = "(:episode (error uav) :quality (:max-gap 1s) :value (> 10) :timing (:duration (>= 1s)))"
     monitor = Monitor(condition, library=library)
-    # Half a second apart, so at each instant one of both is held: |0-3|, |20-3|, |20-8|, |20-8|, |20-19|.
+    # The variables alternate, so at each instant the older value is held: |0-3|, |20-3|, |20-8|, |20-8|, |20-19|.
     samples = [(1.0, "roll", 3), (1.5, "want", 20), (2.0, "roll", 8), (2.5, "want", 20), (3.0, "roll", 19)]
     found = list(monitor.push(0.5, 0, variable="(want uav)"))
     for at, name, value in samples:

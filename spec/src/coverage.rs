@@ -41,12 +41,12 @@ pub fn fault(row: &Row) -> Option<String> {
     (!shown).then(|| format!("`{}`: no program on page {} has it", row.construct, row.page))
 }
 
-/// The text in lower case with single spaces between words; programs and constructs are compared in this form.
+/// Returns the text in lower case with single spaces between words; programs and constructs are compared in this form.
 fn plain(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase()
 }
 
-/// Whether the program contains the construct. A bare name must be separate, written as `#'name` or after an opening parenthesis.
+/// Returns true if the program contains the construct. A bare name must be separate, written as `#'name` or after an opening parenthesis.
 pub fn shows(program: &str, construct: &str) -> bool {
     if construct.chars().all(is_of_name) {
         return program.split(|character: char| !is_of_name(character)).any(|word| word == construct);

@@ -28,7 +28,7 @@ pub fn shown(block: &Block, text: &str) -> Result<String, String> {
     }
 }
 
-/// `361 x (roll-angle uav), -8.25 to 25.1`, a line for each kind of input, and the times of the first and last.
+/// Returns the times of the first and last input, and a line for each kind: `361 x (roll-angle uav), -8.25 to 25.1`.
 fn summary(text: &str) -> Result<String, String> {
     let mut kinds: BTreeMap<String, (usize, f64, f64)> = BTreeMap::new();
     let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -30,7 +30,7 @@ pub fn lines(expected: &str, actual: &str) -> Option<String> {
     }
 }
 
-/// For every pair of suffixes, the length of their longest common subsequence.
+/// Returns, for every pair of suffixes, the length of their longest common subsequence.
 fn common_lengths(old: &[&str], new: &[&str]) -> Vec<Vec<usize>> {
     let mut table = vec![vec![0; new.len() + 1]];
     for a in old.iter().rev() {

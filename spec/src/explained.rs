@@ -69,7 +69,7 @@ fn instant(data: &Value, member: &str) -> String {
     data.get(member).and_then(Value::as_f64).map(|t| Time::from_seconds(t).to_string()).unwrap_or_default()
 }
 
-/// `line` must contain every fact.
+/// Adds every fact that `line` does not contain.
 fn needs(told: &mut Vec<String>, line: &str, facts: &[String]) {
     told.extend(facts.iter().filter(|fact| !line.contains(*fact)).map(|fact| format!("`{fact}` is not in `{line}`")));
 }
@@ -88,7 +88,7 @@ fn head(told: &mut Vec<String>, data: &Value, first: &str) {
     needs(told, first, &facts);
 }
 
-/// Every link of the chain must have one line, in order.
+/// Checks that every link of the chain has one line, in order.
 fn chain(told: &mut Vec<String>, link: Option<&Value>, lines: &[&str]) {
     let mut links = Vec::new();
     let mut cuts = 0;
@@ -192,7 +192,7 @@ fn targets(told: &mut Vec<String>, data: &Value, sections: &[Section<'_>]) {
     }
 }
 
-/// Tasks and instants that the text names and the data does not.
+/// Adds the tasks and instants that the text names and the data do not contain.
 fn only_in_text(told: &mut Vec<String>, data: &Value, text: &str) {
     let mut words = Vec::new();
     facts(data, "", &mut words);

@@ -25,7 +25,7 @@ pub fn read(text: &str) -> Result<Inputs, String> {
         match came(line) {
             None => prompt.push_str(line),
             Some((came, rest)) => {
-                // Empty lines are put before it, so that messages have its line number.
+                // Empty lines before the line give it its line number in messages.
                 let input = lines(&format!("{}{rest}", "\n".repeat(index)))?.pop();
                 let input = input.ok_or_else(|| format!("inputs:{}: nothing came", index + 1))?;
                 if came < input.at {

@@ -125,7 +125,7 @@ impl Described {
         Ok(())
     }
 
-    /// Returns the results of the looks by their names: first those of the ground, then those of what it has grown by.
+    /// Returns the results of the looks by their names: first those of the original ground, then those of the added ground.
     fn assessed(&self) -> Result<Vec<(String, LookResult)>, String> {
         let target = self.target();
         let grid = TargetGrid::new(&target, GridSettings::default()).map_err(|error| error.to_string())?;
@@ -306,7 +306,7 @@ fn number(word: &str) -> Result<f64, String> {
     word.parse().map_err(|_| format!("`{word}` is not a number"))
 }
 
-/// `5h`, `25min`, `30s`.
+/// Reads a duration such as `5h`, `25min` or `30s`.
 fn seconds(word: &str) -> Result<f64, String> {
     let units = [("min", 60.0), ("h", 3_600.0), ("s", 1.0)];
     let found =
@@ -314,7 +314,7 @@ fn seconds(word: &str) -> Result<f64, String> {
     found.unwrap_or_else(|| Err(format!("`{word}` is not a time such as 5h, 25min or 30s")))
 }
 
-/// `FROM..UNTIL`
+/// Reads a span `FROM..UNTIL`.
 fn spanned(word: &str, read: impl Fn(&str) -> Result<f64, String>) -> Result<(f64, f64), String> {
     let (from, until) = word.split_once("..").ok_or_else(|| format!("`{word}` is not a span such as 0..3000"))?;
     Ok((read(from)?, read(until)?))

@@ -41,7 +41,7 @@ impl VehicleManner {
     /// Reads `silent`, `answers after 3s`, `refuses REASON..`.
     ///
     /// # Errors
-    /// The manners that there are.
+    /// The message names the known manners.
     pub fn read(words: &[&str]) -> Result<VehicleManner, String> {
         match words {
             ["silent"] => Ok(VehicleManner::Silent),
@@ -56,7 +56,7 @@ impl PlannerManner {
     /// Reads `plans after 3s (ACTIVITY) (ACTIVITY)..`, `fails after 3s REASON..`.
     ///
     /// # Errors
-    /// The manners that there are, or why an activity cannot be read.
+    /// The message names the known manners, or the activity that cannot be read.
     pub fn read(words: &[&str]) -> Result<PlannerManner, String> {
         match words {
             ["plans", "after", time, activities @ ..] => {
@@ -78,7 +78,7 @@ impl PlannerManner {
 pub struct PageVehicle {
     manner: VehicleManner,
     answers: Vec<(CommandId, Input)>,
-    /// Inputs to pass on later, ordered by that instant.
+    /// Inputs to pass on later, ordered by the instants at which they arrive.
     late: Vec<(Time, Input)>,
 }
 

@@ -90,7 +90,7 @@ impl Teller {
         self.agents = names;
     }
 
-    /// Everything reported so far, one line each.
+    /// Returns everything reported so far, one line each.
     pub fn text(&self) -> String {
         self.lines.iter().map(|line| format!("{line}\n")).collect()
     }

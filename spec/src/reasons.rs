@@ -82,7 +82,7 @@ fn expected(agent: &Agent, task: &Task) -> Vec<ReasonKind> {
     kinds
 }
 
-/// Whether one of the holder and the task is an ancestor of the other, so that they share resources.
+/// Returns true if one of the holder and the task is an ancestor of the other, so that they share resources.
 fn is_family(agent: &Agent, holder: TaskId, task: &Task) -> bool {
     is_above(agent, holder, task.id) || is_above(agent, task.id, holder)
 }

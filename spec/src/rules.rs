@@ -41,7 +41,7 @@ fn row(line: &str) -> Option<Row> {
     Some(Row { number, services: column()?, definitions: column()?, pages: column()? })
 }
 
-/// Returns the targets of the links in a cell, without the way out of the table's folder.
+/// Returns the targets of the links in a cell, without the leading `../`.
 fn links(cell: &str) -> Vec<String> {
     let targets = cell.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
     targets.map(|(target, _)| target.trim_start_matches("../").to_string()).collect()

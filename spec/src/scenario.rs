@@ -20,7 +20,7 @@ pub const PROGRAM_NAME: &str = "page.pdl";
 /// End of a run if its page states none.
 const UNTIL_DEFAULT: Time = Time(3600 * apex_model::time::NANOSECONDS_PER_SECOND);
 
-/// Content of a page until now.
+/// Content of a page up to a compared block.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Scenario {
     /// The program.
@@ -81,7 +81,7 @@ pub fn program_of(scenario: &Scenario) -> Result<RestoredProgram, String> {
     Ok((Arc::new(checked.library), declaration, apex_geo::functions::host_functions()))
 }
 
-/// Runs `program` with the scenario's inputs and options; `observers` see everything. Within: how the run ended.
+/// Runs `program` with the scenario's inputs and options; `observers` see everything. The inner result states how the run ended.
 ///
 /// # Errors
 /// A bad input line or a bad option, or an agent that cannot be made.

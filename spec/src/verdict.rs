@@ -1,4 +1,4 @@
-//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block, compared with the actual result.
+//! A whole page: every block that states a result (`trace`, `why`, `check` and others), compared with the actual result.
 
 use crate::data_file;
 use crate::diagnosis;
@@ -41,7 +41,7 @@ pub fn judge(text: &str) -> Verdict {
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
 
-/// The page with all compared blocks rewritten to the actual results.
+/// Returns the page with all compared blocks rewritten to the actual results.
 ///
 /// # Errors
 /// The reason why a block cannot be run.
@@ -62,7 +62,7 @@ pub fn transitions(text: &str) -> BTreeSet<(TaskState, TaskState)> {
         .collect()
 }
 
-/// Each compared block with its actual result, and each block that shows a file with the contents of the file.
+/// Returns each compared block with its actual result, and each block that shows a file with the contents of the file.
 fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     let files = page::blocks(text).into_iter().filter_map(|block| {
         let shown = data_file::text_of(&block)?.and_then(|text| data_file::shown(&block, &text));

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 /// Names of the form and of its files contain this.
 const FORM: &str = "cyclic";
-/// The lines that a form may need elsewhere.
+/// Maximum number of lines for a form outside its own files.
 const LINES_MAX: usize = 60;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Source files below `folder` that are neither the form's own nor tests.
+/// Collects the source files below `folder` that are neither the form's own nor tests.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -35,7 +35,7 @@ fn every_word_that_the_checker_knows_has_a_row() {
     assert!(missing.is_empty(), "no row for: {}", missing.join(", "));
 }
 
-/// Whether the row is about the word. Units follow a number.
+/// Returns true if the row is about the word. A unit follows a number.
 fn has(row: &Row, kind: &str, word: &str) -> bool {
     let construct = row.construct.to_lowercase();
     if kind == "unit" {

@@ -14,7 +14,7 @@ const TASKS_MAX: usize = 3;
 /// Number of falsified versions of one answer that are tried.
 const TRIES_MAX: usize = 12;
 
-/// The answers about some tasks and all resources of a run, as data and as text.
+/// Returns the answers about some tasks and all resources of a run, as data and as text.
 fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> {
     let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
     let mut found = Vec::new();
@@ -67,7 +67,7 @@ fn all() -> Vec<(String, Value, String)> {
     all
 }
 
-/// The members of `data` that can be falsified, as paths.
+/// Adds to `found` the paths of the members of `data` that can be falsified.
 fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
     match data {
         Value::Object(members) => {
@@ -84,7 +84,7 @@ fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Members that the text must show at any depth: time, subject, event, cause; and the lists of these.
+/// Returns true for members that the text must show at any depth: time, subject, event, cause; and the lists of these.
 fn is_shown(path: &str) -> bool {
     let parts: Vec<&str> = path.split('/').collect();
     let own = ["because", "history", "waiting", "blocked"];

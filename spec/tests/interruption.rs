@@ -59,7 +59,7 @@ impl Observer for Log {
     }
 }
 
-/// The scenario below `## The {subject}`, `### The challenger arrives {arrival}`.
+/// Returns the scenario below `## The {subject}`, `### The challenger arrives {arrival}`.
 fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     let lines: Vec<&str> = text.lines().collect();
     let find = |heading: String, from: usize| {
@@ -68,7 +68,7 @@ fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     };
     let section = find(format!("## The {subject}"), 0)?;
     let start = find(format!("### The challenger arrives {arrival}"), section)?;
-    // That of the other subject is another cell.
+    // A heading between the two begins the section of the other subject, whose cell is not wanted.
     if lines.get(section + 1..start)?.iter().any(|line| line.starts_with("## ")) {
         return None;
     }
@@ -121,7 +121,7 @@ fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     }
 }
 
-/// Returns true if the subject was interrupted in this run and its behaviour matches.
+/// Returns true if the subject's states in this run show what follows an interruption with this behaviour.
 fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
     let states: Vec<TaskState> = log.states.iter().filter(|(tag, _)| tag == subject).map(|(_, state)| *state).collect();
     let after_interruption = |wanted: TaskState| states.windows(2).any(|pair| pair == [TaskState::Interrupted, wanted]);

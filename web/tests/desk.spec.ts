@@ -147,7 +147,7 @@ test('monitors show value, limit and since when of the samples of the record', a
     .flatMap(one => leaves(one.condition))
     .filter(part => part.value !== null);
   test.skip(measured.length === 0, 'no condition watches a measured value at this instant');
-  // A second witness: the newest sample that `apex trace` prints of that variable.
+  // A second source: the newest sample that `apex trace` prints of that variable.
   const [leaf] = measured;
   const name = (leaf?.variable ?? '').replace(/^\(|\)$/g, '');
   const samples = trace(seconds, 'measurement').filter(line => JSON.stringify(line).includes(name));

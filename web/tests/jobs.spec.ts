@@ -14,7 +14,7 @@ import { expectNoFaults } from './axe';
 import { countColours } from './pixels';
 import { apexProgram, type Server, startServer } from './server';
 
-/** Sizes of screens that must not overlap anywhere. */
+/** Sizes of screens on which no parts of the page may overlap. */
 const SCREENS = [
   [1920, 1080],
   [1280, 720],
@@ -261,7 +261,7 @@ test('narrow screens show one part at a time', async ({ page }) => {
     for (const [name, part] of parts) await expect(part).toBeVisible({ visible: name === shown });
     await expectNoFaults(page, `the part ${shown}`);
   }
-  // What a selected task explains is on the part "why".
+  // The explanation of a selected task is in the part "why".
   await page.getByTestId('part-agenda').click();
   await page.locator('[data-task]').nth(1).click();
   await expect(page.getByTestId('why')).toBeVisible();

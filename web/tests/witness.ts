@@ -23,7 +23,7 @@ interface Line {
   text?: string;
 }
 
-/** A task as the trace tells it. */
+/** A task according to the trace. */
 export interface WitnessTask {
   goal: string;
   parent: string | null;
@@ -33,7 +33,7 @@ export interface WitnessTask {
   holds: string[];
 }
 
-/** What the trace tells up to an instant. */
+/** The state of a flight according to the trace, up to an instant. */
 export interface Witness {
   tasks: Map<string, WitnessTask>;
   /** Summaries of the adopted plans, the first one first. */

@@ -19,7 +19,7 @@ const CORE: &[&str] = &[
     "crates/vehicle",
     "adapters/sim",
 ];
-/// Entries without which the list would be no list: clocks, threads, platform mathematics, size, tests.
+/// Entries that the list must have: clocks, threads, platform mathematics, size.
 const REQUIRED: &[&str] = &[
     "std::time::Instant::now",
     "std::time::SystemTime::now",

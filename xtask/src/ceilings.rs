@@ -33,7 +33,7 @@ pub(crate) fn check(
     above.collect()
 }
 
-/// Whether a count may rise if others fall as much: true if code that moves to another crate changes the key.
+/// Which counts may rise when a table is lowered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keys {
     /// Each count may only fall.

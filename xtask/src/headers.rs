@@ -63,7 +63,7 @@ fn check_service(text: &Text) -> Vec<Finding> {
     findings
 }
 
-/// Returns a service file that its folder does not declare would be dead text.
+/// Returns a finding for a service that its folder's `mod.rs` does not declare, because the compiler ignores such a file.
 fn check_listed(texts: &[Text], text: &Text, folder: &str, module: &str) -> Option<Finding> {
     let list = tree::find(texts, &format!("{folder}/mod.rs")).or_else(|| tree::find(texts, &format!("{folder}.rs")));
     let declared = |body: &str| body.lines().any(|line| line.trim_end().ends_with(&format!("mod {module};")));

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 const LIST: &str = "xtask/phrases.tsv";
-/// Today's counts.
+/// Table with the ceiling of each phrase.
 pub(crate) const CEILING: &str = "xtask/phrases-ceiling.tsv";
 /// Files whose tests name phrases.
 const EXEMPT: &[&str] = &["xtask/src/phrases.rs", "xtask/src/prose.rs", "docs/reference/library.md"];
@@ -25,7 +25,7 @@ struct Phrases {
 
 struct Phrase {
     pattern: String,
-    /// The pattern, and the pattern of its exceptions.
+    /// The phrase, and the pattern of its exceptions.
     unless: Option<(Regex, Regex)>,
     write: String,
 }
@@ -51,7 +51,7 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
     ceilings::check(texts, CEILING, "phrases", &phrases.counts(texts), advice)
 }
 
-/// Today's counts.
+/// Returns today's number of lines with each phrase.
 ///
 /// # Errors
 /// An error in the list.

@@ -22,7 +22,7 @@ const ALSO: &[(&str, &[&str])] = &[
     ("missions/", &["apex-mission"]),
     ("web/src/record/", &["apex-server"]),
 ];
-/// Files that reach every package.
+/// Files that affect every package.
 const EVERYTHING: &[&str] = &["Cargo.lock", "rust-toolchain.toml", ".cargo/config.toml"];
 
 /// Runs all steps and reports how long each took.
@@ -55,7 +55,7 @@ pub(crate) fn run(root: &Path) -> Result<String, String> {
     Ok(format!("quick: {:.1} s; tested {tested}", begin.elapsed().as_secs_f64()))
 }
 
-/// Packages whose tests a change requires, without `xtask` unless it has changed, because `make test` runs its tests.
+/// Returns the packages whose tests a change requires; `xtask` only if it has changed, because `make test` runs its tests.
 fn packages(workspace: &Workspace, changes: &Changes) -> BTreeSet<String> {
     let mut packages = BTreeSet::new();
     for path in changes.keys() {
@@ -86,7 +86,7 @@ fn steps(packages: &BTreeSet<String>) -> Vec<Vec<&str>> {
     steps
 }
 
-/// The arguments for the tests of these packages; empty without packages.
+/// Returns the arguments of cargo for the tests of these packages; empty without packages.
 fn tests(packages: &BTreeSet<String>) -> Vec<&str> {
     if packages.is_empty() {
         return Vec::new();

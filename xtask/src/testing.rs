@@ -91,13 +91,13 @@ fn run_all(open: &Mutex<VecDeque<TestProgram>>, failed: &Mutex<Vec<String>>, env
     }
 }
 
-/// The position of a program in [`LONGEST`]; all others come after these.
+/// Returns the position of a program in [`LONGEST`]; programs that are not in the list come after these.
 fn rank(executable: &str) -> usize {
     let name = target(executable);
     LONGEST.iter().position(|long| *long == name).unwrap_or(LONGEST.len())
 }
 
-/// The name of a program's target; cargo appends a hash to it.
+/// Returns the name of a program's target; cargo appends a hash to it.
 fn target(executable: &str) -> &str {
     let file = Path::new(executable).file_name().and_then(|name| name.to_str()).unwrap_or_default();
     file.rsplit_once('-').map_or(file, |(name, _)| name)
@@ -142,7 +142,7 @@ fn passes(program: &TestProgram, environment: &[(String, String)]) -> bool {
     }
 }
 
-/// Returns the programs, built.
+/// Builds the test programs and returns them.
 fn build(root: &Path, arguments: &[&str]) -> Result<Vec<TestProgram>, String> {
     let output = Command::new("cargo")
         .arg("test")

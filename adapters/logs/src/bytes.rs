@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-/// Bytes per read.
+/// Number of bytes per read.
 const BLOCK: usize = 1 << 16;
 
 /// A window over the bytes that are read next.
@@ -72,7 +72,7 @@ impl<R: Read> Bytes<R> {
     }
 }
 
-/// Returns little-endian numbers of a slice; `None` beyond its end.
+/// Returns the `N` bytes of a slice that begin at `at`; `None` if the slice ends before.
 pub(crate) fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
     bytes.get(at..at.checked_add(N)?)?.try_into().ok()
 }

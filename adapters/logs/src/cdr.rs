@@ -7,7 +7,7 @@ use crate::ros_schema::{Primitive, Schema, SchemaField, ValueCount, ValueKind};
 
 /// Bytes that name the representation.
 const HEADER: usize = 4;
-/// Values of one message, including values that take no byte.
+/// Maximum number of values of one message, including values that take no byte.
 const VALUES_MAX: usize = 1 << 22;
 
 /// Returns the values of a message.
@@ -31,7 +31,7 @@ struct CdrReader<'a> {
     schema: &'a Schema,
     body: &'a [u8],
     at: usize,
-    /// Values that may still be read.
+    /// Number of values that may still be read.
     left: usize,
     little: bool,
 }

@@ -11,7 +11,7 @@ const GPS_EPOCH_NS: i64 = 315_964_800_000_000_000;
 /// Seconds that GPS is ahead of UTC, from the week of GPS on (IERS Bulletin C); none was added after 2016.
 const LEAP_SECONDS: [(f64, i64); 5] = [(1930.0, 18), (1851.0, 17), (1695.0, 16), (1512.0, 15), (0.0, 14)];
 
-/// UTC in nanoseconds at zero of the log's clock; `None` if the log does not state it.
+/// Returns the UTC, in nanoseconds, at zero of the log's clock; `None` if the log does not state it.
 pub(crate) fn utc_of_clock(format: Format, reader: &mut dyn LogReader) -> io::Result<Option<i64>> {
     let mut message = Message::default();
     while reader.next(&mut message)? {

@@ -27,7 +27,7 @@ pub type LogInterval = (Time, Time);
 /// Messages of a topic, their span, and their fields.
 type SeenTopic = (u64, Option<LogInterval>, Vec<FieldValues>);
 
-/// Reads a log to its end; the fields in the order of their appearance, and the first and last instant.
+/// Reads a log to its end. Returns the fields in the order of their appearance, and the first and last instant; `None` if the log is empty.
 ///
 /// # Errors
 /// The log cannot be read from its medium.

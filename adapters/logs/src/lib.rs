@@ -41,7 +41,7 @@ use apex_model::time::Time;
 use std::collections::BTreeSet;
 use std::io;
 
-/// Kinds of messages of a log that are distinguished, at most.
+/// Maximum number of kinds of messages that are distinguished in a log.
 pub const TOPICS_MAX: usize = 4_096;
 /// Maximum number of fields of one kind of message.
 pub const FIELDS_MAX: usize = 4_096;
@@ -55,7 +55,7 @@ pub const DAMAGES_MAX: usize = 20;
 pub struct FieldUnit {
     /// The unit's name in the log, `m/s`.
     pub label: String,
-    /// A number of the field times this is in that unit.
+    /// Factor that converts numbers of the field into that unit.
     pub multiplier: f64,
 }
 
@@ -68,7 +68,7 @@ pub struct Topic {
     pub fields: Vec<String>,
     /// The units of the fields, as far as the log states them; empty if it states no units.
     pub units: Vec<Option<FieldUnit>>,
-    /// True for fields that are whole numbers that no format scales; empty if that is not known.
+    /// True for each field that holds whole numbers which no format scales; empty if that is not known.
     pub integers: Vec<bool>,
 }
 
@@ -124,7 +124,7 @@ pub trait LogReader {
     /// Returns the kinds of messages known so far; an assigned number never changes.
     fn topics(&self) -> &[Topic];
 
-    /// Fields not named in `carried` may be skipped: their values may be empty texts.
+    /// States that only the fields in `carried` are needed; the reader may skip the others, whose values may then be empty texts.
     fn carry_only(&mut self, carried: BTreeSet<String>) {
         let _ = carried;
     }

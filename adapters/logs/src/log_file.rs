@@ -45,15 +45,15 @@ pub enum LogError<E> {
 pub struct Fed {
     /// Errors of reading.
     pub damages: ReadErrors,
-    /// The state variables that its fields make.
+    /// The state variables that fields of the log give.
     pub variables: Vec<StateVariable>,
-    /// The wanted state variables that none of its fields makes, with the fields that the mapping names for them.
+    /// The wanted state variables that no field of the log gives, with the fields that the mapping names for them.
     pub absent: Vec<(StateVariable, Vec<String>)>,
 }
 
 impl LogFile {
-    /// Returns the log at `path`, interpreted by `mapping`. With `own_time` times are those of the log's clock; otherwise time begins
-    /// with the log.
+    /// Returns the log at `path`, interpreted by `mapping`. With `own_time`, times are those of the log's clock; otherwise mission time 0
+    /// is the beginning of the log.
     pub fn new(path: &Path, format: Format, mapping: Option<MappingFile>, own_time: bool) -> LogFile {
         LogFile { path: path.to_path_buf(), format, mapping, own_time, is_complete: false }
     }
@@ -109,8 +109,8 @@ impl LogFile {
         }
     }
 
-    /// Passes all samples on in order of time, in the units declared in `library`. With `wanted`, only samples of these attributes are
-    /// passed on; the instants of other samples are passed on without a sample if they are earlier or later.
+    /// Passes all samples on to `sink` in order of time, in the units declared in `library`. With `wanted`, only samples of these
+    /// attributes are passed on, plus the first and last instants of the other samples, without their values.
     ///
     /// # Errors
     /// The file cannot be read, the mapping does not fit, or the caller refuses a sample.
@@ -164,7 +164,7 @@ impl LogFile {
         }
     }
 
-    /// UTC in nanoseconds at mission time 0; `None` if the log does not state it.
+    /// Returns the UTC in nanoseconds at mission time 0; `None` if the log does not state it.
     ///
     /// # Errors
     /// The file cannot be read.

@@ -37,11 +37,11 @@ pub struct Entry {
 pub enum Take {
     /// The value itself.
     Value,
-    /// The angle to the right of the horizon, of a quaternion (w, x, y, z), rad.
+    /// The roll angle of a quaternion (w, x, y, z), rad, positive to the right.
     Roll,
-    /// The angle above the horizon, of a quaternion, rad.
+    /// The pitch angle of a quaternion, rad, positive above the horizon.
     Pitch,
-    /// The angle from north, of a quaternion, rad, 0 to 2 pi.
+    /// The heading of a quaternion, rad, from north over east, 0 to 2 pi.
     Heading,
 }
 
@@ -63,16 +63,16 @@ pub struct Sampled {
     pub at: Time,
 }
 
-/// A field that serves an entry.
+/// A field from which a mapping entry takes its samples.
 #[derive(Clone, Copy, Debug)]
 struct Source {
     entry: usize,
     field: usize,
-    /// Factor of its numbers.
+    /// Factor of the field's numbers.
     scale: f64,
 }
 
-/// Makes samples of messages.
+/// Converts messages into samples.
 #[derive(Debug)]
 pub struct Sampler {
     mapping: Mapping,

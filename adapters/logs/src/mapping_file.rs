@@ -90,7 +90,7 @@ impl MappingFile {
             let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:integer-scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
             MappingError { message, reason: Some(why), help: Some(help.to_string()) }
         };
-        // One list is put around all forms, opened on the line of the first form, so that line numbers in messages are those of the file.
+        // All forms are read as one list, opened on the line of the first form, so that line numbers in messages are those of the file.
         let whole = read_form(&format!("({text}\n)")).map_err(|(line, what)| MappingError {
             message: format!("{name}:{line}: {what}"),
             reason: None,

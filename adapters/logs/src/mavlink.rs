@@ -14,7 +14,7 @@ pub(crate) const VERSION_1: u8 = 0xfe;
 pub(crate) const VERSION_2: u8 = 0xfd;
 /// The component that flies the vehicle.
 const AUTOPILOT: u8 = 1;
-/// A day, in microseconds: no two packets are further apart.
+/// Maximum difference between the times of adjacent packets, in microseconds: a day. A packet further apart is a damaged place.
 const SPAN_US_MAX: u64 = 86_400_000_000;
 
 /// Reads a telemetry log.
@@ -23,7 +23,7 @@ pub(crate) struct TelemetryLog<R> {
     definitions: Vec<MessageDefinition>,
     known: BTreeMap<(u8, u8, u32), usize>,
     topics: Vec<Topic>,
-    /// The first system with an autopilot: its messages are named plainly.
+    /// The first system with an autopilot: the topics of its messages have no suffix `@SYSTEM.COMPONENT`.
     vehicle: Option<u8>,
     stamp: Option<u64>,
     damages: ReadErrors,
@@ -35,7 +35,7 @@ struct Packet {
     system: u8,
     component: u8,
     id: u32,
-    /// Version 2 may carry extension fields.
+    /// True for version 2, whose payload may contain extension fields.
     extensions: bool,
     payload: Vec<u8>,
 }

@@ -112,7 +112,7 @@ impl<R: Read> Records<R> {
         Records { input, reader: LinearReader::new_with_options(options), offset: 0 }
     }
 
-    /// Returns the next record, or `None` at the end; the inner error is the offset of a record that is cut or too long.
+    /// Returns the next record, or `None` at the end. The inner error holds the offset of a record that is cut or too long.
     fn next(&mut self) -> io::Result<Result<Option<RawRecord>, u64>> {
         loop {
             match self.reader.next_event() {

@@ -4,7 +4,7 @@
 use crate::{Cell, FIELDS_MAX, Topic};
 use serde_json::Value as Json;
 
-/// Values within values.
+/// Maximum depth of values within values.
 pub(crate) const DEPTH_MAX: usize = 16;
 
 /// A value of a message.

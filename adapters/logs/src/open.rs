@@ -27,7 +27,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format recognised from the first bytes of a log, or otherwise from the extension of its name.
+    /// Returns the format recognised from the first bytes of a log, otherwise from the extension of its name, otherwise from typical bytes.
     pub fn of(first: &[u8], extension: &str) -> Option<Format> {
         if first.starts_with(ulog::MAGIC) {
             return Some(Format::ULog);
@@ -77,7 +77,7 @@ impl Format {
     }
 }
 
-/// Bytes that show a format.
+/// Number of leading bytes by which a format is recognised.
 const SHOWN: usize = 512;
 
 /// Recognises the format of `input`, which has a name with `extension`.

@@ -6,10 +6,10 @@ use std::collections::BinaryHeap;
 
 /// A sample is held until another one arrives that is later by this duration.
 const WINDOW: Duration = Duration(1_000_000_000);
-/// Samples that wait, at most.
+/// Maximum number of samples that wait.
 const WAITING_MAX: usize = 100_000;
 
-/// Puts samples into order of time as far as they are at most a second apart in the log.
+/// Puts samples into order of time, if adjacent samples in the log are less than a second out of order.
 #[derive(Debug, Default)]
 pub struct Ordered {
     waiting: BinaryHeap<Waiting>,
@@ -52,7 +52,8 @@ impl Ordered {
         self.waiting.push(Waiting { sampled, number: self.number });
     }
 
-    /// Returns the next sample, once no later arrival can precede it; at the end of the log all remaining samples in order.
+    /// Returns the earliest sample, once a sample has arrived that is a second later, or too many samples wait; at the end of the log
+    /// without waiting.
     pub fn pop(&mut self, at_end: bool) -> Option<Sampled> {
         let first = self.waiting.peek()?;
         let over = self.newest.is_some_and(|newest| newest - first.sampled.at >= WINDOW);

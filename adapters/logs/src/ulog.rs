@@ -11,7 +11,7 @@ use std::io::{self, Read};
 pub(crate) const MAGIC: &[u8] = &[0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35];
 const HEADER: usize = 16;
 const MESSAGE_HEADER: usize = 3;
-/// Letters of messages.
+/// Letters of the known types of messages.
 const LETTERS: &[u8] = b"BFIMPQARDLCSO";
 
 /// Topic and instance of a subscription number.
@@ -64,7 +64,7 @@ impl<R: Read> ULog<R> {
         Ok(())
     }
 
-    /// Processes one message; returns true if it must be reported.
+    /// Processes one message of the file; returns true if `message` then holds a message for the caller.
     fn take(&mut self, letter: u8, payload: &[u8], at: u64, message: &mut Message) -> bool {
         match letter {
             b'F' => {
@@ -136,7 +136,7 @@ impl<R: Read> ULog<R> {
 
     /// Processes a message of the vehicle's software: level, time stamp and text.
     fn said(&mut self, payload: &[u8], stamp: usize, message: &mut Message) -> bool {
-        // Any bytes contain such texts: without the beginning of a log, definitions of data must come first.
+        // Arbitrary bytes can look like such texts: in a file without the beginning of a log, definitions of data must come first.
         if !self.is_whole && self.subscriptions.is_empty() {
             return false;
         }
@@ -159,7 +159,7 @@ impl<R: Read> ULog<R> {
         match letter {
             b'D' => {
                 let known = u16_at(window, MESSAGE_HEADER).and_then(|number| self.subscriptions.get(&number));
-                // Padding at the end may be left out.
+                // The logger may leave out padding at the end of a message.
                 known.is_some_and(|known| {
                     let size = usize::from(size).saturating_sub(2);
                     size <= known.size && size + 16 >= known.size

@@ -4,7 +4,7 @@ use crate::bytes::{array, text, u16_at, u32_at, u64_at};
 use crate::{Cell, FIELDS_MAX};
 use std::collections::BTreeMap;
 
-/// Formats within formats.
+/// Maximum depth of formats within formats.
 const DEPTH_MAX: usize = 8;
 
 /// One value of a message.
@@ -110,7 +110,7 @@ impl Formats {
     /// Returns all values of a message of format `name`, and their number of bytes.
     ///
     /// # Errors
-    /// Which definition is missing or wrong.
+    /// The message names the definition that is missing or wrong.
     pub(crate) fn leaves(&self, name: &str) -> Result<(Vec<Leaf>, usize), String> {
         let mut leaves = Vec::new();
         let mut offset = 0;
@@ -169,7 +169,7 @@ fn push(
     Ok(())
 }
 
-/// `float[4]` as `float` and 4.
+/// Returns a type without its length, and the length: `float[4]` as `float` and 4.
 fn counted(kind: &str) -> Option<(&str, Option<usize>)> {
     match kind.split_once('[') {
         None => Some((kind, None)),

@@ -254,7 +254,7 @@ fn words_scales_and_numbers_for_not_known() {
     assert!(of(2).all(|word| word == "auto"));
 }
 
-/// Any bytes can hold what looks like a text that the vehicle's software logged.
+/// Arbitrary bytes can look like a text that the vehicle's software logged.
 #[test]
 fn texts_alone_are_no_log_without_its_beginning() {
     let mut text = vec![12, 0, b'L', b'6'];

@@ -47,7 +47,7 @@ fn a_hole_costs_only_what_was_in_it() {
         let holed = [&bytes[..middle], &bytes[middle + 37..]].concat();
         let (count, damages) = read(*format, &holed);
         assert!(count + 6 >= whole, "{format:?}: {count} of {whole}");
-        // In a table or a text, a gap looks like short rows, which are accepted by readers.
+        // In a table or a text, a gap looks like short rows, which readers accept.
         if !matches!(format, Format::Csv | Format::DataFlashText) {
             assert!(damages > flaws, "{format:?}: nothing is said of the hole");
         }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub enum Cells {
     /// Integers.
     Integers(Vec<i64>),
-    /// Numbers; `None` where there is none.
+    /// Numbers; `None` in a row without a value.
     Numbers(Vec<Option<f64>>),
     /// Texts.
     Texts(Vec<String>),

@@ -12,9 +12,9 @@ use plotters::prelude::*;
 
 const WIDTH: u32 = 1_000;
 const PANEL_HEIGHT: u32 = 220;
-/// Maximum panels of one picture; further variables are left out, with a note in the picture.
+/// Maximum number of panels in a picture; further variables are left out, with a note in the picture.
 const PANELS_MAX: usize = 20;
-/// Maximum points of one line; with more samples each column keeps its least and greatest value.
+/// Maximum number of points of a line; with more samples each column keeps its least and greatest value.
 const POINTS_MAX: usize = 4_000;
 
 type DrawResult = Result<(), Box<dyn std::error::Error>>;
@@ -73,7 +73,7 @@ fn panel(session: &MonitorSession, variable: &StateVariable, conditions: &[Condi
     Some(Panel { title: format!("{variable}{unit}"), points, limits })
 }
 
-/// Constants that values of the attribute are compared with.
+/// Collects the constants with which conditions compare values of the attribute.
 fn limits_in(condition: &Condition, attribute: &Symbol, limits: &mut Vec<Value>) {
     let mut note = |constraints: &[Constraint]| {
         let sides = constraints.iter().flat_map(|constraint| match constraint {
@@ -99,7 +99,7 @@ fn limits_in(condition: &Condition, attribute: &Symbol, limits: &mut Vec<Value>)
     }
 }
 
-/// Returns at most [`POINTS_MAX`] points, which keep the minimum and maximum of each stretch.
+/// Returns at most [`POINTS_MAX`] points, among them the least and greatest value of each stretch of samples.
 fn thinned(samples: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     if samples.len() <= POINTS_MAX {
         return samples;

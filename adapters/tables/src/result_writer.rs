@@ -29,7 +29,7 @@ enum Output<W: Write + Send> {
 
 struct ResultRow {
     input: String,
-    /// Condition, start, end, duration, recognised at.
+    /// Condition (counted from 1), then in nanoseconds: start, end, duration and instant of recognition.
     numbers: [i64; 5],
     bindings: String,
     evidence: String,

@@ -11,16 +11,16 @@ use apex_portfolio::formats::{self, generate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Targets of missions of surveillance, and of orienteering.
+/// Numbers of targets: of surveillance missions, and (`VISITED`) of orienteering problems.
 const WATCHED: [usize; 5] = [10, 30, 100, 300, 1_000];
 const VISITED: [usize; 3] = [100, 300, 1_000];
-/// Missions of each count.
+/// Number of surveillance missions for each number of targets.
 const MISSIONS: u64 = 2;
 /// Budgets in units of work: a unit takes about 1 us.
 const BUDGETS: [u64; 8] = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000];
 /// The budget at which growth is shown.
 const GROWTH_BUDGET: u64 = 100_000;
-/// Size of a panel, and the space around it.
+/// Size of a panel, and the space around it, in pixels.
 const PANEL: (f64, f64) = (330.0, 230.0);
 const ROOM: (f64, f64) = (70.0, 66.0);
 /// Ranges of the drawn processor seconds and losses (per cent). Processor time is reported in ticks of 4 ms; shorter times are at the
@@ -53,7 +53,7 @@ fn cpu_s() -> f64 {
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
 }
 
-/// Measures one count after another; if a run is interrupted, the file holds the finished counts.
+/// Measures one number of targets after another; if a run is interrupted, the file holds the finished numbers.
 fn measure(csv: &std::path::Path) {
     let mut out = "kind,targets,mission,planner,budget_units,used_units,cpu_s,value\n".to_string();
     let done = |out: &str, what: &str| {
@@ -79,7 +79,7 @@ fn measure(csv: &std::path::Path) {
     }
 }
 
-/// Every planner that serves the problem, with every budget.
+/// Measures every planner that serves the problem, with every budget.
 fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem: &Problem) {
     for solver in apex_solvers::solvers().iter().filter(|solver| solver.serves(problem)) {
         for units in &BUDGETS {
@@ -104,7 +104,7 @@ fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem
     }
 }
 
-/// One run.
+/// The measurement of one planner on one problem with one budget.
 struct CurveRow {
     surveillance: bool,
     targets: usize,

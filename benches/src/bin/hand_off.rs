@@ -1,4 +1,4 @@
-//! Hands resources on among many competitors, of every kind that users write, from the first competitor to the last.
+//! Hands resources on among many competitors, of every kind that users write, until no competitor is left.
 //!
 //! `hand_off [COUNT [WORD]..]` prints a row for each kind with all of the words in its name: the mean time of an instant in which a
 //! holder ends and the next one begins, over the whole run or the first [`LONGEST`], and the greatest mean over any hundredth of the run.
@@ -18,13 +18,13 @@ use rustix::time::{ClockId, clock_gettime};
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
-/// A run ends after this many hand-offs, or this processor time.
+/// A run ends after this many hand-offs, or after this processor time in nanoseconds.
 const LONGEST: usize = 20_000;
 const PATIENCE_NS: f64 = 20e9;
 
-/// Stated durations of tasks: none, one of three, or a separate one for each task.
+/// Durations of tasks: not stated, one of three, or a separate duration for each task.
 const DURATIONS: [&str; 3] = ["unknown", "known", "separate"];
-/// Needs of each competitor.
+/// Resources that each competitor needs.
 const NEEDS: [&str; 6] = ["one", "two", "capacity 2", "capacity 2 of two", "amounts", "amounts of two"];
 const PRIORITIES: [&str; 5] = ["none", "numbers", "urgency", "urgencies", "numbers and urgency"];
 const SHAPES: [&str; 5] = ["steps", "forall", "ranked", "forall below a rank", "families"];
@@ -67,7 +67,7 @@ fn kinds() -> Vec<Kind> {
     kinds
 }
 
-/// The program of a kind with `count` competitors.
+/// Returns the program of a kind with `count` competitors.
 fn program(kind: Kind, count: usize) -> String {
     let mut text = String::from(
         "(resource r2 :capacity 2)\n(resource q2 :capacity 2)\n(resource r3 :capacity 3)\n(resource q3 :capacity 3)\n",
@@ -156,7 +156,7 @@ struct HandOffRun {
 }
 
 impl HandOffRun {
-    /// The next batch: an acknowledgement, or the next wake.
+    /// Returns the next batch: an acknowledgement, or the next wake.
     fn next(&mut self) -> Option<Batch> {
         if let Some(command) = self.commands.pop_front() {
             self.now = self.now + Duration(1_000_000);
@@ -206,7 +206,7 @@ fn measure(text: &str) -> Vec<f64> {
     all
 }
 
-/// Processor time of this thread, in nanoseconds.
+/// Returns the processor time of this thread, in nanoseconds.
 fn worked_ns() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 * 1e9 + time.tv_nsec as f64

@@ -72,7 +72,7 @@ fn events(text: &str, count: usize, times: usize) -> Meter {
     done
 }
 
-/// Interruption and resumption.
+/// Measures interruption and resumption.
 fn hand_offs(count: usize, times: usize) -> Meter {
     let mut driven = Driven::new(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
     let mut done = Meter::default();
@@ -92,7 +92,7 @@ fn hand_offs(count: usize, times: usize) -> Meter {
     done
 }
 
-/// The holder ends, and the next one begins.
+/// Measures hand-offs: the holder ends, and the next one begins.
 fn next_ones(count: usize, times: usize) -> Meter {
     let (mut driven, effects) = Driven::begun(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
     let mut done = Meter::default();
@@ -109,7 +109,7 @@ fn next_ones(count: usize, times: usize) -> Meter {
     done
 }
 
-/// Returns the lives of all tasks of a plan, together.
+/// Measures the lives of all tasks of a plan, together.
 fn lives(text: &str, times: usize) -> Meter {
     let library = library(text);
     let mut done = Meter::default();
@@ -153,7 +153,7 @@ impl Meter {
         self.effects += effects;
     }
 
-    /// One long piece of work. The system counts processor time in steps of some milliseconds, which is accurate for long pieces only.
+    /// Adds one long piece of work. The system counts processor time in steps of some milliseconds, which is accurate for long pieces only.
     fn piece(&mut self, (start, worked): (Instant, f64)) {
         const LONG_NS: f64 = 3e7;
         let passed = start.elapsed().as_nanos() as f64;
@@ -171,7 +171,7 @@ impl Meter {
     }
 }
 
-/// Processor time of this thread, or elapsed time if the system does not provide it.
+/// Returns the processor time of this thread, or elapsed time if the system does not provide it.
 fn worked_ns() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();

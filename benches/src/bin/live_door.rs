@@ -31,7 +31,7 @@ const FLOOD_PER_SECOND: u64 = 150_000;
 const BLOCKS_PER_SECOND: u64 = 100;
 /// An operator's message acts, and a deadline is met, within this time.
 const BAR_MS: f64 = 50.0;
-/// Time between two messages of the operator: no multiple of a block.
+/// Time between two messages of the operator: not a multiple of the time between two blocks of the floods.
 const MESSAGE_PERIOD: Duration = Duration::from_millis(47);
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -191,7 +191,7 @@ fn percentiles(values: &mut [f64]) -> String {
     format!("median {:.1} ms, p99 {:.1} ms, worst {:.1} ms", at(0.5), at(0.99), at(1.0))
 }
 
-/// The value below which this share of the sorted values lies.
+/// Returns the value below which this share of the sorted values lies.
 fn share(sorted: &[f64], share: f64) -> f64 {
     sorted.get(((sorted.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(f64::NAN)
 }

@@ -174,7 +174,7 @@ fn creation(count: usize) -> f64 {
     ns / more as f64
 }
 
-/// One episode with a duration of `samples` samples that is never reached, with a value that holds nearly always.
+/// Returns a hundred equal episodes with a minimum duration of `samples` samples.
 fn bounded(samples: usize) -> Vec<String> {
     let seconds = samples as f64 * 0.02;
     (0..100)
@@ -182,16 +182,17 @@ fn bounded(samples: usize) -> Vec<String> {
         .collect()
 }
 
-/// Returns the time of a hundred episodes over a signal that interrupts each run just before its duration, so that none is ever decided.
+/// Returns nanoseconds per episode and sample over a signal that interrupts each run just before its minimum duration: no episode is
+/// decided.
 fn against_duration(samples_of_bound: usize) -> f64 {
     let values: Vec<f64> =
         (0..100_000).map(|index| if index % samples_of_bound == samples_of_bound - 1 { -1.0 } else { 1.0 }).collect();
     per_sample(&bounded(samples_of_bound), &values) / 100.0
 }
 
-/// The same over one signal for all bounds, which interrupts each run at its sixth sample, with a gap of two samples. No bound is near,
-/// so only the effect of the bound itself remains. Within the largest gap of a bound, each sample requires a check of when the bound
-/// would be reached.
+/// Like [`against_duration`], but with the same signal for every duration, which interrupts each run at its sixth sample, and with a
+/// largest gap of two samples. No run comes near its minimum duration, so the figures show only the effect of its length. Within the
+/// largest gap before the end of a duration, each sample requires a check of when the duration will have passed.
 fn against_duration_alone(samples_of_bound: usize) -> f64 {
     let values: Vec<f64> = (0..100_000).map(|index| if index % 6 == 5 { -1.0 } else { 1.0 }).collect();
     let texts: Vec<String> =
@@ -300,7 +301,7 @@ fn memory_mb() -> [f64; 2] {
     ["VmRSS:", "VmHWM:"].map(|key| kibibytes(key).unwrap_or(f64::NAN) * 1024.0 / 1e6)
 }
 
-/// Ten monitors of all kinds, ten seconds of history, and unlimited samples: the kept data must not grow.
+/// Runs monitors of all kinds with ten seconds of history, and prints the kept data, which must not grow with the samples.
 fn soak(samples: usize) {
     let (texts, _) = mixed(20);
     let (library, conditions) = conditions("(defun keep () (mean-over 'x0 'uav 10s))", &texts);
@@ -330,7 +331,7 @@ fn soak(samples: usize) {
 struct MeasurementFile(Option<serde_json::Value>);
 
 impl MeasurementFile {
-    /// One row: the name, measurement and bar in nanoseconds, and the peers' row for the same work.
+    /// Prints one row: the name, measurement and bar in nanoseconds, and the peers' row for the same work.
     fn row(&self, what: &str, ns: f64, bar: Option<f64>, row: Option<&str>) {
         let verdict = match bar {
             Some(bar) if ns <= bar => "met",

@@ -20,9 +20,9 @@ const EVERY: usize = 10;
 const EVERY_OF_FEW: usize = 4;
 /// Number of plans made after a change; the reported one has the median time to its first plan.
 const REPLANS: usize = 25;
-/// Units of work of a second.
+/// Units of work that represent a second.
 const UNITS_PER_S: u64 = 1_000_000;
-/// Peers count in hundredths.
+/// Peers calculate with whole hundredths of seconds.
 const HUNDREDTHS: f64 = 100.0;
 
 fn main() {

@@ -15,10 +15,10 @@ use apex_solvers::bounds::age_grid::cycles;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Of a row of `pairs`.
+/// Number of columns in a row of `pairs`.
 const COLUMNS: usize = 8;
 
-/// CPU time of this thread, in nanoseconds.
+/// Returns the CPU time of this thread, in nanoseconds.
 fn cpu_ns() -> u64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
@@ -116,7 +116,7 @@ fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[
     }
 }
 
-/// Mean log ratio of the anytime planner to the better of the others, for each cell.
+/// Prints the mean log ratio of the anytime planner to the better of the others, for each cell in which it is above -0.1 %, and totals.
 fn tally(rows: &str) {
     let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut spent_s = [0.0; 3];
@@ -154,7 +154,7 @@ fn no_rows(file: &str, why: &std::io::Error) -> String {
     String::new()
 }
 
-/// `FROM..TO`, or as many from 0.
+/// Reads `FROM..TO`, or a number, which stands for as many from 0.
 fn range(text: &str) -> Option<Range<u64>> {
     let (from, to) = text.split_once("..").unwrap_or(("0", text));
     Some(from.parse().ok()?..to.parse().ok()?)

@@ -157,7 +157,8 @@ fn read_json(path: &Path) -> Option<Value> {
     serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
 }
 
-/// Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying depth.
+/// Adds the medians of all rows below `folder`. Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying
+/// depth.
 fn collect(folder: &Path, rows: &mut Medians) {
     let new = folder.join("new");
     let row = read_json(&new.join("benchmark.json")).zip(read_json(&new.join("estimates.json")));
@@ -165,7 +166,8 @@ fn collect(folder: &Path, rows: &mut Medians) {
         let word = |key: &str| benchmark.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
         let count = word("value_str").parse().unwrap_or(0);
         let elements = benchmark.pointer("/throughput/Elements").and_then(Value::as_f64).unwrap_or(1.0);
-        // The throughput of a single row is informative only; rows of many small lives are divided by it.
+        // Criterion times one iteration, which in `task life` has many lives: its time is divided by their number. Other groups time one
+        // piece.
         let divisor = if word("group_id") == "task life" { elements } else { 1.0 };
         if let Some(median) = estimates.pointer("/median/point_estimate").and_then(Value::as_f64) {
             rows.entry((word("group_id"), word("function_id"))).or_default().insert(count, median / divisor);
@@ -176,7 +178,7 @@ fn collect(folder: &Path, rows: &mut Medians) {
     entries.flatten().filter(|entry| entry.path().is_dir()).for_each(|entry| collect(&entry.path(), rows));
 }
 
-/// The figures that other programs kept.
+/// Adds the figures that programs other than Criterion stored.
 fn collect_others(folder: &Path, rows: &mut Medians) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for row in entries.flatten().filter_map(|entry| read_json(&entry.path())) {
@@ -187,7 +189,7 @@ fn collect_others(folder: &Path, rows: &mut Medians) {
     }
 }
 
-/// Every row with its growth: the ratio of the times for the greatest and the least count.
+/// Prints every row with its growth: the ratio of the times for the greatest and the least count.
 fn print_growth(rows: &Medians) {
     println!("| measured | median at each count | growth |\n|---|---|---|");
     for ((group, function), counts) in rows {

@@ -1,7 +1,7 @@
 //! Travel matrices among zones: processor time and growth, compared with extremitypathfinder.
 //!
-//! `travel world FILE` writes the world of 100 places and 50 zones for the peer. `travel report FILE PEER.json` prints our matrix of the
-//! same world with a comparison of the lengths, matrices on the Earth with margins of zones and changing wind, and the growth.
+//! `travel world FILE` writes the world of 100 places and 50 zones for the peer. `travel report PEER.json` prints our matrix of the same
+//! world with a comparison of the lengths, matrices on the Earth with margins of zones and changing wind, and the growth.
 
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Air, EndpointId, Network, PlaneZone, Setting};
@@ -9,22 +9,22 @@ use apex_model::problem::{AirspaceZone, Area, Position, TimeWindow, WindField, W
 use apex_planning::random::Generator;
 use std::fmt::Write;
 
-/// The world of the bar.
+/// Size of the world to which the bar applies.
 const PLACES: usize = 100;
 const ZONES: usize = 50;
-/// Side of the square that a zone has for itself.
+/// Side of the grid's cells, each of which contains at most one zone.
 const CELL_M: f64 = 120_000.0;
 /// Bar, in seconds of processor time.
 const BAR_S: f64 = 0.1;
 const DAY_S: (f64, f64) = (0.0, 86_400.0);
 
-/// CPU time of this thread, in nanoseconds.
+/// Returns the CPU time of this thread, in nanoseconds.
 fn cpu_ns() -> u64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
 }
 
-/// Median seconds of processor time over `rounds`, with the last answer.
+/// Returns the median seconds of processor time over `rounds`, and the last answer.
 fn timed<T>(rounds: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     let mut once = || {
         let begin = cpu_ns();
@@ -49,8 +49,8 @@ struct World {
     places: Vec<Point>,
 }
 
-/// Ragged zones of five to eight corners in the cells of a grid, so that none overlap (a requirement of the peer), with places between
-/// them.
+/// Returns ragged zones of five to eight corners in the cells of a grid, so that none overlap (a requirement of the peer), with places
+/// between them.
 fn world(places: usize, zones: usize, seed: u64) -> World {
     let mut random = Generator::new(seed);
     let columns = (zones as f64 * 1.12).sqrt().ceil() as usize;
@@ -162,7 +162,7 @@ fn earth(world: &World, windows: bool) -> Earth {
     }
 }
 
-/// Returns the matrix for a departure, from nothing: reachable pairs and bends.
+/// Computes the travel matrix for a departure at `ready_s`, with all preparations. Returns the numbers of reachable pairs and of bends.
 fn flown(earth: &Earth, ready_s: f64) -> (usize, usize) {
     let setting = Setting {
         zones: &earth.zones,

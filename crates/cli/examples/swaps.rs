@@ -7,7 +7,7 @@ use apex_planning::surveillance::scenario::Scenario;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Flies a round through all targets, and exchanges two of them as long as that lowers the cost.
+/// Plans a cycle through all targets, and swaps the positions of two targets as long as that lowers the cost.
 struct Swaps;
 
 impl Solver for Swaps {
@@ -29,7 +29,7 @@ impl Solver for Swaps {
         let mut least = f64::INFINITY;
         let mut tried = best.clone();
         loop {
-            // Pricing a round charges the budget.
+            // Computing the cost of a cycle charges the budget.
             let cost = scenario.cycle_cost(&tried, environment.budget);
             if cost < least {
                 (best, least) = (tried, cost);

@@ -20,14 +20,14 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
     ctrlc::set_handler(move || {
-        // The run is over already, so it cannot be ended.
+        // No receiver is left: the run is over, and only the process remains to be ended.
         if stop.send(Control::Stop).is_err() {
             std::process::exit(130);
         }
     })
     .map_err(|error| CliError::failure("cannot listen to Ctrl-C").because(error))?;
     let wake = say.clone();
-    // A full channel has woken the run already.
+    // If the channel is full, the messages in it will wake the run.
     let sources = LiveSources::new(move || wake.try_send(Control::Look).unwrap_or_default());
     let reader = LineReader {
         open: open.clone(),
@@ -43,7 +43,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
             hear_lines(std::io::stdin().lock(), &source, &reader);
         }
         if !others {
-            // The run may be over: then the line is dropped.
+            // If the run is over, no receiver takes the message, which is then dropped.
             say.send(Control::Quiet).unwrap_or_default();
         }
     });

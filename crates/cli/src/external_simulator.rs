@@ -14,7 +14,7 @@ pub type Episode<'a> = dyn FnMut(&mut SimulatorLink<'_>) -> CliResult<ForeignEnd
 /// Runs episodes until the simulator stops or the application ends; a reset begins the next one. A recorded run cannot be reset.
 ///
 /// # Errors
-/// The simulator could not connect; as `episode`.
+/// The simulator could not connect; or the error of `episode`.
 pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut Episode<'_>) -> CliResult<RunEnd> {
     let (mut input, mut output): (Box<dyn BufRead>, Box<dyn Write>) = match port {
         None => (Box::new(std::io::stdin().lock()), Box::new(std::io::stdout())),

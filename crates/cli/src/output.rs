@@ -67,7 +67,7 @@ pub fn print_error(text: impl fmt::Display) {
     let _ = writeln!(Escaped::new(io::stderr().lock()), "{text}");
 }
 
-/// Like [`print_error`], for text that holds colours of our own.
+/// Like [`print_error`], for text with colour codes of this command, which are not escaped.
 pub fn print_error_rendered(text: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
@@ -102,7 +102,7 @@ impl Listened {
         Listened { out: BufWriter::new(out), gone: Rc::new(Cell::new(false)) }
     }
 
-    /// Becomes true when the reader went away.
+    /// Returns a flag that becomes true when the reader closes the output.
     pub fn gone(&self) -> Rc<Cell<bool>> {
         Rc::clone(&self.gone)
     }

@@ -34,10 +34,10 @@ pub fn options(power_safe: bool, spare_folder: Option<&PathBuf>) -> RecordOption
     RecordOptions { durability, spare_folder: spare_folder.cloned(), ..RecordOptions::default() }
 }
 
-/// The key in a file.
+/// Returns the signing key in a file.
 ///
 /// # Errors
-/// The file is not a key.
+/// The file cannot be read, or does not hold a key.
 pub fn signing_key(path: &Path) -> CliResult<SigningKey> {
     SigningKey::read(path).map_err(|why| {
         CliError::user(format!("{} is not a signing key", path.display()))

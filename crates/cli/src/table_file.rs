@@ -18,16 +18,16 @@ pub fn refuse_to_overwrite(out: &Path, inputs: &[PathBuf], option: &str) -> CliR
     Ok(())
 }
 
-/// Makes the file.
+/// Creates the file.
 ///
 /// # Errors
-/// The file cannot be made.
+/// The file cannot be created.
 pub fn created(path: &Path) -> CliResult<BufWriter<File>> {
     let file = File::create(path).map_err(|error| unwritten(Some(path), &error))?;
     Ok(BufWriter::new(file))
 }
 
-/// Returns the error for a table that could not be written; without a path it is standard output.
+/// Returns the error for a table that could not be written to `path`, or to standard output without a path.
 pub fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
     apex_log_monitor::unwritten_table(path, error).into()
 }

@@ -12,7 +12,7 @@ fn refused(desk: &Desk, phrases: &[&str]) -> Said {
     said
 }
 
-/// `first-picture` with one change.
+/// Requires that `first-picture` with one change is refused with these phrases.
 #[track_caller]
 fn picture(file: &str, from: &str, to: &str, phrases: &[&str]) {
     let desk = Desk::with_mission("first-picture");
@@ -20,7 +20,7 @@ fn picture(file: &str, from: &str, to: &str, phrases: &[&str]) {
     refused(&desk, phrases);
 }
 
-/// `plain-watch` with one change.
+/// Requires that `plain-watch` with one change is refused with these phrases.
 #[track_caller]
 fn watch(file: &str, from: &str, to: &str, phrases: &[&str]) {
     let desk = Desk::with_mission("plain-watch");

@@ -56,7 +56,7 @@ fn an_edited_plan_is_printed_in_every_format() {
         .complained(2, &["p.json is the source of the plan"]);
 }
 
-/// Returns the only kind of problem that a plan speaks of.
+/// Returns the members of the answer's plan. The plan is an object with one member, which names the kind of its problem.
 fn body(answer: &Value) -> &Value {
     answer["plan"].as_object().unwrap().values().next().unwrap()
 }
@@ -95,7 +95,7 @@ fn a_cycle_stays_one_when_its_times_are_made_anew() {
     let mut planned = answer(&plan(&desk, CELL, &["--json", "--solver", "two-opt"]).well());
     let visits = body(&planned)["visits"].as_array().unwrap().len();
     let cycle = body(&planned)["cycle"].clone();
-    // Two visits of a lap are an edited plan; no visits are a cycle that is drawn.
+    // A cycle whose visits were removed in part is an edited plan, no longer a cycle; a cycle without visits is computed from its order.
     for (kept, cycle, visits) in [(visits, &cycle, visits), (2, &json!([]), 2), (0, &cycle, visits)] {
         planned["plan"]["Surveillance"]["visits"].as_array_mut().unwrap().truncate(kept);
         desk.write("p.json", &planned.to_string());
@@ -109,7 +109,7 @@ fn a_cycle_stays_one_when_its_times_are_made_anew() {
 #[test]
 fn what_is_left_out_says_why() {
     let desk = Desk::with_mission("plain-watch");
-    // The barn lies in the quarry now.
+    // This position of the barn is inside the quarry.
     desk.change("m/sites.geojson", "[-121.09709, 37.41851]", "[-121.089, 37.412]");
     let mut planned = answer(&plan(&desk, "m", &["--json", "--visits", "winery,school,clinic"]).well());
     planned["plan"]["Surveillance"]["left_out"] = json!([{"target": "chapel", "reason": "closed on Sundays"}]);
@@ -131,7 +131,7 @@ fn what_is_left_out_says_why() {
     }
 }
 
-/// A plan of a few visits once, with a change.
+/// Stores a plan of a few visits once, with a change.
 fn edited(desk: &Desk, change: impl FnOnce(&mut Value)) {
     let mut planned = answer(&plan(desk, CELL, &["--json"]).well());
     let body = &mut planned["plan"]["Surveillance"];

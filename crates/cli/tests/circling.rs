@@ -27,7 +27,7 @@ const RIDGES: &str = r#"(defapplication "Ridge Watch"
 
 const DWELL_S: f64 = 60.0;
 
-/// Calm air, sites some 40 km apart.
+/// Writes a mission in calm air, with sites some 40 km apart.
 fn ridges(desk: &Desk) {
     let mut features =
         vec![json!({"type": "Feature", "properties": {"id": "home", "kind": "base", "elevation_m": 1400},
@@ -67,9 +67,10 @@ fn a_fixed_wing_looks_from_circles_and_is_never_later_than_its_plan_says() {
     for pair in seen.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
         let way_s = problem["travel"]["between_s"][index(&pair[0].1)][index(&pair[1].1)].as_f64().unwrap();
         let (flown_s, planned_s) = (pair[1].0 - pair[0].0, way_s + DWELL_S);
-        // Commands and reports are at half seconds.
+        // Commands and reports occur at half seconds, so a flight may last up to 1 s longer than planned.
         assert!(flown_s <= planned_s + 1.0, "{pair:?}: {flown_s} of {planned_s}");
-        // And the plan is not timid: half a circle of 4.4 km, and the radius that is saved where the circle is met.
+        // The plan is not too long either: by half a circle of 4.4 km and the radius at most, which a flight saves that meets the circle
+        // early.
         assert!(flown_s >= planned_s - 230.0, "{pair:?}: {flown_s} of {planned_s}");
         most_s = f64::max(most_s, flown_s);
     }
@@ -94,7 +95,7 @@ fn what_circles_cost_is_said_and_they_are_drawn() {
         let east_m = (place[0].as_f64().unwrap() - longitude) * 111_200.0 * latitude.to_radians().cos();
         east_m.hypot((place[1].as_f64().unwrap() - latitude) * 111_200.0)
     };
-    // Nowhere nearer to a site than its circle, and on the circle for the whole look.
+    // The path is nowhere nearer to the site than the radius of its circle, and on the circle for the whole observation.
     let saddle: Vec<f64> = path.iter().map(|place| near_m(place, (-119.8, 39.6))).collect();
     let nearest_m = saddle.iter().copied().fold(f64::INFINITY, f64::min);
     assert!((nearest_m - radius_m).abs() < 60.0, "{nearest_m} of {radius_m}");

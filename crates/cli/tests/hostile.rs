@@ -71,7 +71,8 @@ fn signals_end_a_flight_with_its_report_and_record() {
     }
 }
 
-/// Answers 4,000 ticks, which take about 500 kB in a record: more than a file of 200 kB and its log of 200 kB hold together.
+/// Returns a folder with 4,000 ticks to answer. They take about 500 kB in a record: more than a file of 200 kB and its log of 200 kB hold
+/// together.
 #[cfg(unix)]
 fn desk_with_ticks() -> Desk {
     let desk = Desk::new();

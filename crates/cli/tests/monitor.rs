@@ -168,7 +168,7 @@ fn what_became_of_each_sample_is_in_the_table() {
     desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["overwrite its source"]);
 }
 
-/// Counts from a plain scan of the files' bytes, independent of these readers.
+/// The expected counts come from a plain scan of the files' bytes, independent of these readers.
 #[test]
 fn rolls_above_fifteen_degrees_are_found_in_real_logs() {
     let right = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (> 15deg))";
@@ -230,7 +230,7 @@ fn a_file_that_is_not_a_log_ends_with_two() {
     }
 }
 
-/// Roll at 10 Hz: above 15 from 1 s to 2 s, and again from 4 s to 5 s.
+/// Returns a roll at 10 Hz: above 15 from 1 s to 2 s, and again from 4 s to 5 s.
 fn two_banks() -> String {
     let roll = |tenth: u32| if (10..=20).contains(&tenth) || (40..=50).contains(&tenth) { 20 } else { 0 };
     let rows = (0..80).map(|tenth| format!("{}.{},{}\n", tenth / 10, tenth % 10, roll(tenth)));

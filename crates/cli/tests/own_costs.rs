@@ -99,7 +99,7 @@ fn a_function_of_the_program_is_a_cost() {
         let exact = 60.0 * (1.0 - (-age_s / 1_800.0).exp());
         assert!((line - exact).abs() <= 1e-3 * exact.max(0.06), "{line} {exact} at {age_s} s");
     }
-    // The greatest age: an hour, plus ten minutes before it, plus the arrival of the firefighters.
+    // The greatest age: an hour of flight, plus ten minutes before it, plus the 520 s until the firefighters arrive.
     assert_eq!(number(points.last().unwrap(), 0), 3_600.0 + 600.0 + 520.0);
     assert!(cost_of(&desk, "farmhouse")["Delayed"]["cost"]["Saturating"].is_object(), "others keep their families");
     let checked = desk.apex(&["check", "m"]).well();

@@ -259,7 +259,7 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     // Without its signature file, the record names the key whose signature is missing.
     fs::rename(desk.path("f.apex.sig"), desk.path("elsewhere")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex does not hold", "f.apex.sig"]);
-    // The signature of another flight is none.
+    // The signature of another flight does not hold for this record.
     desk.apex(&[&fly[..], &["--sign", "flight.key", "--seed", "9"]].concat()).well();
     fs::rename(desk.path("elsewhere"), desk.path("f.apex.sig")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the record is not as it was signed"]);

@@ -21,7 +21,8 @@ fn watched(mean_s: f64) -> Value {
 #[test]
 fn the_first_event_alone_costs_less_the_likelier_it_is() {
     let desk = Desk::new();
-    // Twice 300 s with the event's age weighted by the chance that none came before: 1000 s a event, then 100 s.
+    // Two intervals of 300 s, each age of the event weighted by the probability that no event came before: one event per 1,000 s, then per
+    // 100 s.
     for (mean_s, all, first) in [(1_000.0, 180.0, 163.273), (100.0, 1_800.0, 819.915), (1e9, 1.8e-4, 1.8e-4)] {
         desk.write("p.json", &watched(mean_s).to_string());
         let said = desk.apex(&["plan", "p.json", "--visits", "barn", "--repeat", "--survival", "--json"]).well().out;

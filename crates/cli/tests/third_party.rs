@@ -85,7 +85,7 @@ fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     desk.apex(&["plan", "m", "--table", "broken.csv"]).complained(2, &["broken.csv:2:"]);
 }
 
-/// A better planner than nearest neighbour: uses another planner.
+/// Improves on nearest neighbour by calling another planner.
 struct Shortcut;
 
 impl Solver for Shortcut {
@@ -196,7 +196,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
 
 #[test]
 fn a_paced_flight_holds_mission_time_until_a_planner_that_hangs_is_abandoned() {
-    // Mission time stops meanwhile (decision 0120): the pace that an operator chose does not affect the flight.
+    // Mission time stops while the planner hangs (decision 0120), so the pace that an operator chose does not affect the flight.
     let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-timeout", "3s"]);
     let trace = desk.apex(&["trace", "r.apex"]).well();
     assert!(trace.out.contains("(without-a-plan)"), "{}", trace.out);

@@ -48,7 +48,7 @@ pub enum Said {
 /// Checks the text of the question.
 ///
 /// # Errors
-/// Why it is refused.
+/// The reason of the refusal.
 pub fn accepted(question: &Question) -> Result<Accepted, Refusal> {
     let source = |name: &str, text: String| SourceText { name: name.into(), text };
     let mut resolve = |_| Err("nothing is required".to_string());

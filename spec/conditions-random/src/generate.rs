@@ -73,7 +73,7 @@ impl Maker {
         Arrival { arrives, at: arrives - back, what: What::Sample(attribute.into(), object.into(), value) }
     }
 
-    /// Returns one of many samples of one variable.
+    /// Returns one of many samples of one variable, for cycles.
     fn swing(&mut self, late: usize) -> Arrival {
         let arrives = self.steps(0, 28);
         let back = if self.dice.chance(late) { self.steps(1, 4).min(arrives) } else { 0 };

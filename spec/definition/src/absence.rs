@@ -31,7 +31,7 @@ pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     found
 }
 
-/// Rule 17: whether past instants are judged again when a sample comes late. They are if a variable of the part is declared with
+/// Rule 17: returns true if past instants are judged again when a sample comes late. They are if a variable of the part is declared with
 /// `:lateness`, or if nothing of the part comes late, which gives the same result.
 fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
     let watched = variables(part);
@@ -154,7 +154,7 @@ fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
     found
 }
 
-/// Whether evidence of the part may become known only after it has begun. A span may then have been without evidence as far as was known.
+/// Returns true if evidence of the part may become known only after it has begun. Until then a span counts as without evidence.
 fn comes_to_light_later(part: &Condition) -> bool {
     match &part.kind {
         // A persistent value is required at a later instant, and its evidence is the sample before.

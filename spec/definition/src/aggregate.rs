@@ -41,8 +41,8 @@ fn slides(episode: &Episode) -> bool {
     episode.value.is_empty() && !episode.duration.is_empty()
 }
 
-/// Whether it is certain that the newest end does not satisfy the condition. For a run that is too short or has too few samples this is
-/// unknown.
+/// Returns true if it is certain that the newest end does not satisfy the condition. For a run that is too short or has too few samples
+/// this is unknown.
 pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> bool {
     if !asked(episode) {
         return false;

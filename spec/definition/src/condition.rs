@@ -25,34 +25,34 @@ pub enum Kind {
     Episode(Episode),
     /// A value that goes up and down repeatedly.
     Cyclic(Cyclic),
-    /// All parts.
+    /// All parts are satisfied.
     And(Vec<Condition>, Vec<Test>),
-    /// One part.
+    /// At least one part is satisfied.
     Or(Vec<Condition>),
-    /// No result so far.
+    /// The part has had no result so far.
     Not(Box<Condition>),
-    /// No result for this duration.
+    /// The part has had no result for this duration.
     Absent(Box<Condition>, Span),
-    /// In sequence.
+    /// The parts are satisfied in sequence.
     InOrder(Vec<Condition>, Vec<Test>),
-    /// A relation between neighbours.
+    /// A relation between each two neighbouring parts.
     Allen {
         /// Relation.
         relation: Allen,
         /// The parts.
         parts: Vec<Condition>,
-        /// End points are equal within this.
+        /// Largest difference, in nanoseconds, of end points that count as equal.
         tolerance: Span,
         /// Tests of tags.
         tests: Vec<Test>,
     },
-    /// At least this long after; not longer than.
+    /// A delay: at least the first span, at most the second.
     Delay(Span, Option<Span>),
-    /// The instant has arrived; the interval has been reached.
+    /// An instant that has been reached or, with a second instant, an interval.
     Timestamp(Time, Option<Time>),
     /// A message, with tests of its instant.
     Event(Vec<Term>, Vec<(Relation, Time)>),
-    /// The newest value of a variable fits.
+    /// The newest value of a variable has a relation to a number.
     Function(String, String, Relation, f64),
     /// The task ended.
     TaskEnded(String),
@@ -91,9 +91,9 @@ pub struct Cyclic {
     pub variable: Variable,
     /// Tests of the length of each cycle.
     pub period: Vec<(Relation, Span)>,
-    /// Tests of the amplitude of each.
+    /// Tests of the amplitude of each cycle.
     pub amplitude: Vec<(Relation, f64)>,
-    /// Tests of their number; none is at least two.
+    /// Tests of the number of cycles; an empty list requires at least two.
     pub cycles: Vec<(Relation, i64)>,
     /// The least distance by which a value must return from a turning point.
     pub hysteresis: Option<f64>,
@@ -104,15 +104,15 @@ pub struct Cyclic {
 pub struct Episode {
     /// The watched variable.
     pub variable: Variable,
-    /// Any two samples of a run bound an episode.
+    /// True if any two samples of a run bound an episode.
     pub any: bool,
-    /// Holds of every value.
+    /// Tests of every value.
     pub value: Vec<Constraint>,
-    /// Holds of the first value.
+    /// Tests of the first value.
     pub first_value: Vec<Constraint>,
-    /// Holds of the last value.
+    /// Tests of the last value.
     pub last_value: Vec<Constraint>,
-    /// The largest gap; `None` does not constrain.
+    /// The largest gap between samples; `None` permits any.
     pub gap: Option<Span>,
     /// Tests of the first instant.
     pub start: Vec<(Relation, Time)>,
@@ -140,9 +140,9 @@ pub enum Estimation {
 pub struct Regression {
     /// Least number of samples.
     pub points_min: Option<usize>,
-    /// The root mean square of the residuals is not above.
+    /// Greatest permitted root mean square of the residuals.
     pub error_max: Option<f64>,
-    /// The line is not further from the nearest sample than.
+    /// Greatest permitted distance of the line from the nearest sample.
     pub difference_max: Option<f64>,
     /// The largest gap between the samples that are fitted.
     pub gap_max: Option<Span>,
@@ -180,7 +180,7 @@ pub enum Relation {
 /// Part of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// This.
+    /// This value.
     Is(Value),
     /// Any value; the same name must have the same value.
     Variable(String),

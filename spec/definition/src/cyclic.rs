@@ -79,7 +79,7 @@ fn fits(cyclic: &Cyclic, turns: &[Turn]) -> bool {
         && cyclic.amplitude.iter().all(|(relation, bound)| numbers(*relation, amplitude, *bound))
 }
 
-/// For each run of fitting cycles, beginning at maxima and at minima in turn, the first part that is long enough.
+/// For each run of cycles that satisfy the constraints, returns its first part with enough cycles. A run begins at a maximum or a minimum.
 fn runs(cyclic: &Cyclic, turns: &[Turn], bound: &Bindings) -> Vec<Way> {
     let halves: Vec<&[Turn]> = turns.windows(3).collect();
     let mut found = Vec::new();

@@ -27,7 +27,8 @@ pub(crate) fn series_of<'a>(
     found
 }
 
-/// The instant from which samples count: the creation, the last sample before it if that may still be valid, or the beginning of time.
+/// Returns the instant from which samples count: the creation, the last sample before it if that may still be valid, or the earliest
+/// instant.
 fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time {
     if !measurement.timestamp.is_empty() {
         return Time::MIN;
@@ -46,7 +47,7 @@ pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Ser
         .any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
 }
 
-/// Rule 2: the window begins with the creation unless the condition constrains the instants.
+/// Rule 2: returns true if the instant is in the window, which begins with the creation unless the condition constrains the instants.
 pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) -> bool {
     if tests.is_empty() { at >= view.created } else { instant_fits(at, tests) }
 }

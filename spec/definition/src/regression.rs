@@ -15,13 +15,13 @@ const ROUNDING_NS: f64 = 1e-3;
 /// Farthest predicted instant. The slope of a line that is level except for rounding counts as zero.
 const FARTHEST: Time = Time::MAX / 2;
 
-/// Statement of a line.
+/// Result of fitting a line.
 enum Saying {
     /// The line meets the constraints, according to the knowledge at that time.
     Meets(Way),
     /// The line does not satisfy them.
     Fails,
-    /// There is no line to be trusted.
+    /// No line can be fitted, or its criteria reject it.
     Unknown,
 }
 
@@ -103,7 +103,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     Saying::Meets(Way { instant: true, ..way })
 }
 
-/// Returns the first and last instant that the tests leave.
+/// Returns the first and last instant that the tests permit.
 fn window(tests: &[(Relation, Time)]) -> (Option<Time>, Option<Time>) {
     let least = tests.iter().filter_map(|(relation, at)| match relation {
         Relation::Greater => Some(at + 1),
@@ -150,7 +150,8 @@ fn bounds(constraint: &Constraint) -> Vec<f64> {
     }
 }
 
-/// Whether the value satisfies the constraint. A value within `near` of a bound, the size of rounding errors, counts as equal to it.
+/// Returns true if the value satisfies the constraint. A value within `near` of a bound, the size of rounding errors, counts as equal to
+/// it.
 fn satisfied(constraint: &Constraint, value: f64, near: f64) -> bool {
     let below = |bound: f64| value < bound - near;
     let above = |bound: f64| value > bound + near;

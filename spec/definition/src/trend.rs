@@ -22,7 +22,7 @@ pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
         .any(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), &inside.samples) == Some(false))
 }
 
-/// Fewer than two distinct instants show no trend.
+/// Returns true if the samples satisfy the constraint; `None` if they show no trend, as with fewer than two distinct instants.
 fn judged(episode: &Episode, (trend, relation, bound): (Trend, Relation, f64), samples: &[Sample]) -> Option<bool> {
     let points = points(samples);
     match trend {

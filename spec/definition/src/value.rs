@@ -25,7 +25,7 @@ impl Value {
 /// Values of variables.
 pub type Bindings = BTreeMap<String, Value>;
 
-/// Does the relation hold? Values that have no order are only equal or different.
+/// Returns true if the relation holds. Values that have no order are only equal or different.
 pub(crate) fn holds(relation: Relation, left: &Value, right: &Value) -> bool {
     match (left, right) {
         (Value::Number(left), Value::Number(right)) => numbers(relation, *left, *right),
@@ -37,7 +37,7 @@ pub(crate) fn holds(relation: Relation, left: &Value, right: &Value) -> bool {
     }
 }
 
-/// The relation between numbers.
+/// Returns true if the relation between the numbers holds.
 pub(crate) fn numbers<N: PartialOrd>(relation: Relation, left: N, right: N) -> bool {
     let order = left.partial_cmp(&right);
     match relation {
@@ -50,7 +50,7 @@ pub(crate) fn numbers<N: PartialOrd>(relation: Relation, left: N, right: N) -> b
     }
 }
 
-/// Whether all constraints hold for the value. Variables of `= ?x` are bound, or must already have the same value.
+/// Returns true if all constraints hold for the value. Variables of `= ?x` are bound, or must already have the same value.
 pub(crate) fn fits(value: &Value, constraints: &[Constraint], bound: &mut Bindings) -> bool {
     constraints.iter().all(|constraint| match (constraint, value) {
         (Constraint::Compare(Relation::Equal, Value::Number(wanted), Some(tolerance)), Value::Number(number)) => {
@@ -73,7 +73,7 @@ fn bind(name: &str, value: &Value, bound: &mut Bindings) -> bool {
 /// Returns true if the term matches the value.
 pub(crate) fn matches(term: &Term, value: &Value, bound: &mut Bindings) -> bool {
     match (term, value) {
-        // Patterns take texts in any case.
+        // Patterns match texts regardless of case.
         (Term::Is(Value::Text(wanted)), Value::Text(text)) => wanted.eq_ignore_ascii_case(text),
         (Term::Is(wanted), _) => wanted == value,
         (Term::Variable(name), _) => bind(name, value, bound),
@@ -81,7 +81,7 @@ pub(crate) fn matches(term: &Term, value: &Value, bound: &mut Bindings) -> bool 
     }
 }
 
-/// Returns both together, unless they disagree about a variable.
+/// Returns the bindings of both, or `None` if they give a variable different values.
 pub(crate) fn joined(first: &Bindings, second: &Bindings) -> Option<Bindings> {
     let mut both = first.clone();
     second.iter().all(|(name, value)| bind(name, value, &mut both)).then_some(both)

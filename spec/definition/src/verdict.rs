@@ -133,7 +133,7 @@ fn distinct(mut all: Vec<i64>) -> Vec<i64> {
     all
 }
 
-/// Every length of time that the condition names.
+/// Adds to `spans` every length of time that the condition names.
 fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
     if let Kind::InOrder(parts, _) = &condition.kind {
         // Delays in a row add up.
@@ -180,7 +180,7 @@ fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
     parts.iter().for_each(|part| spans_of(part, spans));
 }
 
-/// Every measurement of a line.
+/// Adds to `lines` every measurement whose values are those of a regression line.
 fn lines_of<'a>(condition: &'a Condition, lines: &mut Vec<&'a Measurement>) {
     match &condition.kind {
         Kind::Measurement(measurement) => {

@@ -31,7 +31,7 @@ impl Way {
         Way::over((at, at), known, Bindings::new())
     }
 
-    /// A way that holds at this instant and may not hold at the next.
+    /// Returns a way that holds at this instant and may not hold at the next.
     fn now(view: View<'_>) -> Way {
         Way { instant: true, ..Way::at(view.now, view.now) }
     }
@@ -52,7 +52,7 @@ impl Way {
         }
     }
 
-    /// Returns both, unless they disagree about a variable.
+    /// Returns both ways as one, or `None` if they give a variable different values.
     fn with(&self, next: &Way) -> Option<Way> {
         let hull = match (self.hull, next.hull) {
             (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
@@ -67,7 +67,7 @@ impl Way {
     }
 }
 
-/// Intervals of a run that are meant (rule 7).
+/// The intervals of a run that count as its results (rule 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Runs {
     /// From the first sample of the run up to the one that proves it.
@@ -78,7 +78,7 @@ pub(crate) enum Runs {
     Whole,
 }
 
-/// At which instant, and from which on, a condition is judged.
+/// Context in which a condition is judged: the knowledge, the instant from which evidence counts, and the present instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'a> {
     pub(crate) question: &'a Question,
@@ -156,8 +156,8 @@ fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
     }
 }
 
-/// `:and`: combinations of a way of each part that agree about their variables, without those that are forbidden by a `:not` next to the
-/// parts.
+/// `:and`: returns combinations of a way of each part that agree about their variables, without those that are forbidden by a `:not` next
+/// to the parts.
 fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     let (forbidding, asking): (Vec<_>, Vec<_>) = parts.iter().partition(|part| matches!(part.kind, Kind::Not(_)));
     let mut found = Ways::from(vec![Way::nothing(view.created)]);
@@ -233,7 +233,7 @@ impl Kleene {
     }
 }
 
-/// `:or`: the ways of all parts, those of earlier parts first.
+/// `:or`: returns the ways of all parts, those of earlier parts first.
 fn one_of(parts: &[Condition], view: View<'_>) -> Ways {
     let mut found = Ways::default();
     for part in parts {
@@ -255,7 +255,7 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
     }
 }
 
-/// `:in-order`: the end of each part is before the start of the next; a delay between them sets the distance.
+/// `:in-order`: returns combinations in which the end of each part is before the start of the next; a delay between them sets the distance.
 fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     let mut found = Ways::from(vec![Way::nothing(view.created)]);
     let mut delay: Option<(Span, Span)> = None;
@@ -292,7 +292,8 @@ fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     found
 }
 
-/// Allen's relations between neighbours, as soon as no continuation of a run can change the result (rule 15).
+/// Returns combinations with this one of Allen's relations between neighbours, as soon as no continuation of a run can change the result
+/// (rule 15).
 fn related(relation: Allen, parts: &[Condition], tolerance: Span, view: View<'_>) -> Ways {
     let mut chains: Vec<(Way, Way)> = Vec::new();
     let mut truth = Kleene::default();
@@ -327,7 +328,7 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
     if reached <= to.unwrap_or(from) { vec![Way::at(reached, reached)].into() } else { Ways::default() }
 }
 
-/// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
+/// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: returns a way if it holds at this instant.
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
     // The function's value at an instant depended on the knowledge at that time, and cannot be queried later.
     let past = known(&view.question.arrivals, &view.question.lateness, view.now);
@@ -347,7 +348,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
     }
 }
 
-/// Combinations of each way of the first with each way of the second that agrees with it and follows it.
+/// Returns combinations of each way of the first with each way of the second that agrees with it and follows it.
 fn combined(first: &[Way], second: &[Way], follows: impl Fn(&Way, &Way) -> bool) -> Vec<Way> {
     let mut all = Vec::new();
     for before in first {

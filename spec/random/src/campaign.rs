@@ -17,9 +17,9 @@ pub struct Outcome {
     pub refused: u64,
     /// Number of programs with an instant that does not come to rest in the reference; they are compared up to that instant.
     pub restless: u64,
-    /// Programs with more tasks than the reference follows: compared up to there.
+    /// Number of programs with more tasks than the reference handles; they are compared up to that number of tasks.
     pub long: u64,
-    /// The seed that took longest, and how long.
+    /// The longest time of a program, and its seed.
     pub slowest: (Duration, u64),
     /// Seeds of programs that they ran differently.
     pub different: Vec<u64>,

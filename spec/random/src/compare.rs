@@ -6,8 +6,8 @@ use apex_executive::Agent;
 use apex_reference::trace::State;
 use apex_reference::{Cut, Line, Run, What};
 
-/// Number of tasks created at an instant that does not come to rest and still present when the reference stops, from which on that
-/// instant is left out of the comparison.
+/// If more tasks than this were created at a restless instant and still exist when the reference stops, the comparison leaves that instant
+/// out.
 const MADE_MAX: usize = 10;
 
 /// Result of a case.
@@ -76,7 +76,7 @@ fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict 
     Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive tells less".into()))
 }
 
-/// Returns the last things that happened.
+/// Returns the last lines of the run.
 fn told_last(run: &Run) -> String {
     run.lines.iter().rev().take(40).rev().map(|line| format!("    {line}\n")).collect()
 }

@@ -86,7 +86,7 @@ fn tell_end(agent: &Agent, run: &mut Run) {
     }
 }
 
-/// The executive stopped at an instant.
+/// Returns true if the executive stopped at an instant because a limit was reached.
 fn is_restless(effect: &Effect) -> bool {
     let Effect::Decided(decision) = effect else { return false };
     matches!(decision.because.cause, Cause::LimitReached { .. })

@@ -20,7 +20,7 @@ pub struct Case {
 
 /// The last instant of a run.
 pub const UNTIL: Span = 24 * SECOND;
-/// Attributes of state variables; where priorities rise a run takes longer.
+/// Attributes of state variables.
 const ATTRIBUTES: &[&str] = &["x", "y"];
 const OBJECTS: &[&str] = &["v", "w"];
 /// First words of messages.
@@ -146,9 +146,9 @@ impl Maker<'_> {
             let amount = self.dice.between(2, 3) as f64;
             self.resources.push(Resource { name: "shared".into(), amount, depletable: false, part_of: None });
         }
-        // With a second one, tasks need amounts of two resources at once.
+        // With this second resource, tasks need amounts of two resources at once.
         if self.dice.chance(self.taste.shared / 2) {
-            // A step and what serves it need four at most: fewer would be refused.
+            // A step and its method need at most four units; the checker rejects a need above the capacity.
             let amount = self.dice.between(4, 5) as f64;
             self.resources.push(Resource { name: "lanes".into(), amount, depletable: false, part_of: None });
         }
@@ -376,7 +376,7 @@ trait With {
 }
 
 impl With for Form {
-    /// Prints a number instead: spans are written differently.
+    /// Returns a form that prints a number instead of the form's own value, because executive and reference print spans differently.
     fn with(self, dice: &mut Dice) -> Form {
         Form::Print(number(dice.below(9)))
     }

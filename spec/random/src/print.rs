@@ -313,7 +313,7 @@ fn value_of(value: &Value) -> String {
     }
 }
 
-/// `2.5s`
+/// Returns a span as in `2.5s`.
 fn span(length: Span) -> String {
     format!("{}s", length as f64 / SECOND as f64)
 }

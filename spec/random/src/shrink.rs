@@ -31,7 +31,7 @@ fn is_different(verdict: Verdict) -> bool {
     matches!(verdict, Verdict::Different(_))
 }
 
-/// Everything that is a little smaller, the most promising first.
+/// Returns all cases that are a little smaller, the most promising first.
 fn smaller(case: &Case) -> Vec<Case> {
     let mut cases = Vec::new();
     for inputs in without_each(&case.inputs) {

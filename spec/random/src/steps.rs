@@ -7,7 +7,7 @@ use apex_reference::program::{
     Activity, Clauses, Condition, Expr, Kind, Need, Priority, Relation, Repetition, SECOND, Step, Term,
 };
 
-/// Items to which a step can refer.
+/// The surroundings to which a step can refer.
 struct Around<'a> {
     tags: &'a [String],
     own: usize,
@@ -47,7 +47,7 @@ impl Maker<'_> {
         steps
     }
 
-    /// Many steps that need the same resource at once and state their durations.
+    /// Returns many steps that need the same resource at once and state their durations.
     fn crowd(&mut self) -> Vec<Step> {
         let lasting: Vec<Goal> = self.primitives.iter().filter(|goal| goal.lasts).cloned().collect();
         let Some(goal) = self.dice.pick(&lasting) else { return Vec::new() };

@@ -24,7 +24,7 @@ impl Agent<'_> {
             if self.tasks[id].work.is_none() {
                 self.begin(id);
             } else if self.tasks[id].watches.iter().any(|watch| watch.clause == Clause::RestartWhen) {
-                // Its resumption is noticed first; a task that starts over does not continue before that.
+                // Its `restart-when` is noticed first: a task that starts over does not resume.
                 self.resuming.insert(id);
             } else {
                 self.go_on(id);
@@ -35,7 +35,7 @@ impl Agent<'_> {
 
     fn go_on(&mut self, id: usize) {
         let handling = matches!(self.tasks[id].work, Some(Work::Handling(_)));
-        // The handler could not begin before, so this start is not a resumption of it.
+        // The handler could not begin before this start of the task, so the start is not a resumption of the handler.
         if handling && self.tasks[id].started_at == Some(self.now) {
             return;
         }
@@ -192,7 +192,7 @@ impl Agent<'_> {
         }
     }
 
-    /// A clock of a primitive has arrived to its end.
+    /// Handles the instant of a clock: the end of the primitive's duration, or its next update.
     pub(crate) fn clock_rings(&mut self, id: usize, alarm: Alarm) {
         let now = self.now;
         let serial = self.next_serial();

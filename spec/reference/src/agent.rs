@@ -100,7 +100,7 @@ pub(crate) struct Agent<'p> {
     pub(crate) resumed: BTreeMap<usize, String>,
     /// Competition at the last decision of the arbiter.
     pub(crate) competed: Option<crate::competition::Competition>,
-    /// Numbers alarms and watches.
+    /// The next number of an alarm or a watch.
     pub(crate) serial: u64,
     pub(crate) lines: Vec<Line>,
     /// True if anything was done in this round.

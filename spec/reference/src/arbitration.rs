@@ -19,7 +19,7 @@ struct Share {
 enum Right {
     /// An ongoing task holds the share, and can lose it.
     Held,
-    /// Given away in this round.
+    /// Granted to a claimant in this round.
     Granted,
     /// Claimed by an earlier claimant that was rejected and cannot begin before this instant, if that is known.
     Awaited(Option<Time>),
@@ -45,7 +45,7 @@ struct Field {
 }
 
 impl Agent<'_> {
-    /// Whether the task may work at all. It may not under a suspended ancestor, and nothing begins below a task that does not work.
+    /// Returns true if the task may work at all. It may not under a suspended ancestor, and no task begins below a task that does not work.
     pub(crate) fn is_eligible(&self, id: usize) -> bool {
         let task = &self.tasks[id];
         let starts = match task.state {
@@ -171,7 +171,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Priority, then work that has begun, then written order among siblings and creation order among others.
+    /// Compares by priority, then work that has begun, then written order among siblings and creation order among others.
     fn by_priority(&self, a: usize, b: usize, competitors: &[usize]) -> Ordering {
         let order = |id: usize| {
             let begun = self.goes_first(id, competitors);
@@ -187,14 +187,14 @@ impl Agent<'_> {
         second.total_cmp(&first).then(order(a).cmp(&order(b)))
     }
 
-    /// Among equals, work that has begun has precedence, unless a task that has not begun outranks it.
+    /// Returns true if, among equals, the task has precedence because its work has begun, and no task that has not begun outranks it.
     fn goes_first(&self, id: usize, competitors: &[usize]) -> bool {
         let mut ahead = competitors.iter().filter(|other| self.goes_before(**other, id));
         matches!(self.tasks[id].state, State::Ongoing | State::Interrupted)
             && ahead.all(|other| self.goes_first(*other, competitors))
     }
 
-    /// Whether one task precedes the other by rank. Ranks apply only if both need the same resource.
+    /// Returns true if one task precedes the other by rank. Ranks apply only if both need the same resource.
     fn goes_before(&self, a: usize, b: usize) -> bool {
         let other = self.tasks[b].needs();
         let share = self.tasks[a].needs().iter().any(|(name, _)| other.iter().any(|(each, _)| each == name));
@@ -396,7 +396,7 @@ impl Agent<'_> {
         worked + since.map_or(0, |since| self.now - since)
     }
 
-    /// Whether this task would end before the rejected claimant can begin, so that it may use the resource meanwhile.
+    /// Returns true if this task would end before the rejected claimant can begin, so that it may use the resource meanwhile.
     fn leaves_a_gap(&self, id: usize, share: &Share) -> bool {
         let expected = self.tasks[id].choice.as_ref().and_then(|choice| choice.expected);
         match (share.right, expected) {

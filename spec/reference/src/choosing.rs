@@ -147,7 +147,7 @@ impl<'p> Agent<'p> {
         Ok(())
     }
 
-    /// A task that has a whole has its parts, and theirs.
+    /// Adds the parts of each needed resource, and the parts of these: a task that holds a resource holds all its parts.
     pub(crate) fn add_parts(&mut self, needs: &mut Vec<(String, f64)>) {
         let mut next = 0;
         let mut wholes: Vec<String> = needs.iter().map(|need| need.0.clone()).collect();

@@ -6,7 +6,7 @@ use crate::value::Value;
 
 impl Agent<'_> {
     pub(crate) fn notice_and_enable(&mut self) {
-        // All clauses that became true are noticed before anything acts on one.
+        // All clauses that became true are noticed before any of them takes effect.
         let noticed = self.noticed(|_| true);
         self.judge_invariants();
         self.fire_all(noticed);
@@ -50,7 +50,7 @@ impl Agent<'_> {
         self.tasks[id].answered = self.tasks[id].answered.max(answered);
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
-        // A watch that begins now counts from the evidence on, or from the search if the fact was true before.
+        // A watch that begins now counts evidence from this evidence on, or from the beginning of the search if the fact was true before.
         let end = proof.end(self.now).max(watch.window.start);
         let newest = self.arrivals.checked_sub(1).filter(|_| end >= self.now);
         let after = Window { start: end.min(self.now), after: answered.or(newest) };

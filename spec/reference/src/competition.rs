@@ -1,11 +1,11 @@
-//! Input of the decision among claimants at one instant.
+//! Input of the arbiter's decision among claimants at one instant.
 
 use std::collections::BTreeMap;
 
 /// Everything that determines the decision, except for the time.
 #[derive(PartialEq)]
 pub(crate) struct Competition {
-    /// All that claim or work.
+    /// All tasks that claim resources or work.
     pub(crate) competitors: Vec<Competitor>,
     /// The strengths of claims and defences, the weakest first; true where a strength equals the previous one.
     pub(crate) order: Vec<(usize, bool, bool)>,

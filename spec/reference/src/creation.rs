@@ -7,7 +7,7 @@ use crate::trace::What;
 use crate::value::Bindings;
 use std::collections::BTreeSet;
 
-/// A sequential procedure without a stated end gets a final step that terminates it.
+/// Returns the program in which every sequential procedure without a stated end gets a final step that terminates it.
 pub(crate) fn with_ends(program: &Program) -> Program {
     let mut program = program.clone();
     let ends = |step: &Step| matches!(step.activity, Activity::Terminate { tag: None, .. });
@@ -158,7 +158,7 @@ impl<'p> Agent<'p> {
         used(step).into_iter().filter(|name| !own.contains(name) && produced(name)).collect()
     }
 
-    /// No further task is made from the step.
+    /// Forgets a task, so that no clause refers to it any longer.
     pub(crate) fn forget(&mut self, id: usize) {
         self.tasks[id].forgotten = true;
         self.tasks[id].watches.clear();

@@ -6,7 +6,7 @@ use crate::task::{Origin, Outcome, State, Work};
 use crate::trace::What;
 use crate::value::Value;
 
-/// True for a step that repeats without bound or responds repeatedly, and so never ends without a clause.
+/// Returns false for a step that repeats without bound or responds repeatedly, and so never ends without a clause.
 fn ends_by_itself(step: &Step) -> bool {
     step.repetition
         .as_ref()
@@ -137,7 +137,7 @@ impl Agent<'_> {
         self.complete_when_done(parent);
     }
 
-    /// A procedure is complete when all of its steps have ended that end without a clause, if there are any.
+    /// Ends a procedure when all of its steps have ended that end without a clause, if there are any.
     pub(crate) fn complete_when_done(&mut self, id: usize) {
         let Some(Work::Procedure { procedure, children, .. }) = &self.tasks[id].work else { return };
         if !matches!(self.tasks[id].state, State::Ongoing | State::Interrupted) {

@@ -11,7 +11,7 @@ use crate::value::{Bindings, Value, joined, matches};
 pub(crate) struct Proof {
     /// First and last evidence; `None` if no evidence was needed.
     hull: Option<(Time, Time)>,
-    /// Since when it is known.
+    /// The instant since which the proof is known.
     known: Time,
     pub(crate) bound: Bindings,
     evidence: Vec<Evidence>,
@@ -47,7 +47,7 @@ impl Proof {
 struct Place<'a> {
     task: usize,
     watch: &'a Watch,
-    /// Messages count that came before the watching began, while the step was busy.
+    /// True if messages count that arrived before the watch began, while the step was busy.
     missed: bool,
 }
 
@@ -70,8 +70,7 @@ impl Agent<'_> {
         self.variable(place.task, place.watch.level, name)
     }
 
-    /// A message or a sample is judged when it is noticed, or when the watch begins if that is later: the variable's value at that time
-    /// counts.
+    /// Returns the variable's value for a message or a sample: the value when it is noticed, or when the watch begins if that is later.
     fn saw(&self, place: Place<'_>, name: &str, arrival: u64) -> Option<Value> {
         let owner = self.owner(place.task, place.watch.level, name);
         let later = |change: &&Change| {
@@ -140,7 +139,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Samples within the window with a matching object and value. Among several at one time the last one counts.
+    /// Returns samples within the window with a matching object and value. Among several at one time the last one counts.
     fn samples_of(
         &self,
         attribute: &str,
@@ -328,7 +327,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Notice: the satisfied clauses.
+    /// Returns the satisfied clauses, in the order in which they are noticed.
     pub(crate) fn noticed(&self, wanted: impl Fn(&Watch) -> bool) -> Vec<(usize, Watch)> {
         let mut noticed: Vec<(usize, Watch)> = Vec::new();
         for (id, task) in self.living() {
@@ -340,7 +339,7 @@ impl Agent<'_> {
         noticed
     }
 
-    /// Whether all variables in the conditions are known to the task.
+    /// Returns true if all variables in the conditions are known to the task.
     pub(crate) fn all_known(&self, id: usize, conditions: &[&Condition]) -> bool {
         let mut names = Vec::new();
         conditions.iter().for_each(|condition| crate::creation::in_condition(condition, &mut names));
@@ -348,7 +347,7 @@ impl Agent<'_> {
     }
 }
 
-/// Combinations of each proof of the first with each proof of the second that agrees with it and follows it.
+/// Returns combinations of each proof of the first with each proof of the second that agrees with it and follows it.
 fn combined(first: &[Proof], second: &[Proof], follows: impl Fn(&Proof, &Proof) -> bool) -> Vec<Proof> {
     let mut all = Vec::new();
     for before in first {

@@ -43,7 +43,7 @@ impl<'p> Agent<'p> {
         true
     }
 
-    /// Of all that works.
+    /// Checks the invariants of all tasks that work.
     pub(crate) fn judge_invariants(&mut self) {
         let works = self.ids(|task| {
             task.state == State::Ongoing && task.work.is_some() && !matches!(task.work, Some(Work::Handling(_)))
@@ -88,7 +88,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// A part with the deciding truth value decides; otherwise an unknown part makes the result unknown.
+    /// Combines the parts of `:and` or `:or`: one with the deciding truth value decides; otherwise an unknown part makes the result
+    /// unknown.
     fn judged(&self, parts: &[Condition], deciding: bool, id: usize, level: Level) -> Option<bool> {
         let truths: Vec<Option<bool>> = parts.iter().map(|part| self.holds_now(part, id, level)).collect();
         if truths.contains(&Some(deciding)) {
@@ -109,7 +110,7 @@ impl<'p> Agent<'p> {
         named(&self.program.procedures[procedure].clauses) || steps.iter().any(by_step)
     }
 
-    /// A step has ended for good: siblings that wait for another outcome, or for its result, are skipped.
+    /// Skips the siblings that wait for another outcome, or for the result, of a step that has ended for good.
     pub(crate) fn skip_who_waits_in_vain(&mut self, parent: usize, child: usize) {
         let Some(Work::Procedure { procedure, current, .. }) = &self.tasks[parent].work else { return };
         let (procedure, current) = (*procedure, current.clone());

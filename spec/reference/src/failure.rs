@@ -63,7 +63,7 @@ impl Agent<'_> {
         true
     }
 
-    /// The handler ended, and the step ends in the same way.
+    /// Ends the step in the same way as its handler has ended.
     pub(crate) fn handled(&mut self, id: usize, handler: usize) {
         match self.tasks[handler].outcome.clone() {
             Some(outcome) if outcome.is_failure() => {

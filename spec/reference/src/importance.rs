@@ -144,7 +144,7 @@ fn deadline(urgency: f64, created_at: Time) -> Time {
     created_at + ((9.0 - urgency).exp2() * SECOND as f64).round() as i64
 }
 
-/// Urgency rises as the deadline nears.
+/// Returns the urgency at an instant, which rises as the deadline nears.
 fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
     let left = seconds(deadline(urgency, created_at) - at);
     if left <= 0.5 { 10.0 } else { (9.0 - left.log2()).clamp(0.0, 10.0) }

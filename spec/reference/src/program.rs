@@ -215,13 +215,13 @@ pub struct Repetition {
     pub responding: bool,
     /// The step is repeated as long as this holds.
     pub while_true: Option<Expr>,
-    /// Not again when this holds.
+    /// The step is not repeated once this holds.
     pub until: Option<Expr>,
     /// `:enabled`: further repetitions do not wait for the conditions.
     pub enabled: bool,
-    /// Its priority recovers over this span.
+    /// The span over which its priority recovers.
     pub recovery: Option<Span>,
-    /// From start to start at least.
+    /// Minimum time between the starts of two repetitions.
     pub minimum_interval: Option<Span>,
     /// One instance for each combination of these variables.
     pub for_new: Vec<String>,
@@ -293,13 +293,13 @@ pub enum Condition {
     Ended(String),
     /// The step's task is in this state (`resumed` is the change back to ongoing); `+this-task+` if none.
     State(Option<String>, String),
-    /// All of them.
+    /// All parts hold.
     And(Vec<Condition>),
     /// At least one of the parts.
     Or(Vec<Condition>),
     /// The condition has had no result up to now.
     Not(Box<Condition>),
-    /// In sequence.
+    /// The parts hold in sequence.
     InOrder(Vec<Condition>),
     /// A duration since the task's creation, or since the part before.
     Delay(Span, Option<Span>),

@@ -46,7 +46,7 @@ impl Agent<'_> {
         true
     }
 
-    /// The repeated step is busy from now on: messages that it has not answered are kept for its next repetitions.
+    /// Keeps the messages that the repeated step, which is busy from now on, has not answered for its next repetitions.
     pub(crate) fn keep_missed(&mut self, id: usize, proof: &Proof) {
         let Some(step) = self.own_step(id) else { return };
         let repeats = step.repetition.as_ref().is_some_and(|clause| !clause.responding && !clause.drop_missed);
@@ -68,7 +68,7 @@ impl Agent<'_> {
         self.tasks[id].missed = Some(missed);
     }
 
-    /// The task of a responding step was enabled, so a new instance waits next to it.
+    /// Creates a new instance of a responding step, which waits next to the task that was enabled.
     pub(crate) fn respond(&mut self, id: usize) {
         let Origin::Step(procedure, step) = self.tasks[id].origin else { return };
         let Some(parent) = self.tasks[id].parent else { return };
@@ -108,7 +108,7 @@ impl Agent<'_> {
     }
 }
 
-/// Returns true if the condition combines messages.
+/// Returns true if the condition contains a message.
 fn hears(condition: &Condition) -> bool {
     match condition {
         Condition::Event(_) => true,

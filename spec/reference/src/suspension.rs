@@ -16,7 +16,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// A suspension is watched from the creation of the task, or from the time at which all variables in it are known.
+    /// Watches for a suspension of the step, from the creation of the task or from the time at which all variables in the clauses are
+    /// known.
     pub(crate) fn watch_step_suspension(&mut self, id: usize) {
         let Some(clauses) = self.clauses(id, Level::Step) else { return };
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
@@ -47,7 +48,7 @@ impl<'p> Agent<'p> {
         self.tasks[id].state == State::Pending && !self.all_known(id, &named)
     }
 
-    /// After a suspension by its clause.
+    /// After a suspension by a clause, watches the conditions of resumption.
     pub(crate) fn watch_resumption(&mut self, id: usize, level: Level, window: Window) {
         let Some(clauses) = self.clauses(id, level) else { return };
         self.unwatch(id, |clause, at| clause == Clause::ResumeWhen && at == level);
@@ -59,7 +60,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// After a resumption: other conditions for resumption are no longer watched, and conditions for suspension are watched again.
+    /// After a resumption, ends the watches of conditions of resumption and watches the conditions of suspension again.
     pub(crate) fn watch_suspension_anew(&mut self, id: usize, window: Window) {
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
         self.unwatch(id, |clause, _| about(clause));
@@ -75,12 +76,12 @@ impl<'p> Agent<'p> {
                 self.watch(id, Clause::ResumeWhen, level, condition, window);
             }
         }
-        // A fact that is still true has already had its suspension.
+        // A fact that is still true has already suspended the task once, and does not suspend it again.
         let anew = self.tasks[id].watches.iter_mut().filter(|watch| about(watch.clause));
         anew.for_each(|watch| watch.standing = false);
     }
 
-    /// The task stops working, and its clock stands still.
+    /// Interrupts the task and stops its clocks.
     pub(crate) fn stop(&mut self, id: usize, cause: String) {
         if self.tasks[id].state != State::Ongoing {
             return;
@@ -97,13 +98,13 @@ impl<'p> Agent<'p> {
         self.run_hooks(id, |hooks| &hooks.on_suspend);
     }
 
-    /// Hooks of the procedure or primitive that is at work for the task, then of its step.
+    /// Runs the hooks of the procedure or primitive that is at work for the task, then those of its step.
     pub(crate) fn run_hooks(&mut self, id: usize, which: impl Fn(&Hooks) -> &Vec<Form>) {
         self.run_inner_hook(id, &which);
         self.run_step_hook(id, which);
     }
 
-    /// While a failure is handled, neither procedure nor primitive is at work.
+    /// Runs a hook of the procedure or primitive. While a failure is handled, neither is at work.
     pub(crate) fn run_inner_hook(&mut self, id: usize, which: impl Fn(&Hooks) -> &Vec<Form>) {
         let program = self.program;
         let forms = match &self.tasks[id].work {
@@ -129,7 +130,7 @@ impl<'p> Agent<'p> {
         all
     }
 
-    /// Children in order of creation.
+    /// Returns the children in order of creation.
     pub(crate) fn children(&self, id: usize) -> Vec<usize> {
         match &self.tasks[id].work {
             Some(Work::Procedure { children, .. } | Work::Items(children)) => children.iter().copied().collect(),
@@ -138,7 +139,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// No task in the subtree works or begins until the task is resumed.
+    /// Suspends the subtree: no task in it works or begins until the task is resumed.
     pub(crate) fn suspend(&mut self, id: usize, cause: String) {
         if self.tasks[id].suspended || self.tasks[id].state == State::Terminated {
             return;
@@ -163,8 +164,8 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task's work has ended before the task: clauses of its procedure are no longer watched, and a suspension by the procedure is
-    /// over. A suspension by the step's clause or by an activity stays.
+    /// After the end of the task's work, before that of the task, ends the watches of clauses of its procedure, and a suspension by the
+    /// procedure. A suspension by the step's clause or by an activity stays.
     pub(crate) fn forget_clauses(&mut self, id: usize) {
         let task = &mut self.tasks[id];
         let mut watches = task.watches.iter();
@@ -179,7 +180,7 @@ impl<'p> Agent<'p> {
         });
     }
 
-    /// The task starts again: its work is lost, its preconditions stay satisfied, and end hooks do not run.
+    /// Restarts the task: its work is lost, its preconditions stay satisfied, and end hooks do not run.
     pub(crate) fn restart(&mut self, id: usize, cause: String) {
         if !matches!(self.tasks[id].state, State::Ongoing | State::Interrupted) {
             return;

@@ -182,7 +182,7 @@ impl Clause {
     }
 }
 
-/// Instant from which evidence counts: from an instant, closed, and after an arrival.
+/// Window of evidence: from the instant `start` on, this included, and only arrivals after the arrival `after`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     pub(crate) start: Time,
@@ -192,7 +192,7 @@ pub(crate) struct Window {
 /// A clause that is being watched.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Watch {
-    /// In order of making.
+    /// Number in order of creation.
     pub(crate) number: u64,
     pub(crate) clause: Clause,
     pub(crate) level: Level,
@@ -230,7 +230,7 @@ pub(crate) struct Task {
     pub(crate) watches: Vec<Watch>,
     pub(crate) choice: Option<Choice>,
     pub(crate) work: Option<Work>,
-    /// Held for its steps.
+    /// Amounts of resources that the task holds for its steps.
     pub(crate) held: Vec<(String, f64)>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) ended_before: Option<Time>,
@@ -294,7 +294,7 @@ impl Task {
     }
 }
 
-/// Two needs of one resource are combined into their sum.
+/// Adds a need; two needs of one resource are combined into their sum.
 pub(crate) fn add(needs: &mut Vec<(String, f64)>, name: &str, amount: f64) {
     match needs.iter_mut().find(|(other, _)| other == name) {
         Some((_, sum)) => *sum += amount,

@@ -25,7 +25,7 @@ pub enum Value {
 pub(crate) type Bindings = BTreeMap<String, Value>;
 
 impl Value {
-    /// Everything but nil is true.
+    /// Returns true for everything but nil and the empty list.
     pub(crate) fn is_true(&self) -> bool {
         *self != Value::Nil && *self != Value::List(Vec::new())
     }
@@ -52,13 +52,13 @@ impl fmt::Display for Value {
     }
 }
 
-/// `(a b c)`
+/// Returns a phrase as in `(a b c)`.
 pub(crate) fn phrase(words: &[Value]) -> String {
     let words: Vec<String> = words.iter().map(ToString::to_string).collect();
     format!("({})", words.join(" "))
 }
 
-/// Whether `pattern` matches the phrase. Existing values of variables are in `known`; new ones are added to `bound`.
+/// Returns true if `pattern` matches the phrase. Existing values of variables are in `known`; new ones are added to `bound`.
 pub(crate) fn matches(
     pattern: &[Term],
     words: &[Value],

@@ -41,7 +41,7 @@ pub(super) fn check(world: &World<'_>, step: &Step, index: usize, effect: &Effec
     }
 }
 
-/// A decision in its place.
+/// A decision with its task, its step and its position in the step.
 pub(super) struct Scene<'a> {
     pub(super) world: &'a World<'a>,
     pub(super) step: &'a Step,
@@ -241,7 +241,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Whether the shares held by tasks other than relatives leave enough.
+    /// Checks that the shares held by tasks that are neither ancestors nor descendants leave enough of the resource.
     fn has_room(&self, share: &Share) -> Checked {
         let (world, name) = (self.world, share.resource.to_string());
         let total = world.total(&name);
@@ -303,7 +303,7 @@ impl Scene<'_> {
         require((holds || claims) && !written, "the winner neither holds the resource nor claims it")
     }
 
-    /// A clause of this name came true now, or an activity of this name was done by the task that is named.
+    /// Checks that a clause of this name came true now, or that the named task did an activity of this name.
     pub(super) fn clause_or_activity(&self, own: &Known, clauses: &[&str], activities: &[&str]) -> Checked {
         match &self.because.cause {
             Cause::ConditionSatisfied { clause } => {

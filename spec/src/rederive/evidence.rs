@@ -106,7 +106,7 @@ pub(super) fn one(
     }
 }
 
-/// The program sends the message to itself in a way that leaves no trace in the record.
+/// Returns true if no source of the program contains `word`, the beginning of a form whose facts the record may lack.
 fn is_outside(world: &World<'_>, word: &str) -> bool {
     !world.library.sources.iter().any(|source| source.text.contains(word))
 }
@@ -144,7 +144,7 @@ pub(super) fn was_measured(world: &World<'_>, variable: &str, value: &Value, at:
     require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
 }
 
-/// Returns true if the condition is about this variable.
+/// Returns true if the condition is about the attribute of this variable; objects are not compared.
 pub(super) fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     match leaf {
         ConditionKind::Measurement(measurement) => {
@@ -154,7 +154,7 @@ pub(super) fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     }
 }
 
-/// A condition that compares the variable with a number must hold of the sample.
+/// Checks that a condition that compares the variable with a number holds for the sample.
 fn meets_a_threshold(
     thresholds: &Thresholds<'_, '_>,
     variable: &str,
@@ -173,7 +173,7 @@ fn meets_a_threshold(
     require(holds, "it does not meet the condition's threshold")
 }
 
-/// True if the measurement meets the condition's comparisons with numbers; `None` if other constraints decide.
+/// Returns true if the measurement meets the condition's comparisons with numbers; `None` if other constraints decide.
 pub(super) fn holds_of(
     thresholds: &Thresholds<'_, '_>,
     measurement: &MeasurementCondition,
@@ -198,7 +198,7 @@ pub(super) fn holds_of(
     if met.contains(&None) { None } else { Some(true) }
 }
 
-/// Evidence counts from the creation of the task on, unless the condition states otherwise.
+/// Checks that the evidence is not older than the task, unless the condition states another window.
 fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind]) -> Result<(), String> {
     let says_otherwise = leaves.iter().any(|leaf| match leaf {
         ConditionKind::Measurement(measurement) => {
@@ -217,7 +217,7 @@ fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind
     require(leaves.is_empty() || says_otherwise || at >= created, "it is older than the task")
 }
 
-/// Could the message fit the pattern? Only fixed words are compared.
+/// Returns true if the message may fit the pattern: only fixed words are compared.
 fn may_fit(pattern: &Pattern, value: &Value) -> bool {
     match (pattern, value.as_list()) {
         (Pattern::Literal(literal), _) => literal.matches(value),
@@ -230,7 +230,7 @@ fn may_fit(pattern: &Pattern, value: &Value) -> bool {
     }
 }
 
-/// The parts of a condition that can be evidence.
+/// Adds to `leaves` the parts of a condition that can be evidence.
 fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     match &condition.kind {
         ConditionKind::And(parts, _)

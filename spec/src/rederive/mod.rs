@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 pub use step::Step;
 use world::World;
 
-/// A cause that the record does not bear out.
+/// A stated cause that does not follow from the record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Complaint {
     /// The step, from 0.
@@ -43,7 +43,7 @@ pub fn because_of(effect: &Effect) -> Option<&Because> {
     }
 }
 
-/// Derives every cause again. A good record has no discrepancy.
+/// Derives every cause again and returns the discrepancies; a correct record has none.
 pub fn complaints(library: &Library, steps: &[Step]) -> Vec<Complaint> {
     let mut world = World::new(library);
     let mut found = Vec::new();

@@ -7,7 +7,7 @@ use apex_model::effect::Effect;
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 
-/// A way of spoiling.
+/// A way of falsifying a cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Spoiling {
     /// Another kind of cause that occurs elsewhere in the same record.

@@ -8,7 +8,7 @@ use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Recorded samples of the variable, or none if a program publishes them itself.
+/// Returns the recorded samples of the variable, or none if a program publishes them itself.
 fn known<'a>(world: &'a World<'_>, variable: &StateVariable) -> Result<Option<&'a Vec<(Time, Value)>>, String> {
     match world.samples.get(&variable.to_string()) {
         Some(known) => Ok(Some(known)),

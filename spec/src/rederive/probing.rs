@@ -20,7 +20,7 @@ fn numbered<'a>(scene: &'a Scene<'_>, waiting: TaskId, wanted: u64) -> Result<&'
     scene.world.tasks.values().rfind(is).ok_or_else(|| format!("there was no probe {wanted}"))
 }
 
-/// A probe begins.
+/// Checks the beginning of a probe.
 pub(super) fn probes(
     scene: &Scene<'_>,
     parent: Option<TaskId>,
@@ -69,7 +69,7 @@ fn said_something(scene: &Scene<'_>, waiting: TaskId) -> bool {
     scene.step.effects.iter().any(about)
 }
 
-/// A limit is reached.
+/// Checks that a limit of probing is reached.
 pub(super) fn limit(scene: &Scene<'_>, waiting: TaskId, probes: u64, reason: ProbingEnd) -> Checked {
     let (first, last) = (numbered(scene, waiting, 1)?, numbered(scene, waiting, probes)?);
     match reason {

@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// Definitions that are followed into each other.
+/// Maximum depth of definitions that refer to definitions.
 const DEPTH_MAX: u32 = 20;
 
 /// Evaluates expressions in clauses of one task.

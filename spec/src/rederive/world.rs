@@ -90,7 +90,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// A sample published by the agent: NaN counts as missing, and at equal instants the later one counts.
+    /// Adds a sample published by the agent: NaN counts as missing, and at equal instants the later one counts.
     fn published(&mut self, variable: String, value: &Value) {
         if value.as_number().is_some_and(|(number, _)| number.is_nan()) {
             return;
@@ -100,7 +100,7 @@ impl<'a> World<'a> {
         known.push((self.now, value.clone()));
     }
 
-    /// A message; `(ATTRIBUTE OBJECT = VALUE)` is a measurement.
+    /// Adds a message; `(ATTRIBUTE OBJECT = VALUE)` is also a measurement.
     fn heard(&mut self, at: Time, form: &Value) {
         if let Some([attribute, object, relation, value]) = form.as_list()
             && relation.as_symbol().is_some_and(|name| name.is("="))
@@ -114,7 +114,7 @@ impl<'a> World<'a> {
         self.tasks.get(&id).ok_or_else(|| format!("{id} was never created"))
     }
 
-    /// Takes in an effect.
+    /// Adds the consequences of an effect.
     pub(super) fn take(&mut self, index: usize, effect: &Effect) {
         self.index = index + 1;
         match effect {
@@ -209,7 +209,7 @@ impl<'a> World<'a> {
         (task.state, task.since, task.outcome) = (to, now, outcome);
     }
 
-    /// `(release-resource R..)` takes from its procedure the resources handed to it.
+    /// `(release-resource R..)`: takes from its procedure the resources handed to it.
     fn let_go(&mut self, id: TaskId) {
         let Some(task) = self.tasks.get(&id) else { return };
         let Some([Value::Symbol(word), names @ ..]) = task.goal.as_ref().and_then(Value::as_list) else { return };

@@ -44,7 +44,7 @@ export function visibleRows<T>(
   return rows;
 }
 
-/** The rows as a table: depth, words, value, note. */
+/** The rows of all branches, open or closed, as a table: depth, state, words, value, note. */
 export function tableOf<T>(nodes: readonly TreeNode<T>[]): (string | number | null)[][] {
   const all = new Map<string, boolean>();
   const open = (node: TreeNode<T>) => {

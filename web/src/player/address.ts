@@ -16,7 +16,7 @@ export interface Address {
   theme: 'light' | 'dark' | null;
   /** Signals that are plotted, by name without parentheses. */
   strips: string[] | null;
-  /** Selected stretch of time, for statistics. */
+  /** Selected interval of time, for statistics. */
   span: Range | null;
   /** Panel on top of the right slot. */
   tab: Panel | null;

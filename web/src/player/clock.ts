@@ -22,7 +22,7 @@ export function axisOf(record: Range, plannedNs: number | null, atNs: number): R
   return { fromNs, toNs: plannedNs === null ? record.toNs : Math.max(fromNs + 1, plannedNs, atNs) };
 }
 
-/** The slowest speed that plays the whole record in a minute. */
+/** The slowest speed that plays the whole record in at most a minute; the fastest speed if none does. */
 export function speedFor(range: Range): number {
   const wanted = (range.toNs - range.fromNs) / NANOSECONDS_PER_SECOND / WATCH_S;
   return SPEEDS.find(speed => speed >= wanted) ?? SPEEDS[SPEEDS.length - 1] ?? 1;
@@ -49,7 +49,7 @@ export function advance(
   return next >= range.toNs ? { atNs: range.toNs, ended: true } : { atNs: next, ended: false };
 }
 
-/** The step of an arrow key: a hundredth of the visible range, but at least a millisecond. */
+/** The step of an arrow key: a hundredth of the visible range, but at least a millisecond; a coarse step is ten times as long. */
 export function stepNs(visible: Range, coarse: boolean): number {
   return Math.max((visible.toNs - visible.fromNs) / 100, 1e6) * (coarse ? 10 : 1);
 }

@@ -4,7 +4,7 @@ import type { ServedFlight } from '../record/operation';
 import { RecordError } from '../record/source';
 import type { Operation, Wish } from '../record/types';
 
-/** The state is read this often; commands on their way are counted in tenths of seconds. */
+/** Time between two readings of the state; it is shorter while a command is on its way, whose age is shown in tenths of seconds. */
 const LOOK_MS = 400;
 const LOOK_QUICK_MS = 150;
 

@@ -50,7 +50,7 @@ interface Moment {
 export class Player {
   mission = $state.raw<Mission | null>(null);
   track = $state.raw<Track | null>(null);
-  /** The last samples before the cursor's instant; the track above has a part of the samples. */
+  /** All samples shortly before the cursor's instant; `track` has only a part of the samples. */
   tail = $state.raw<Track | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
@@ -71,13 +71,13 @@ export class Player {
   visible = $state.raw<Range>({ fromNs: 0, toNs: 0 });
   playing = $state(false);
   speed = $state(1);
-  /** The cursor stays at the end of a growing record. */
+  /** True if the cursor stays at the end of a growing record. */
   following = $state(false);
   connected = $state(true);
   trouble = $state<{ error: string; help: string } | null>(null);
 
   selection = $state.raw<Selection>(null);
-  /** Plotted signals by name without parentheses; null means those that matter most. */
+  /** Plotted signals by name without parentheses; null means the default choice (`chosenSignals`). */
   strips = $state.raw<string[] | null>(null);
   /** The selected stretch of time. */
   span = $state.raw<Range | null>(null);
@@ -98,7 +98,7 @@ export class Player {
   showEnded = $state(true);
   find = $state('');
 
-  /** False until the user chooses a speed; the speed then depends on the record's length. */
+  /** True once the user has chosen a speed; before that, the speed follows the record's length. */
   private speedChosen = false;
   private growth: Growth | null = null;
   private readAt = 0;
@@ -171,7 +171,7 @@ export class Player {
     return this.visible.fromNs <= this.axis.fromNs && this.visible.toNs >= this.axis.toNs;
   }
 
-  /** The panel on top of the right slot. Without a choice it is the log, or the explanation once a task is selected. */
+  /** The panel on top of the right slot; null means the default: the log, or the explanation once a task is selected. */
   get tab(): Panel | null {
     return this.desk.top.right;
   }
@@ -447,8 +447,8 @@ export class Player {
     this.reveal();
   }
 
-  /** Moves to the next failure or fault. This is the page's only request about times after the cursor, and it is made only on the user's
-   * demand. */
+  /** Moves to the next failure or fault. Only here the page asks for failures after the cursor's instant, because the user wants to go
+   * there. */
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);

@@ -8,7 +8,7 @@ import { airSignals } from '../record/seen';
 import type { HoldingsQuery, RecordSource } from '../record/source';
 import type { Footprints, Holdings, MissionFacts, Plans, ScoreSoFar, SignalWindow } from '../record/types';
 
-/** Entries along the track for links, and for wind. */
+/** Number of pixels along the track at which links, and winds, are requested. */
 const LINK_PIXELS = 800;
 const WIND_PIXELS = 40;
 
@@ -21,7 +21,7 @@ export class Scenery {
   holdings = $state.raw<Holdings | null>(null);
   /** The score with its instant; null while none is known. */
   score = $state.raw<{ atNs: number; score: ScoreSoFar } | null>(null);
-  /** The problem of reading, in one sentence, for the map. */
+  /** The error of the last request, in one sentence, for the map. */
   trouble = $state<string | null>(null);
   private readonly questions: LatestOnly<number, void>;
   private readonly planQuestions: LatestOnly<number, Plans>;
@@ -62,7 +62,7 @@ export class Scenery {
     );
   }
 
-  /** The score belongs to every instant. */
+  /** Requests the score. It depends on the instant, so it is requested while the cursor moves, too. */
   askScore(atNs: number): void {
     this.scoreQuestions.put(atNs);
   }
@@ -72,7 +72,7 @@ export class Scenery {
     this.holdingQuestions.put(query);
   }
 
-  /** The plans belong to every instant. */
+  /** Requests the plans. They depend on the instant, so they are requested while the cursor moves, too. */
   askPlans(atNs: number): void {
     this.planQuestions.put(atNs);
   }

@@ -155,7 +155,7 @@ export interface AlarmGroup {
   alarms: Alarm[];
 }
 
-/** The alarms in a flood at `atNs`, oldest first: unacknowledged alarms raised in the last ten minutes. */
+/** The unacknowledged alarms raised in the ten minutes up to `atNs`, oldest first; null if they are too few for a flood. */
 export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null {
   const late = alarms.filter(
     alarm => alarm.acknowledgedNs === null && alarm.lastNs <= atNs && alarm.lastNs > atNs - FLOOD_NS,

@@ -81,14 +81,14 @@ export interface Needs {
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
-/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. Whole minutes are rounded up, so seconds would be invented. */
+/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. From a minute on the planner rounds up to whole minutes. */
 function neededTime(seconds: number): string {
   const minutes = seconds / 60;
   if (seconds < 60 || !Number.isInteger(minutes)) return `${Math.ceil(seconds)} s`;
   return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
-/** What a target that is left out lacks, in the column that it is about. The figures are the planner's own. */
+/** The changes without which a plan cannot visit a target that was left out, each in its column. The figures are the planner's own. */
 export function needsOf({ needs, reason }: Pick<LeftOutTarget, 'needs' | 'reason'>): Needs {
   switch (needs?.kind) {
     case 'time': {

@@ -120,7 +120,7 @@ export class RecordError extends Error {
 }
 
 const RETRY_MS = 2000;
-/** Length of the tail of the track; a day of flight on 4,000 points has one in 22 s. */
+/** Duration of the track's tail, and its maximum number of points. The track of a day of flight has a point every 22 s (4,000 points). */
 const [TAIL_NS, TAIL_POINTS] = [60e9, 1000];
 /** Maximum number of drawn lanes; the others are merged into one. */
 const LANES = 60;

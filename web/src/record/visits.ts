@@ -25,7 +25,7 @@ export function shownState(target: Pick<Target, 'state' | 'detail' | 'observed_n
   return target.state ?? 'known';
 }
 
-/** When each visit of a plan was begun, in the order of the plan; null where it is not yet. The n-th visit to a target is its n-th
+/** The instant at which each visit of a plan was begun, in the order of the plan; null before. The n-th visit to a target is its n-th
  * observation since the plan. */
 export function begunVisits(plan: PlanInForce, targets: readonly Target[], atNs: number): (number | null)[] {
   const begun = new Map<string, number[]>();
@@ -42,7 +42,7 @@ export function begunVisits(plan: PlanInForce, targets: readonly Target[], atNs:
   return plan.visits.map(visit => begun.get(visit.target)?.shift() ?? null);
 }
 
-/** When targets were observed, and with what result; targets that were skipped are a mark. */
+/** The visits of the targets with their results, in order of time; a result without a visit, such as `skipped`, has no duration. */
 export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
   const visits = targets.flatMap(({ id, name, history }) => {
     const own: Visit[] = [];
@@ -91,7 +91,7 @@ export interface TargetRow {
   reflies: number[];
   /** The instant since which all plans leave it out, and the reason of the last of them; null if that plan visits it. */
   left: { sinceNs: number; reason: string } | null;
-  /** Since when it needs no observation any longer; null while it does. */
+  /** The instant since which it needs no observation any longer; null while it does. */
   goneNs: number | null;
   /** As flown; none before the report. */
   factors: { name: string; value: number; cause: string }[];
@@ -182,7 +182,7 @@ function factorsOf(report: Report | null, target: string): TargetRow['factors'] 
   });
 }
 
-/** `Castle Rock, observing, planned 8:55, interrupted twice, worth up to 90`. */
+/** `Castle Rock, observing, planned T+8:55:00, interrupted 2×, worth up to 90`. */
 function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
   const thread = row.threads.at(-1);

@@ -21,7 +21,7 @@ export function shownUnit(name: string, unit: string): ShownUnit {
   return { unit, factor: 1 };
 }
 
-/** A number with a readable count of digits: four significant digits, and no fraction from a thousand on. */
+/** A number with about three or four significant digits, and no fraction from a thousand on. */
 export function shownNumber(value: number): string {
   const size = Math.abs(value);
   if (size >= 1000) return value.toFixed(0);

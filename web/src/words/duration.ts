@@ -16,7 +16,7 @@ function shortNumber(text: string): string {
   return text.includes('.') ? String(Number(Number(text).toPrecision(4))) : text;
 }
 
-/** `17.4832deg` as `17.48deg`: numbers with more than four digits are shortened. */
+/** `17.4832deg` as `17.48deg`: numbers with three or more fraction digits are rounded to four significant digits. */
 export function shortValue(text: string): string {
   return text.replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toPrecision(4))));
 }

@@ -8,7 +8,7 @@ const LEADS = new Set(
   'from to along once due before after at on with for over by until of as and again more'.split(' '),
 );
 
-/** `observe Butler 2`, for `(observe butler-2 along (((34.3 ..)))) due P3H)`. */
+/** `observe Butler 2`, for `(observe butler-2 along (((34.3 ..))) due P3H)`. */
 export function phrase(goal: string, names: Names): string {
   const inner = goal.startsWith('(') ? goal.replace(/^\(|\)$/g, '') : goal;
   const plain = withoutLists(inner, '');
@@ -28,7 +28,7 @@ export function brief(sentence: string, names: Names): string {
   for (let at = 0; at < sentence.length; ) {
     const end = sentence[at] === '(' ? closing(sentence, at) : -1;
     if (end < 0) {
-      // A goal that was cut has lost its end: its words remain.
+      // A goal without its closing parenthesis was cut off: its words are kept.
       if (sentence[at] === '(' && /[a-z]/i.test(sentence[at + 1] ?? '')) at += 1;
       text += sentence[at];
       at += 1;

@@ -8,7 +8,7 @@ const FOLDER: &str = "docs/decisions/";
 const INDEX: &str = "docs/decisions/README.md";
 /// Characters of a title without its number.
 const CHARACTERS_MAX: usize = 80;
-/// First words of riddles.
+/// First words of titles that ask a question or do not name their subject.
 const RIDDLES: &[&str] = &["Who", "Whose", "What", "Which", "Where", "When", "Why", "How", "From", "That"];
 
 /// Checks the title of a decision record.

@@ -58,7 +58,7 @@ fn padded(text: &str, size: usize) -> Vec<u8> {
     bytes
 }
 
-/// DataFlash in bytes: `ATT` with hundredths of degrees and `POS` with coordinates, ten rows a second.
+/// Returns a binary DataFlash log: `ATT` with hundredths of degrees and `POS` with coordinates, ten rows a second.
 pub(crate) fn dataflash_binary(samples: u64) -> Vec<u8> {
     let mut log = definition(128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
     log.extend(definition(10, 3 + 8 + 2 + 4, "ATT", "Qcf", "TimeUS,Roll,Yaw"));

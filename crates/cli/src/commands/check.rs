@@ -45,8 +45,8 @@ pub fn run(options: &CheckOptions) -> CliResult {
     if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
-/// Reads the data of a mission, with its world file, as planning and flying do, and compares the program with them; findings are added to
-/// the other messages. A program without a vehicle has no data.
+/// Reads the data of a mission, with its world file, as planning and flying do, and compares the program with the data; findings are added
+/// to the other messages. A program without a vehicle has no data.
 fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
     let application = checked.library.application.as_ref();
     if application.is_none_or(|application| application.option("vehicle").is_none()) {

@@ -5,7 +5,7 @@ use crate::options::ExplainOptions;
 use crate::output;
 use apex_pdl::{error_code, error_codes, explain_word, nearest_word};
 
-/// Prints the page of each code; without any, the list of all.
+/// Prints the page of each code or word; without any, the list of all codes.
 pub fn run(options: &ExplainOptions) -> CliResult {
     if options.codes.is_empty() {
         for code in error_codes() {

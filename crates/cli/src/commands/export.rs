@@ -48,7 +48,7 @@ pub fn run(options: &ExportOptions) -> CliResult {
     if gone.get() {
         return Ok(());
     }
-    // The rows that were read before an error are in the table.
+    // The table is completed before an error of reading is returned: it keeps the rows that were read before the error.
     let rows = table.finish().map_err(|error| table_file::unwritten(out, &error))?;
     fed?;
     if let Some(path) = out {

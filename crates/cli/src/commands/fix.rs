@@ -54,7 +54,7 @@ fn fix_standard_input(options: &CheckOptions) -> CliResult<bool> {
         .read_to_string(&mut text)
         .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     let name = PathBuf::from("<standard input>");
-    // Required files are read, but must not be changed here.
+    // Without `only`, the fixes would also change files that the program requires.
     let mut program = Program { only: Some(name.clone()), ..Program::default() };
     program.texts.insert(name.clone(), Text { before: text.clone(), now: text });
     let checked = program.mend(|read| {

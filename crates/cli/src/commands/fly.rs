@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver};
 use std::thread::JoinHandle;
 
-/// Faster than this is as fast as possible.
+/// Greatest valid pace, in simulated seconds per second of wall time.
 const PACE_MAX: f64 = 1e9;
 
 /// Flies a mission.
@@ -87,7 +87,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         if !sherpa.is_finished() {
             output::print_line("Sherpa continues to serve the record; Ctrl-C ends it")?;
         }
-        // Its own thread has reported a failure, if any.
+        // The thread of the server has printed its failure, if any.
         sherpa.join().ok();
     }
     lost.map_or(Ok(()), |error| Err(error.into()))
@@ -119,10 +119,10 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, (first, path): (&Path, &Pa
     }
 }
 
-/// Returns the pace, if mission time advances with it.
+/// Returns `pace`, in simulated seconds per second of wall time.
 ///
 /// # Errors
-/// It does not.
+/// `pace` is not above 0, or exceeds [`PACE_MAX`].
 pub fn checked_pace(pace: f64) -> CliResult<f64> {
     if pace > 0.0 && pace <= PACE_MAX {
         return Ok(pace);

@@ -51,7 +51,7 @@ fn wind(options: &ForkOptions, reader: &RecordReader) -> CliResult<Option<WindFi
     }
 }
 
-/// `flight.apex` -> `flight-fork.apex`
+/// Returns the default path of the fork's record: `flight.apex` -> `flight-fork.apex`
 fn beside(record: &Path) -> PathBuf {
     let stem = record.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     record.with_file_name(format!("{stem}-fork.apex"))

@@ -104,7 +104,7 @@ fn watch(
     Ok(watched.map(Some)?)
 }
 
-/// Prints a line that the user should read.
+/// Prints a note about the input to standard error.
 fn print_note(line: &str) {
     output::print_error(line);
 }
@@ -122,7 +122,7 @@ fn draw(path: &Path, watch: &LogMonitor<'_>) -> CliResult {
     std::fs::write(path, picture).map_err(|error| failed(error.into()))
 }
 
-/// Refuses names of files that are not pictures of a kind that can be drawn.
+/// Refuses a name that does not end in `.svg`, the only format of pictures.
 fn check_picture_name(path: &Path) -> CliResult {
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(()),
@@ -132,7 +132,7 @@ fn check_picture_name(path: &Path) -> CliResult {
     }
 }
 
-/// Returns true for a Parquet table, false for CSV; refuses names of files of other kinds, which would not be what their names say.
+/// Returns true for a Parquet table, false for CSV. Refuses other extensions: the file would not be of the format that its name states.
 fn is_parquet(path: &Path) -> CliResult<bool> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {

@@ -98,7 +98,7 @@ fn read(options: &PlanOptions, planners: &Registry) -> CliResult<PlanInput> {
     }
     if let Some(budget) = &options.bound_budget {
         let end = parse_time(budget, "--bound-budget")?;
-        // Without a budget only the fast bound is computed.
+        // A budget of 0 s is valid here: then only the fast bound is computed.
         question.bound_budget = end - Time::ZERO;
     }
     question.seed = options.seed.unwrap_or(question.seed);
@@ -121,7 +121,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = SolveOptions { means: &means, solver, budget, seed, previous: None };
-    // The best plan so far is a valid answer.
+    // On Ctrl-C the solver returns its best plan so far, which is a valid answer.
     let cancel = CancelToken::new();
     let token = cancel.clone();
     stopping::at_signal(move || token.cancel());
@@ -169,7 +169,7 @@ fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     }
 }
 
-/// Rejects `--survival` for problems without a cost of ignorance of first events, and for formats that cannot express it.
+/// Rejects `--survival` for problems other than surveillance, which have no cost of ignorance, and for formats that do not hold it.
 fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     if !matches!(question.problem, Problem::Surveillance(_)) {
         return Err(CliError::user("`--survival` is for plans of surveillance")

@@ -45,7 +45,7 @@ pub fn run(options: &ReplayOptions) -> CliResult {
     }
     match (report.difference, report.gap) {
         (None, None) => Ok(()),
-        // Steps after a gap are not confirmed.
+        // A gap fails the command too: the steps after it are not confirmed.
         _ => Err(CliError { of_user: false, ..CliError::already_reported() }),
     }
 }

@@ -105,7 +105,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
 fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>, Cell<Option<InputStream>>)> {
     let Some(path) = options.inputs.as_deref() else { return Ok((Vec::new(), Cell::new(None))) };
     if let ClockSource::Simulator = clock {
-        // A simulator may begin again.
+        // A simulator may reset the run; the next episode needs all inputs again.
         return Ok((sources::held_inputs_of(path)?, Cell::new(None)));
     }
     Ok(match sources::inputs_of(path)? {
@@ -114,7 +114,7 @@ fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>
     })
 }
 
-/// Returns the mission of an application that names a vehicle and does not live in simulated time.
+/// Returns the mission of an application that names a vehicle and does not run in simulated time.
 fn live_mission(library: &Arc<Library>, options: &RunOptions, planners: &Registry) -> CliResult<Option<Arc<Mission>>> {
     let is_live = |application: &Application| {
         (application.kind.is("realtime") || application.kind.is("foreign-sim"))
@@ -209,7 +209,7 @@ fn tell_end(end: &RunEnd) {
     if !matches!(end.reason, EndReason::Application { .. }) {
         output::print_error(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
     }
-    // Streams of inputs are unbounded, notes are not.
+    // A stream of inputs is unbounded; the number of notes must not be.
     for unused in end.unused.iter().take(UNUSED_TOLD_MAX) {
         output::print_error(format_args!(
             "note: an input acknowledges {unused}, but no such command was waiting for it"
@@ -228,7 +228,7 @@ fn tell_end(end: &RunEnd) {
     }
 }
 
-/// The clock that counts.
+/// The clock of mission time.
 enum ClockSource {
     /// Simulated time, as fast as possible.
     Simulated,
@@ -262,7 +262,7 @@ impl ClockSource {
     }
 }
 
-/// Refuses a trace or record that would replace a file of the run.
+/// Refuses a trace that would replace the program, the file of inputs or the flight record.
 fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     let program = real(&sources::program_path(&options.program));

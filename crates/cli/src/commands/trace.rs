@@ -36,7 +36,7 @@ pub fn run(options: &TraceOptions) -> CliResult {
     let written = Rc::new(Cell::new(false));
     let traced = trace_record(&reader, Noticed { out, written: Rc::clone(&written) }, format, filter);
     match traced {
-        // The reader of the output has seen enough.
+        // A reader such as `head` has closed the output.
         _ if gone.get() => Ok(()),
         Err(error) => Err(CliError::failure(error.to_string())),
         Ok(_) => {

@@ -26,7 +26,7 @@ pub struct PlanOptions {
     pub budget: Option<String>,
     /// Time limit of proofs (upper bounds on any plan), in the time of a flight. Default is 10 s, which suffices for every known
     /// proof of up to 24 targets of surveillance; with `--budget` it is the time that planning did not use plus a twentieth of
-    /// the budget or 0.5 s, whichever is longer.
+    /// the budget or 0.5 s, whichever is longer, and at most 10 s.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub bound_budget: Option<String>,
     /// Seed of the solver's random numbers; default is the mission's own, or 1.

@@ -150,7 +150,7 @@ impl Said {
         }
     }
 
-    /// It succeeded without any message.
+    /// Checks that the command succeeded without any message on standard error.
     #[track_caller]
     pub fn well(self) -> Said {
         assert_eq!(self.code, Some(0), "{self:?}");
@@ -176,7 +176,7 @@ impl Said {
         self.complained(code, phrases)
     }
 
-    /// Each of `phrases` is on standard output.
+    /// Checks that each of `phrases` is on standard output.
     #[track_caller]
     pub fn told(self, phrases: &[&str]) -> Said {
         for phrase in phrases {

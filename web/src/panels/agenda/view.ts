@@ -38,7 +38,7 @@ export function rowsOf(tasks: readonly Task[], toggled: Toggled, filtering: bool
   return rows;
 }
 
-/** By default the root and ongoing tasks are open, and ended tasks are closed. */
+/** By default the root and all tasks that have not ended are open, and ended tasks are closed. */
 function opensByItself(task: Task, depth: number): boolean {
   return depth === 0 || task.state !== 'terminated';
 }

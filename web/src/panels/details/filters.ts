@@ -1,7 +1,7 @@
 /** Filters of the trace: those of `apex trace`, and the names under which this browser saves them; pure except for the storage. */
 
 export interface TraceFilter {
-  /** Kinds by comma; empty takes all. */
+  /** Kinds separated by commas; an empty text admits all kinds. */
   kinds: string;
   find: string;
   /** Number of a task; null for all tasks. */

@@ -82,7 +82,7 @@ function plot(
     parts.push(
       `<polygon points="${band.map(([at, value]) => `${px(at)},${px(value)}`).join(' ')}" fill="${COLOURS.strip}" fill-opacity="0.4"/>`,
     );
-  // A word applies until the next one.
+  // A value that is a word holds until the next sample.
   const line = shown.map(
     (at, index) =>
       `${index === 0 ? 'M' : isWords ? 'H' : 'L'}${px(at)}${

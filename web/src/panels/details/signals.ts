@@ -7,7 +7,7 @@ import { type ShownUnit, shownUnit, withUnit } from '../../units/aviation';
 
 /** Signals without a limit that are shown at first, if the record has them. */
 const FIRST = ['altitude', 'ground-speed', 'fuel', 'battery-charge'];
-/** Signals shown at first. */
+/** Number of signals shown at first. */
 const FIRST_COUNT = 4;
 
 /** Words such as `roll angle`, with the object if another signal has the same attribute. */
@@ -51,7 +51,7 @@ export function columnsOf(window: SignalWindow, atNs: number): Columns {
     scaled(window.mean),
   ];
   const last = window.t_ns.at(-1);
-  // A word applies until the next one.
+  // A value that is a word holds until the next sample.
   if (window.kind === 'words' && last !== undefined && last < atNs) {
     const word = window.mean.at(-1) ?? 0;
     columns[0].push(atNs / NANOSECONDS_PER_SECOND);
@@ -136,7 +136,7 @@ export function valueNow(window: SignalWindow): string {
   return withUnit((window.statistics?.last ?? last) * factor, unit);
 }
 
-/** Statistics as pairs; the range is that of the question. */
+/** Statistics as pairs, over the range that the request states. */
 export function statisticsOf(window: SignalWindow): { name: string; value: string }[] {
   const { statistics } = window;
   if (!statistics) return [{ name: 'samples', value: String(window.samples) }];
@@ -162,7 +162,7 @@ export function samplesTable(windows: readonly SignalWindow[]) {
     signal: [] as string[],
     unit: [] as string[],
     time_s: [] as number[],
-    /** A number, or none for a word. */
+    /** A number; null for a word. */
     value: [] as (number | null)[],
     lowest: [] as (number | null)[],
     highest: [] as (number | null)[],

@@ -43,7 +43,7 @@ function causeView(moment: Moment, goal: string): CauseView {
   };
 }
 
-/** Two or three words: `created`, `started`, `interrupted`, `ended: success`. */
+/** A few words: `created`, `started`, `interrupted`, `ended: success`. */
 function headingOf({ kind, from, to, outcome }: Moment): string {
   switch (kind) {
     case 'transition':
@@ -214,7 +214,7 @@ export function reportView(report: Report | null): SectionView[] {
   });
 }
 
-/** Columns that name what a row is about. */
+/** Columns that name the subject of a row. */
 const SUBJECTS = ['target', 'name', 't', 'time'];
 
 /** A value of a report; times of the mission are times of day. */
@@ -224,7 +224,7 @@ function cellText(name: string, value: unknown): string {
 }
 
 function tableOf(title: string, body: Record<string, unknown>[]): SectionView {
-  // What a row is about comes first, whatever the order of the JSON is.
+  // The columns that name the subject come first, regardless of the order in the JSON.
   const rank = (column: string) => Number(!SUBJECTS.includes(column));
   const columns = [...new Set(body.flatMap(row => Object.keys(row)))].sort((a, b) => rank(a) - rank(b));
   const rows = body.map(row => columns.map(column => cellText(column, row[column])));

@@ -14,7 +14,7 @@ export interface HeaderView {
   statusHelp: string;
   /** The mission score, at the end only. */
   score: string | null;
-  /** What the score is. */
+  /** Name of the score. */
   scoreName: string;
   /** `3 of 22 targets observed`; none without targets. */
   progress: string | null;
@@ -24,7 +24,7 @@ export interface HeaderView {
   length: string;
 }
 
-/** Mission time for which a score is shown after its instant, at least. */
+/** Minimum mission time for which a score stays shown after its instant; at a high speed of the cursor it is one second of watching. */
 const SCORE_AGE_NS = 60 * NANOSECONDS_PER_SECOND;
 
 export interface ShownScore {
@@ -47,7 +47,7 @@ export function scoreSoFar(
   };
 }
 
-/** Records shorter than this are watched in tenths of seconds. */
+/** Times of records shorter than this are shown in tenths of seconds. */
 const SHORT_NS = 300 * NANOSECONDS_PER_SECOND;
 
 /** The header at the cursor's instant; `mission` holds what was known then. */

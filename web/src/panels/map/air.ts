@@ -124,7 +124,7 @@ export interface UserLayer {
   points: Position[];
 }
 
-/** Most positions of a user's layer that are drawn. */
+/** Maximum number of positions of a user's layer. */
 const LAYER_POSITIONS_MAX = 200_000;
 
 /** A GeoJSON file as a layer, or its problem in one sentence. */

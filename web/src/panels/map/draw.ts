@@ -121,7 +121,7 @@ function hatch(context: Pen, line: readonly Position[], project: Project): void 
   const [left, right] = [Math.min(...points.map(at => at.x)), Math.max(...points.map(at => at.x))];
   const [top, bottom] = [Math.min(...points.map(at => at.y)), Math.max(...points.map(at => at.y))];
   const height = bottom - top;
-  // A zone that extends far beyond the canvas needs no more hatch lines than the picture has pixels.
+  // A zone that extends far beyond the canvas stays without hatch, which would have more lines than the picture has pixels.
   if (right - left + height > 20_000) return;
   context.beginPath();
   for (let x = left - height; x < right; x += 6) {

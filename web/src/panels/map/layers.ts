@@ -88,7 +88,7 @@ function trace(context: Pen, line: readonly Position[], project: Project): void 
   });
 }
 
-/** The outline of all circles together: inside it a landing place is near enough. */
+/** The outlines of the circles: inside of one, a landing place is near enough. */
 function drawReach(context: Pen, circles: readonly Position[][], project: Project): void {
   context.strokeStyle = COLOURS.rule;
   context.lineWidth = 1;

@@ -6,7 +6,7 @@ import { NANOSECONDS_PER_SECOND } from '../../time/format';
 
 export type Position = [longitudeDeg: number, latitudeDeg: number];
 
-/** The track as positions, with samples that have none left out. */
+/** The track as positions; samples without a position are left out. */
 export interface Path {
   times: number[];
   positions: Position[];
@@ -45,7 +45,7 @@ export function pathOf(track: Track | null): Path {
   return path;
 }
 
-/** How many of the sorted `times` are not after `at`. */
+/** Number of entries in the sorted `times` that are not after `at`. */
 export function countUntil(times: readonly number[], at: number): number {
   let low = 0;
   let high = times.length;
@@ -64,7 +64,7 @@ export function countUntil(times: readonly number[], at: number): number {
 export function flownUntil(path: Path, tail: Path, atNs: number): Path {
   const from = tail.times[0] ?? Infinity;
   const [before, after] = [countUntil(path.times, Math.min(from - 1, atNs)), countUntil(tail.times, atNs)];
-  // A tail of an earlier instant is followed by what the path has since.
+  // If the tail was read for an earlier instant, the samples that the path has since then follow it.
   const last = tail.times[after - 1] ?? Number.NEGATIVE_INFINITY;
   const [again, end] = [Math.max(countUntil(path.times, last), before), countUntil(path.times, atNs)];
   const join = <T>(one: readonly T[], two: readonly T[]) => [
@@ -125,7 +125,7 @@ export interface ZoneView {
   active: boolean;
 }
 
-/** The zones; those not active now have their times and heights. */
+/** The zones with their names, times and heights, and whether they are active now; permitted areas have no text. */
 export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: number | null): ZoneView[] {
   const hour = atNs / NANOSECONDS_PER_SECOND / 3600;
   return surroundings.zones.map(zone => {
@@ -151,7 +151,7 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
   });
 }
 
-/** Text about the zones at a place: name, altitude band, times, and whether they are active; null if there are none. */
+/** Text about the zones at a place, without permitted areas: name, times, heights, and whether they are active; null if there are none. */
 export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
   if (here.length === 0) return null;

@@ -25,7 +25,7 @@ export interface Activity {
 export interface NetworkNode extends Activity {
   x: number;
   y: number;
-  /** On the longest path by duration. */
+  /** True if the activity is on the longest path by duration. */
   critical: boolean;
 }
 

@@ -9,7 +9,7 @@ import { brief, type Names, phrase } from '../../words/phrase';
 /** Longest cause that is shown. */
 const CAUSE_MAX = 110;
 
-/** The ongoing task that holds the flight path, or otherwise any resource, or otherwise the deepest ongoing one. */
+/** The task that holds the flight path, or otherwise any resource, or otherwise the last ongoing task of the list. */
 export function taskAtWork(holdings: Holdings | null, tasks: readonly Task[], atNs: number): number | null {
   const rows = holdings?.resources ?? [];
   const open = (row: (typeof rows)[number]) =>

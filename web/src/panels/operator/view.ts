@@ -12,7 +12,7 @@ export function paceText(pace: number | null): string {
   return pace === 1 ? 'real time' : `${pace}× real time`;
 }
 
-/** Texts such as `running at 60× real time`, `paused`, `planning (visit ..) for 2.1 s; time stands still`. */
+/** Texts such as `running, 60× real time`, `paused`, `planning (visit ..) for 2.1 s; mission time stands still`. */
 export function runText(operation: Operation): string {
   const { planning, paused, pace } = operation;
   if (planning)

@@ -4,7 +4,7 @@ import type { Footprints, SignalWindow, Target, Track } from '../../record/types
 
 export type Point = [x: number, y: number];
 
-/** From degrees to a drawing of a width: plate carrée around the middle, north up. */
+/** Projection from degrees to a drawing of a given width: plate carrée around the middle, north up. */
 export interface Chart {
   width: number;
   height: number;

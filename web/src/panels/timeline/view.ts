@@ -163,7 +163,7 @@ function laneName(lane: { tag: string; goal: string; tasks: number }, names: Nam
   return (goal.split(/\s/)[0] ?? lane.tag).replaceAll('-', ' ');
 }
 
-/** The bar or band at a point of the lanes (`y` from the top of the first lane). */
+/** The bar at a point of the lanes (`y` from the top of the first lane). */
 export function barAt(lanes: readonly LaneRow[], x: number, y: number, scale: Scale): Bar | null {
   const lane = lanes.find(candidate => y >= candidate.y && y < candidate.y + candidate.height);
   const row = lane?.rows[Math.floor((y - lane.y) / ROW_PX)];
@@ -192,7 +192,7 @@ export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | u
   return best?.lane;
 }
 
-/** The scroll position at which a lane and, if there is space, the lane above it are visible. */
+/** The scroll position at which a lane is visible: the present one if it is, otherwise with a row's height beyond the lane. */
 export function scrollTo(lane: LaneRow, scrollPx: number, room: number): number {
   if (lane.y >= scrollPx && lane.y + lane.height <= scrollPx + room) return scrollPx;
   return Math.max(0, lane.y < scrollPx ? lane.y - ROW_PX : lane.y + lane.height + ROW_PX - room);
@@ -301,7 +301,7 @@ export function lineOf(
     const last = points.at(-1);
     const previous = points.at(-2);
     if (Math.floor(x) === column && last && previous && Math.floor(previous[0]) === column) {
-      // Third and later points of a pixel only stretch its two.
+      // Further points of a pixel only widen the range between its two points.
       const [upper, lower] = previous[1] < last[1] ? [previous, last] : [last, previous];
       upper[1] = Math.min(upper[1], height);
       lower[1] = Math.max(lower[1], height);

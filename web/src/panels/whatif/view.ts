@@ -3,7 +3,7 @@
 import type { ForkState } from '../../record/types';
 import { missionTime, NANOSECONDS_PER_SECOND } from '../../time/format';
 
-/** One message for each line, one second after the instant. */
+/** One message for each line, at the first whole second after the instant. */
 export function inputsOf(messages: string, atNs: number): { t: number; event: string }[] {
   const t = Math.floor(atNs / NANOSECONDS_PER_SECOND) + 1;
   const lines = messages.split('\n').map(line => line.trim());

@@ -11,7 +11,7 @@ use apex_planning::solver::Solver;
 use apex_portfolio::profile::{Planner, Profile, conclusion, measure, named};
 use std::path::Path;
 
-/// Measures all planners again.
+/// Measures the requested planners, and writes a new profile or replaces an older one.
 pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> CliResult {
     let cells = named::cells(&options.cells)?;
     let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<CliResult<_>>()?;
@@ -27,7 +27,7 @@ pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> CliRe
     write_table(options.table.as_deref(), &profile)
 }
 
-/// Measures some planners of a profile.
+/// Measures the requested planners again, or new planners, and puts the results into the profile.
 pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> CliResult {
     let mut profile = read(Some(&options.profile))?;
     let before = profile.to_string();

@@ -7,7 +7,7 @@ use crate::output;
 use apex_portfolio::profile::compare::compared;
 use apex_portfolio::profile::published::Agreement;
 
-/// Counts agreement and prints it.
+/// Prints the agreement about the best planner in each cell, for each requested budget.
 pub(super) fn run(options: &ProfileCompareOptions) -> CliResult {
     let profile = read(options.profile.as_deref())?;
     let wanted: Vec<&str> = options.budgets.iter().map(String::as_str).collect();

@@ -4,7 +4,7 @@ use crate::error::{CliError, CliResult};
 use crate::options::ProfileWorkOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Threads at most.
+/// Maximum number of threads.
 const THREADS_MAX: usize = 1024;
 
 /// Runs `task` for each number below `count`. A progress bar with title `title` is shown on standard error.
@@ -49,7 +49,7 @@ fn bar(options: &ProfileWorkOptions, title: &str, count: usize) -> ProgressBar {
 /// Returns the CPU time of this process; `None` if the system does not report it.
 pub(super) fn cpu_s() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // After the name in brackets: state is the third field, user and system time are the 14th and 15th, in hundredths.
+    // After the name in brackets: state is the third field, user and system time are the 14th and 15th, in hundredths of a second.
     let (_, fields) = stat.rsplit_once(')')?;
     let ticks: Vec<f64> = fields.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse().ok()).collect();
     (ticks.len() == 2).then(|| ticks.iter().sum::<f64>() / 100.0)

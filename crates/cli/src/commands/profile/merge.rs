@@ -7,7 +7,7 @@ use crate::options::ProfileMergeOptions;
 use apex_portfolio::profile::Profile;
 use apex_portfolio::profile::merge::merged;
 
-/// Reads all parts, then writes.
+/// Reads all parts, then writes the merged profile.
 pub(super) fn run(options: &ProfileMergeOptions) -> CliResult {
     let before = refuse_other(&options.profile)?;
     let part = |path: &std::path::PathBuf| Ok((path.display().to_string(), read(Some(path))?));

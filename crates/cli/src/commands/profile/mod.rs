@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// Longest time for deliberation that is measured: a day.
 const BUDGET_MAX: Duration = Duration(86_400_000_000_000);
 
-/// Runs one of its commands.
+/// Runs a command of `apex profile`.
 pub fn run(command: &ProfileCommand, registry: &Registry) -> CliResult {
     match command {
         ProfileCommand::Build(options) => build::build(options, registry),
@@ -54,7 +54,7 @@ fn not_understood(name: &str, error: FormatError) -> CliError {
 /// Returns the table of solver selection in a file.
 ///
 /// # Errors
-/// If it cannot be read, or a place in it is not understood.
+/// The file cannot be read, or is not a profile table.
 pub fn table(path: &Path) -> CliResult<Arc<ProfileTable>> {
     let text = read_text(path)?;
     let table = ProfileTable::read(&text).map_err(|error| not_understood(&path.display().to_string(), error))?;

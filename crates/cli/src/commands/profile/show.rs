@@ -6,7 +6,7 @@ use crate::options::ProfileShowOptions;
 use crate::output;
 use apex_portfolio::profile::{named, picture, text};
 
-/// Prints or draws.
+/// Prints the requested budgets of a profile, or draws them as heat maps.
 pub(super) fn run(options: &ProfileShowOptions) -> CliResult {
     let profile = read(options.profile.as_deref())?;
     let wanted: Vec<&str> = options.budget.iter().map(String::as_str).collect();
