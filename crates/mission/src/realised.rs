@@ -66,7 +66,8 @@ impl FireLog {
         for (site, broke_out_s) in self.fires.iter().filter(|(_, broke_out_s)| *broke_out_s <= horizon_s) {
             let Some(target) = problem.targets.iter().find(|target| target.name == *site) else { continue };
             let is_it = |(of, at_s, _): &&(String, f64, f64)| of == site && (at_s - broke_out_s).abs() < 1e-3;
-            // Information counts at the end of a visit; a fire seen in passing counts at once.
+            // Information counts at the end of a visit. A fire that was seen in passing counts at the end of the next visit: the
+            // expected cost, which this one is compared with, knows visits only.
             let known_s = self.found.iter().find(is_it).map(|(_, _, seen_s)| {
                 let ends = visits.iter().filter(|visit| visit.target == *site).map(|visit| visit.end_s);
                 ends.filter(|end_s| end_s >= seen_s).fold(f64::INFINITY, f64::min)
