@@ -13,10 +13,10 @@ use super::worth::StripWorth;
 use crate::sensor::scanner::ramp_down;
 use crate::target::{IntervalNeed, WANTED_LOOKS_MAX};
 
-/// Maximum number of passes that are assigned to one cell; worse ones are left out.
+/// Maximum number of passes that are assigned to one cell; the passes with the least value are left out.
 pub(super) const PASSES_MAX: usize = 10;
 
-/// The entries of a cell that serve each wanted look.
+/// The entries (pass and look) of a cell that serve each wanted look.
 pub(super) enum Chosen {
     /// There is a single wanted look, which every entry may serve.
     All,

@@ -350,7 +350,7 @@ fn from_dense(
     finish(target, plane, cell_m, rows, cells)
 }
 
-/// Returns the unit normal of the ellipsoid at a position: through (0, 0), through (0, 90 E), through the north pole.
+/// Returns the unit normal of the ellipsoid at a position, in Earth-fixed axes: towards (0, 0), towards (0, 90 E), to the north pole.
 fn normal_of(position: Position) -> [f64; 3] {
     let (latitude_rad, longitude_rad) = (position.latitude_deg * RAD_PER_DEG, position.longitude_deg * RAD_PER_DEG);
     let cosine = libm::cos(latitude_rad);

@@ -228,7 +228,8 @@ fn chord(
     Ok(chords)
 }
 
-/// Speeds at the ends of chords that keep the accelerations: first backwards, then forwards.
+/// Returns the ground speeds at the ends of the chords. A pass backwards applies the limit of braking, a pass forwards that of
+/// acceleration.
 fn node_speeds(chords: &[Chord], craft: &Craft) -> Vec<f64> {
     let mut nodes: Vec<f64> = Vec::with_capacity(chords.len() + 1);
     nodes.push(0.0);

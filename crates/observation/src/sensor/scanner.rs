@@ -45,7 +45,7 @@ pub struct RateLimits {
 }
 
 impl Default for RateLimits {
-    /// Full to 2 pixels per line, nothing from 6: attitude recorded at 50 Hz corrects smaller shifts.
+    /// Returns full value up to 2 pixels per line and no value from 6 on: attitude recorded at 50 Hz corrects smaller shifts.
     fn default() -> RateLimits {
         RateLimits { full_pixels: 2.0, zero_pixels: 6.0 }
     }
@@ -194,7 +194,7 @@ impl RateLimits {
     }
 }
 
-/// 1 up to `full`, 0 from `zero` on, linear between; a step where the two are equal. Not-a-number gives 0.
+/// Returns 1 up to `full`, 0 from `zero` on, linear between; a step where the two are equal. Not-a-number gives 0.
 pub(crate) fn ramp_down(value: f64, full: f64, zero: f64) -> f64 {
     if value <= full {
         1.0
