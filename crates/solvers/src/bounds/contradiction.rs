@@ -13,9 +13,9 @@ pub struct Contradiction {
     pub problem: Box<Problem>,
     /// The plan, without the bound.
     pub plan: Box<Plan>,
-    /// Value of the plan: of surveillance its expected cost, of a tour its length.
+    /// Value of the plan: expected cost of surveillance, benefits of single visits, or length of a tour.
     pub value: f64,
-    /// Value that no plan should better.
+    /// The bound: no plan should have a better value.
     pub bound: f64,
 }
 

@@ -51,7 +51,7 @@ fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<SingleVi
     }
 }
 
-/// Some targets in an order of chance.
+/// Returns some targets in random order.
 fn order(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
     let mut names: Vec<String> = problem.targets.iter().map(|target| target.name.clone()).collect();
     (1..names.len()).for_each(|index| names.swap(index, chance.below(index + 1)));

@@ -80,7 +80,7 @@ fn claims(
     if (cost - plan.expected_cost).abs() > same(cost) {
         found.push(format!("{who}: the plan claims {} and costs {cost}", plan.expected_cost));
     }
-    // A margin keeps the words a hair shorter than plans may be.
+    // The enumerated flights end a margin before the limit, which plans may use up; hence the tolerance.
     if plan.expected_cost < without - 1e-6 * without.max(1.0) - 1e-6 {
         found.push(format!("{who}: the plan claims {} where no word costs less than {without}", plan.expected_cost));
     }

@@ -6,7 +6,7 @@ use crate::routing::network::{END, Network, START};
 const STATES_MAX: usize = 1_500_000;
 /// Minimum number of buckets of the whole flight; with fewer, the bound is too weak for its time.
 const BUCKETS_MIN: i32 = 60;
-/// No node.
+/// Index that means no node and no state.
 const NONE: u32 = u32::MAX;
 
 /// State of the dynamic program at a node and a bucket: its profit, and its predecessor.
@@ -21,7 +21,7 @@ struct WalkState {
 
 const NO_WALK: WalkState = WalkState { value: f64::NEG_INFINITY, node: NONE, state: NONE, second: false };
 
-/// States of nodes and buckets of time, side by side.
+/// Layout of the states of all nodes and time buckets in one array.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// Length of a bucket in ticks.
@@ -82,7 +82,7 @@ impl Walks {
         Some(Walks { layout, states, counts: vec![0; network.targets] })
     }
 
-    /// Visits of each target by the last best walk.
+    /// Returns the number of visits of each target by the last best walk.
     pub(super) fn counts(&self) -> &[u32] {
         &self.counts
     }

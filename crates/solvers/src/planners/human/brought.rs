@@ -110,7 +110,7 @@ fn target_of(problem: &SingleVisitProblem, number: usize, name: &str, manoeuvre:
     Ok(found)
 }
 
-/// Reasons for all targets that no visit has: the bringer's, where there are some.
+/// Returns the targets that are not visited, each with the reason in the given plan or, without one, [`NOT_WANTED`].
 fn left_out<'a>(
     names: impl Iterator<Item = &'a str>,
     is_visited: impl Fn(&str) -> bool,
@@ -167,7 +167,7 @@ fn visited(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Result<Si
     Ok(single_visit::scored(problem, plan))
 }
 
-/// Returns the worth of all targets at their best: no plan gathers more.
+/// Returns the sum of the highest value of each target, which no plan exceeds.
 fn most(problem: &SingleVisitProblem) -> f64 {
     let of = |target: &SingleVisitTarget| {
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);

@@ -20,7 +20,7 @@ const NAME: &str = "human";
 pub struct Human {
     /// Names of targets in the order of visits.
     pub visits: Vec<String>,
-    /// The order is flown again and again.
+    /// True to repeat the order until the mission ends.
     pub repeat: bool,
 }
 

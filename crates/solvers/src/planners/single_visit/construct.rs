@@ -61,7 +61,7 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// Returns a target by the manoeuvre that is worth most after the price of its time.
+    /// Returns a target with the manoeuvre whose value less the price of its time is greatest.
     fn opened(&self, target: usize) -> Option<Open> {
         let problem = self.schedule.problem;
         let data = problem.targets.get(target)?;

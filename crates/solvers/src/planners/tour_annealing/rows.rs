@@ -13,7 +13,7 @@ pub(super) struct Rows<T> {
 }
 
 impl<T: Copy> Rows<T> {
-    /// Returns no rows; each row will have this number of lanes, which are `fresh` at first.
+    /// Returns an empty list of rows; each row will have `width` lanes, which are `fresh` at first.
     pub(super) fn new(width: usize, fresh: T) -> Rows<T> {
         Rows { width, order: Vec::new(), free: Vec::new(), lanes: Vec::new(), fresh }
     }

@@ -12,7 +12,7 @@ use apex_model::problem::UNREACHABLE_S;
 use apex_planning::surveillance::scenario::Scenario;
 use wide::f64x4;
 
-/// Numbers that the rows of one tour may have: 64 MB in all.
+/// Maximum number of row entries of one tour: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
 /// Work in nanoseconds: of computing the cost of a change, for each inserted visit and for each four targets; of applying a change, for
@@ -88,7 +88,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         &self.tour
     }
 
-    /// Visits that are flown.
+    /// Returns the number of flown visits.
     pub(super) fn flown(&self) -> usize {
         self.flown
     }
@@ -155,7 +155,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.scenario.problem().targets.get(target).map_or(0.0, |target| target.dwell_s)
     }
 
-    /// Returns the time that a visit needs after its end.
+    /// Returns the time from a target to the base; 0 if the flight may end anywhere.
     fn home_s(&self, target: usize) -> f64 {
         if self.scenario.problem().return_to_base { self.scenario.problem().travel.to_base(target) } else { 0.0 }
     }
@@ -164,7 +164,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         place.checked_sub(1).and_then(|last| self.ends_s.get(last)).copied().unwrap_or(0.0)
     }
 
-    /// Times of the visits from `from` on, and which are flown.
+    /// Computes the times of the visits from `from` on, and how many are flown.
     fn fly(&mut self, from: usize) {
         let mut place = from.checked_sub(1).and_then(|last| self.tour.get(last)).copied();
         let mut time_s = self.end_before(from);
@@ -392,7 +392,7 @@ fn set(lanes: &mut f64x4, target: usize, number: f64) {
     }
 }
 
-/// Sequel of a change.
+/// The visits that follow a change.
 struct After {
     /// The first visit that stays.
     place: usize,
@@ -400,7 +400,7 @@ struct After {
     flown: usize,
     /// Time from the change's base to the end of the first visit that stays.
     next_s: f64,
-    /// By how much the visits after the change are later.
+    /// Delay of the visits after the change.
     shift_s: f64,
     /// End of the visit before the change.
     base_s: f64,

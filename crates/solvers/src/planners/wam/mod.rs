@@ -95,7 +95,7 @@ fn best_of_passes(
     best
 }
 
-/// State between two visits: position of the vehicle and age of its knowledge.
+/// State between two visits: the last visited target, the time, and the end of the last observation of each target.
 #[derive(Clone, Debug)]
 struct TourState {
     place: Option<usize>,

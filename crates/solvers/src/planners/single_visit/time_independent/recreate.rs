@@ -20,7 +20,7 @@ const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 /// Order of insertion of missing nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InsertionOrder {
-    /// Any.
+    /// Random.
     Chance,
     /// The most valuable first.
     Value,
@@ -30,7 +30,7 @@ enum InsertionOrder {
     Closing,
 }
 
-/// Nodes that may be inserted, with their keys: memory used again and again.
+/// Nodes that may be inserted, with their keys; the memory is reused for each call.
 #[derive(Default)]
 pub(super) struct Recreation {
     keys: Vec<(f64, u32)>,
@@ -70,7 +70,7 @@ impl Recreation {
         // Some positions are skipped at random, so that results differ.
         let blind = rng.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(rng.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
-        // Of two visits that pay together neither may pay alone.
+        // Two visits may be worthwhile together although neither is alone.
         let generous = may_be_generous && network.cost_per_tick > 0.0 && rng.below(2) == 0;
         let mut looked = 0;
         for index in 0..self.keys.len() {
