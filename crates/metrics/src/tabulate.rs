@@ -13,9 +13,9 @@
 
 use crate::user_cost::{self, Function, ROUNDING};
 
-/// Points of one table; planners search them at every step.
+/// Maximum number of points of one table; planners search them at every step.
 pub const POINTS_MAX: usize = 1_000;
-/// Calls of the function. A smooth function takes half as many for a relative error of 1e-5.
+/// Maximum number of calls of the function. A smooth function takes half as many for a relative error of 1e-5.
 pub const ASKED_MAX: usize = 4_000_000;
 /// Costs below this share of the oldest age's are met as closely as this share.
 pub const LEAST_SHARE: f64 = 1e-3;
