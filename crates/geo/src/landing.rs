@@ -1,6 +1,6 @@
 //! Emergency landing places: distance of the nearest one, and legs that stay near enough.
 //!
-//! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] looks.
+//! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] samples.
 
 use crate::direction::{ARC_APART_M_MAX, ARC_RAD_MAX, Direction, EARTH_RADIUS_M_MAX, EARTH_RADIUS_M_MIN};
 use crate::geodesy::{self, Position};
@@ -8,7 +8,7 @@ pub use apex_model::problem::LandingPlace;
 
 /// Maximum number of samples of one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
 pub const LEG_LOOKS_MAX: usize = 40_000;
-/// Least step between looks: an excursion shorter than this may be missed.
+/// Least step between samples: an excursion shorter than this may be missed.
 pub const LOOK_M_MIN: f64 = 500.0;
 
 /// Returns the nearest landing place and its distance; `None` if there are none or the position is not finite.
@@ -48,9 +48,9 @@ pub struct Reach {
     places: Vec<LandingPlace>,
     directions: Vec<Direction>,
     distance_m_max: f64,
-    /// Within this angle of a place is surely near enough.
+    /// A position within this angle of a place is surely near enough.
     sure_rad: f64,
-    /// Beyond this angle is surely too far.
+    /// A position beyond this angle from every place is surely too far.
     doubtful_rad: f64,
 }
 

@@ -72,7 +72,7 @@ pub struct Shadow {
     pub shape: ShadowShape,
     /// Above this altitude the station is in sight again, m above mean sea level; infinite for none.
     pub altitude_m_max: f64,
-    /// The level inside is multiplied by this, 0 to 1; a ridge computes its own.
+    /// Factor of the level inside, 0 to 1; not used by a ridge, whose loss is computed.
     pub factor: f64,
 }
 

@@ -26,8 +26,8 @@ pub(crate) struct PathVertex {
 }
 
 impl PathVertex {
-    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends here: only if both neighbours
-    /// are on the same side of the leg's line.
+    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends at this corner: only if both
+    /// neighbours are on the same side of the leg's line.
     pub(crate) fn takes(&self, along: Point) -> bool {
         let Some(unit) = along.unit() else { return false };
         let (before, after) = (unit.cross(self.before), unit.cross(self.after));
