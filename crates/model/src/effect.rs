@@ -10,15 +10,15 @@ use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Numbers a command; from a counter of the agent.
+/// Number of a command, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CommandId(pub u64);
 
-/// Numbers a request to a solver; from a counter of the agent.
+/// Number of a request to a solver, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct SolveRequestId(pub u64);
 
-/// Numbers a question to the operator; from a counter of the agent.
+/// Number of a question to the operator, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct QuestionId(pub u64);
 
@@ -75,7 +75,7 @@ pub enum Effect {
         options: Vec<Value>,
         /// Instant at which the operator's time is over.
         by: Option<Time>,
-        /// Taken then; none fails the task.
+        /// Answer that is taken at that instant; `None`: the task fails.
         default: Option<Value>,
     },
     /// The application is over: by `(end-application)`, or because the root task of its only agent ended.
@@ -130,7 +130,7 @@ pub struct SolveRequest {
     pub goal: Value,
     /// The chosen solver's name, or `auto`.
     pub solver: Symbol,
-    /// Deliberation time; none is the runtime's default.
+    /// Deliberation time; `None` for the runtime's default.
     pub budget: Option<Duration>,
 }
 
@@ -148,9 +148,9 @@ pub struct Decision {
 /// Kind of a decision, with its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DecisionKind {
-    /// A task came into being, in state pending.
+    /// A task was created, in state pending.
     Created {
-        /// Its parent; none for the root.
+        /// Its parent; `None` for the root.
         parent: Option<TaskId>,
         /// The step's tag.
         tag: Symbol,
@@ -161,18 +161,18 @@ pub enum DecisionKind {
     },
     /// A task changed state. The cause determines the row of the table that applied.
     Transition {
-        /// Before.
+        /// State before the transition.
         from: TaskState,
-        /// After.
+        /// State after the transition.
         to: TaskState,
-        /// Set when `to` is terminated.
+        /// Outcome of the task; `None` unless `to` is terminated.
         outcome: Option<Outcome>,
     },
     /// A monitor's condition became true.
     Satisfied {
         /// Clause: `waitfor`, `end-when`, ..
         clause: Cow<'static, str>,
-        /// The hull of the evidence.
+        /// From the earliest to the latest instant of the evidence.
         interval: (Time, Time),
     },
     /// A variable got a value in a task's context.
@@ -207,7 +207,7 @@ pub enum DecisionKind {
         /// The plan as PDL text.
         pdl: String,
     },
-    /// An error inside an expression, a limit reached, a stray answer: named, never silent.
+    /// An error inside an expression, a reached limit, or an answer without a question.
     Trouble {
         /// Message.
         message: String,

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
     reason = "there are a handful of problems; a box would burden everyone who matches"
 )]
 pub enum Problem {
-    /// Watch targets again and again; minimise the expected cost of ignorance.
+    /// Observe targets repeatedly; minimise the expected cost of ignorance.
     Surveillance(SurveillanceProblem),
     /// Visit a subset of targets once each; maximise the mission score.
     SingleVisit(SingleVisitProblem),
