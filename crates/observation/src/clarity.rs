@@ -92,7 +92,7 @@ pub struct Excursions {
     pub share: f64,
     /// Excursions per second.
     pub rate_hz: f64,
-    /// Mean duration of an event; 0 if there are none.
+    /// Mean duration of an excursion; 0 if there are none.
     pub mean_s: f64,
 }
 

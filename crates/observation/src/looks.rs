@@ -188,7 +188,7 @@ impl TargetLooks {
         is_seen
     }
 
-    /// Returns true if the looks belong to a grid with as many cells, or there are none.
+    /// Returns true if the looks belong to a grid with as many cells as `grid`, or if there are no looks.
     pub fn fits(&self, grid: &TargetGrid) -> bool {
         self.cells == 0 || self.cells == grid.len()
     }

@@ -214,7 +214,7 @@ fn bounds<'a>(points: impl Iterator<Item = &'a Point>, margin_m: f64) -> (Point,
     (low, high)
 }
 
-/// For each cell, true if its middle is inside the rings (even-odd rule).
+/// Returns for each cell true if its middle is inside the rings (even-odd rule).
 fn middles_inside(rings: &Rings, origin: Point, cell_m: f64, (rows, columns): (usize, usize)) -> Vec<bool> {
     let mut inside = vec![false; rows * columns];
     for (row, cells) in inside.chunks_mut(columns).enumerate() {

@@ -332,6 +332,6 @@ mod tests {
             hits += found.len();
             assert_eq!(found, by_definition(&grid, &polygon), "{polygon:?}");
         }
-        assert!(hits > 1_000, "{hits} hits say little");
+        assert!(hits > 1_000, "{hits} hits, expected more than 1,000");
     }
 }
