@@ -93,8 +93,8 @@ mod tests {
         };
         assert_eq!(stated(&plan), None);
         state_at_least(&posed, &mut plan, |_| cost * (1.0 + 1e-9)).unwrap();
-        assert_eq!(stated(&plan), Some(cost), "rounding is none");
+        assert_eq!(stated(&plan), Some(cost), "a rounding error is not a contradiction");
         let no_number = state_at_least(&posed, &mut plan, |_| f64::NAN);
-        assert!(no_number.is_ok(), "what is known stays");
+        assert!(no_number.is_ok(), "a bound that is not a number is ignored");
     }
 }

@@ -47,7 +47,7 @@ pub enum Proof {
 /// plans contain their bounds already.
 ///
 /// # Errors
-/// The bound contradicts the plan, which then states none.
+/// [`Contradiction`] if the bound contradicts the plan, which then states no bound.
 pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
     state_at_least(problem, plan, |problem| price::expected_cost(&simplified(problem)).expected_cost)
 }

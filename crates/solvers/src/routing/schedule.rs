@@ -66,7 +66,7 @@ pub(crate) enum Infeasibility {
         /// Time by which it would exceed its limit.
         over_s: f64,
     },
-    /// A target that must come earlier does not.
+    /// A target that must precede another one comes later, or is missing.
     Order,
 }
 

@@ -47,7 +47,7 @@ fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<SingleVi
     let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
     match solver.solve(problem, &mut environment)? {
         Plan::SingleVisit(plan) => Ok(plan),
-        Plan::Surveillance(_) => panic!("of another kind"),
+        Plan::Surveillance(_) => panic!("the plan is of another kind"),
     }
 }
 

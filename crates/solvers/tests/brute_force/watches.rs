@@ -62,7 +62,7 @@ fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<Surveill
     let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
     match solver.solve(problem, &mut environment)? {
         Plan::Surveillance(plan) => Ok(plan),
-        Plan::SingleVisit(_) => panic!("of another kind"),
+        Plan::SingleVisit(_) => panic!("the plan is of another kind"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Lower bound on the cost of any flight over the horizon that never waits: dynamic programming backwards in time over the grid of ages.
 //!
 //! Time advances in equal ticks. A visit that ends between two ticks leaves the remaining whole ticks; the rest of its tick costs at
-//! least what all targets accumulate at any instant at which all but one have the least age of the grid. This is valid because a
+//! least what all targets accumulate while all but one have at least the least age of the grid. This is valid because a
 //! vehicle with less time could fly the same visits, cut off earlier. Endurance and the way back are ignored, because neither makes a
 //! flight cheaper.
 //! Bound: O(ticks x points x targets x 2^targets), limited by [`GridResolution::steps`].

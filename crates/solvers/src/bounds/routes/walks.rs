@@ -99,7 +99,8 @@ impl Walks {
         let mut home = NO_WALK;
         let start = WalkState { value: 0.0, node: NONE, state: NONE, second: false };
         self.leave(network, (START, NONE, 0), [start, NO_WALK], &reduced_profit, &mut home);
-        // An earlier state is at least as good: a state must exceed it to be extended.
+        // A state is extended only if it exceeds the second walks of all earlier states of its node: of the two walks of a state, at
+        // least one can continue to any node.
         let mut beaten = vec![f64::NEG_INFINITY; network.nodes.len()];
         for bucket in 0..=network.limit() / self.layout.bucket {
             for node in network.visits() {

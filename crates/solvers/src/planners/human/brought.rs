@@ -201,7 +201,7 @@ mod tests {
     fn of(plan: Plan) -> SurveillancePlan {
         match plan {
             Plan::Surveillance(plan) => plan,
-            Plan::SingleVisit(_) => panic!("of another kind"),
+            Plan::SingleVisit(_) => panic!("the plan is of another kind"),
         }
     }
 
@@ -227,7 +227,7 @@ mod tests {
                     (Plan::SingleVisit(brought), Plan::SingleVisit(plan)) => {
                         assert!(brought.score > plan.score - 1e-6, "{} {}", brought.score, plan.score);
                     }
-                    _ => panic!("of another kind"),
+                    _ => panic!("the plan is of another kind"),
                 }
             }
         }
@@ -282,7 +282,9 @@ mod tests {
     fn a_manoeuvre_that_somebody_chose_is_flown() {
         let problem = fires::western_states(40_000.0);
         let asked = Problem::SingleVisit(problem.clone());
-        let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else { panic!("of another kind") };
+        let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else {
+            panic!("the plan is of another kind")
+        };
         // Visits that take longer in another manoeuvre still fit.
         edited.visits.truncate(4);
         let ways = |name: &str| problem.targets.iter().find(|target| target.name == name).unwrap().manoeuvres.len();

@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 
 /// Inspected legs and moved visits per unit of work.
 const LOOKS_PER_UNIT: u64 = 150;
-/// Fixed work of an iteration, in looks, and for each visit of the route, which is copied.
+/// Fixed work of an iteration, in inspected legs, and the visits of the copied route that count as one inspected leg.
 const LOOKS_PER_ITERATION: u64 = 120;
 const VISITS_PER_LOOK: u64 = 8;
 /// Neighbours of a visit that are tried.

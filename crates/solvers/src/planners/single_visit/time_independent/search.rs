@@ -124,9 +124,9 @@ impl<'n> SearchDriver<'n> {
         (self.best, self.bound)
     }
 
-    /// With few targets: stages up to [`STAGED_UNITS_OF_FEW`], then annealing runs of fixed lengths, as many as fit into `whole` units,
-    /// and one proof with all remaining units, because an interrupted proof must start again. A smaller budget makes the same runs and
-    /// ends earlier.
+    /// Runs the search for few targets: stages up to [`STAGED_UNITS_OF_FEW`], then as many annealing runs of fixed lengths as fit into
+    /// `whole` units, and one proof with all remaining units, because an interrupted proof must start again. A smaller budget makes the
+    /// same runs and ends earlier.
     fn stages_of_few(&mut self, whole: u64, budget: &mut dyn Budget) {
         self.stages(STAGED_UNITS_OF_FEW, budget);
         let mut end = STAGED_UNITS_OF_FEW * STAGE_STEP;
@@ -170,7 +170,7 @@ impl<'n> SearchDriver<'n> {
         self.ask_finally(spare, budget);
     }
 
-    /// Returns true if the best route visits all of many targets, and none of them opens later: only its length is left to improve.
+    /// Returns true if the best route visits all of many targets, all open from the start: only its length can be improved.
     fn is_tour(&self) -> bool {
         let all = self.best.seen.iter().all(|seen| *seen);
         all && self.network.targets > FEW && self.network.is_always_open()
