@@ -58,7 +58,7 @@ impl Reach {
     /// Returns the reach: all points within `distance_m_max` of one of `places`.
     pub fn new(places: Vec<LandingPlace>, distance_m_max: f64) -> Reach {
         let directions = places.iter().map(|place| Direction::of(place.position)).collect();
-        // A ten-thousandth for the distance, the rest for arcs that are not geodesics.
+        // The factor allows for the error of distances, the constant for the distance of arcs from geodesics.
         let sure_rad = (distance_m_max * 0.9999 - ARC_APART_M_MAX) / EARTH_RADIUS_M_MAX;
         let doubtful_rad = (distance_m_max * 1.0001 + ARC_APART_M_MAX) / EARTH_RADIUS_M_MIN;
         Reach { places, directions, distance_m_max, sure_rad, doubtful_rad }
