@@ -29,7 +29,7 @@ pub enum Effect {
     Decided(Decision),
     /// Send this form to the vehicle; answered by `CommandAcknowledged`.
     Command {
-        /// For the answer.
+        /// Number of the command, which its answer repeats.
         command: CommandId,
         /// The primitive's task.
         task: TaskId,
@@ -49,9 +49,9 @@ pub enum Effect {
     Solve(SolveRequest),
     /// No task waits for this answer any longer.
     CancelSolve(SolveRequestId),
-    /// `(inform FORM)`: a message for listeners outside. The agent itself receives it as an event too.
+    /// `(inform FORM)`: a message for receivers outside of the application. The agent itself receives it as an event too.
     Inform {
-        /// Speaking task.
+        /// Sending task.
         task: TaskId,
         /// Form of the message.
         form: Value,
@@ -65,7 +65,7 @@ pub enum Effect {
     },
     /// `(ask operator ..)`; answered by `OperatorAnswered`.
     Ask {
-        /// For the answer.
+        /// Number of the question, which its answer repeats.
         question: QuestionId,
         /// Asking task.
         task: TaskId,
@@ -86,7 +86,7 @@ pub enum Effect {
     /// A message or sample for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along routers.
     /// It arrives at the same instant.
     Tell {
-        /// Speaking task.
+        /// Sending task.
         task: TaskId,
         /// Receivers in the order of their declarations, each once.
         to: Vec<Symbol>,
@@ -122,7 +122,7 @@ pub enum Effect {
 /// A request to plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveRequest {
-    /// For the answer.
+    /// Number of the request, which its answer repeats.
     pub request: SolveRequestId,
     /// The task whose goal no procedure matched.
     pub task: TaskId,
@@ -159,7 +159,7 @@ pub enum DecisionKind {
         /// The step.
         place: Option<Place>,
     },
-    /// A task changed state. The cause determines the row of the table that applied.
+    /// A task changed state. The cause states which rule of its life cycle applied.
     Transition {
         /// State before the transition.
         from: TaskState,

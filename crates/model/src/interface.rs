@@ -44,7 +44,7 @@ pub enum ArgumentType {
     Text,
     /// A list.
     List,
-    /// The name of something in the mission.
+    /// A name of this kind.
     Named(NameKind),
     /// One of these words.
     OneOf(Vec<Symbol>),

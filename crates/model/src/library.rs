@@ -63,7 +63,7 @@ impl Library {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
     }
 
-    /// Returns the parts of a resource and their parts, in order of their names; none for most resources.
+    /// Returns the parts of a resource and their parts, in order of their names; empty for most resources.
     pub fn parts_of<'a>(&'a self, resource: &Symbol) -> Vec<&'a Symbol> {
         let mut parts: BTreeSet<&Symbol> = BTreeSet::new();
         let mut open = vec![resource.clone()];
