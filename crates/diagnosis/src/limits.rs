@@ -15,7 +15,7 @@ pub const NODES_MAX: usize = 500;
 pub const RETRACTIONS_MAX: usize = 60;
 /// Partial sets examined to decide whether one set of tests leaves the rest consistent, if passed tests exclude sets of failures.
 pub const RETRACTION_NODES_MAX: usize = 40;
-/// Work of such a decision, in sets of tests: it counts as so many of [`RETRACTIONS_MAX`].
+/// Number of tried sets as which such a decision counts towards [`RETRACTIONS_MAX`].
 pub const RETRACTION_SEARCH: usize = 20;
 /// Smallest sets of tests that a contradiction names.
 pub const ALTERNATIVES_MAX: usize = 8;
