@@ -4,7 +4,7 @@
 //! target *survives* until its first event: between observations at `t1` and `t2` it costs the integral over `t` of `p(t) exp(-h(t))
 //! Cost(t2 - t)`, where `h(t)` is the integral of `p` from `t1` to `t`. That is never more than the result of [`eci`], and equal to it
 //! for rare events. This cost scores plans; planners and bounds add up likelihoods.
-//! Bound: O(visits + rate steps) per target, with quadrature for logistic costs, and for saturating costs of young ages ([`BEGUN`]).
+//! Bound: O(visits + rate steps) per target, with quadrature for logistic costs, and for saturating costs of young ages (`BEGUN`).
 
 use crate::eci::{self, ExpectedCost, QUADRATURE_TOLERANCE, TargetCost};
 use crate::quadrature;
