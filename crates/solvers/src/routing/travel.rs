@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// Work units of examining one leg, or one continuation from a bend.
 const UNITS_PER_LOOK: u64 = 5;
-/// Networks of one problem; further sets of zones share one in which every zone applies at every altitude.
+/// Maximum number of networks of one problem; further sets of zones share one in which every zone applies at every altitude.
 const NETWORKS_MAX: usize = 16;
 
 /// A way with its times.

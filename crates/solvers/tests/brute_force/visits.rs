@@ -8,7 +8,7 @@ use apex_planning::solver::{Environment, Solver, WorkBudget};
 use apex_solvers::planners::human::Human;
 use apex_solvers::planners::single_visit::SingleVisit;
 
-/// Times of plans may be off by this: `apex_planning::checker` allows a microsecond.
+/// Margin with which times must be kept, negative: a tolerance, because `apex_planning::checker` allows a microsecond.
 const LENIENT_S: f64 = -1e-5;
 /// Share within which sums of worths are equal.
 const SAME: f64 = 1e-9;

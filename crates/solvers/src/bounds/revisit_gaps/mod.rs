@@ -303,7 +303,7 @@ impl<'a> Model<'a> {
         self.program.at_most(terms, limit);
     }
 
-    /// Returns the levels whose cost the tangents underestimate in this solution, and the length of their gaps.
+    /// Returns the levels whose cost the tangents underestimate in this solution, each with its gap as a share of the horizon.
     fn understated(&self, columns: &[f64]) -> Vec<(usize, f64)> {
         let value = |column: usize| columns.get(column).copied().unwrap_or(0.0);
         let understated = |(number, level): (usize, &Level)| {

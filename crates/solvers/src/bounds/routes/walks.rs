@@ -28,7 +28,7 @@ pub(super) struct Layout {
     pub(super) bucket: i32,
     /// For each node its first state, its first bucket, and the number of its states.
     first: Vec<(usize, i32, i32)>,
-    /// All states.
+    /// Number of states.
     pub(super) count: usize,
 }
 

@@ -254,8 +254,8 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// Returns `best` without a few visits: a run of neighbours, or random ones; sometimes instead a single visit anywhere, so that a
-    /// plan grows from every region. In half of the calls the removed targets are excluded from the next filling.
+    /// Returns `best` without a few visits, consecutive or random ones; sometimes instead a plan of a single random visit, so that plans
+    /// grow from every region. In half of the calls the removed targets are excluded from the next filling.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
         let take = 1 + self.random.below(count.div_ceil(3).max(1));

@@ -31,7 +31,7 @@ const GROUP_MIN: usize = 3;
 /// Number of halvings of groups.
 const HALVINGS: usize = 2;
 
-/// Returns the best of the plan before, the best cycle and WAM's tour with little work for both.
+/// Returns the best of the previous plan, the best cycle and WAM's tour, the latter two found with little work.
 pub(super) fn first(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
     let cycle = best_cycle(scenario, QUICK_UNITS, budget);
     let until = budget.used().saturating_add(QUICK_UNITS);

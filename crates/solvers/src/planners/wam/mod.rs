@@ -18,7 +18,7 @@ const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
 /// Maximum number of visits in one window.
 const DEPTH_MAX: usize = 64;
-/// Work of the priority of a visit in nanoseconds, and in addition of the copy for a node of the search.
+/// Work, in nanoseconds, of computing the priority of a visit, and of copying a state into a node of the search.
 const PRIORITY_NS: u64 = 30;
 const CHILD_NS: u64 = 230;
 

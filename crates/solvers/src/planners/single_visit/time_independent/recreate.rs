@@ -24,7 +24,7 @@ enum InsertionOrder {
     Chance,
     /// The most valuable first.
     Value,
-    /// The most value for the way from the neighbourhood first.
+    /// The most value per path from the nearest nodes first.
     Worth,
     /// Nodes whose window closes first.
     Closing,
@@ -37,7 +37,8 @@ pub(super) struct Recreation {
 }
 
 impl Recreation {
-    /// Inserts those of `missing` that fit and, unless `generous`, are worthwhile; returns the number of examined positions.
+    /// Inserts those of `missing` that fit and are worthwhile; if `may_be_generous`, half of the calls insert the others that fit, too.
+    /// Returns the number of examined positions.
     pub(super) fn run(
         &mut self,
         network: &Network,
@@ -89,8 +90,8 @@ impl Recreation {
     }
 }
 
-/// Returns the position at which `node` takes least time, and the number of examined positions. `None` if it fits nowhere or, unless
-/// `generous`, costs more than its value.
+/// Returns the position at which `node` takes least time (its legs, and `weight` times the delay of the next stop), and the number of
+/// examined positions. `None` if the node fits nowhere or, unless `generous`, costs more than its value.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,
