@@ -85,7 +85,7 @@ impl Direction {
         self.chord(other) * EARTH_RADIUS_M_MIN
     }
 
-    /// Returns the direction 90 degrees from here on the way to `other`; `None` if both are equal or opposite.
+    /// Returns the direction 90 degrees from this one on the way to `other`; `None` if both are equal or opposite.
     pub fn quarter_turn_to(self, other: Direction) -> Option<Direction> {
         let along = self.dot(other);
         let ahead = Direction { x: other.x - along * self.x, y: other.y - along * self.y, z: other.z - along * self.z };

@@ -18,7 +18,7 @@ pub struct Wind {
     pub edr: f64,
 }
 
-/// Flying along a track through wind.
+/// Ground speed and heading of a flight along a track through wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindTriangle {
     /// Speed over ground along the track.

@@ -228,7 +228,7 @@ impl PathConstraints {
         Some(PreparedPoint { position, direction, point, close, bend: None, is_place: false })
     }
 
-    /// Returns the obstacle at `spot` at some time of `time_s`; `None` if flight is permitted there at all times of it.
+    /// Returns the obstacle at `spot` at some time of the interval; `None` if flight is permitted there during the whole interval.
     pub(crate) fn place_trouble(&self, spot: &PreparedPoint, (from_s, until_s): Span) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut inside = None;

@@ -19,9 +19,9 @@ const ALONG_RAD: f64 = 1e-9;
 pub(crate) struct PathVertex {
     /// Position.
     pub(crate) point: Point,
-    /// Direction to the corner of the outline before.
+    /// Direction to the preceding corner of the outline.
     before: Point,
-    /// Direction to the corner after.
+    /// Direction to the following corner.
     after: Point,
 }
 
