@@ -185,7 +185,7 @@ pub enum Activity {
         task: Option<Box<Expr>>,
         /// The outcome; `None` is success.
         outcome: Option<Box<Expr>>,
-        /// The value handed to the parent.
+        /// The value passed to the parent.
         value: Option<Box<Expr>>,
     },
     /// Another built-in activity; its arguments are expressions.
