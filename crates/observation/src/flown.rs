@@ -29,7 +29,7 @@ pub const PASS_GAP_S: f64 = 60.0;
 const ROLL_STEP_DEG: f64 = 0.5;
 /// Time between interpolated samples.
 const INTERPOLATION_S: f64 = 0.2;
-/// Interpolated pieces between two samples.
+/// Maximum number of interpolated pieces between two samples.
 const PIECES_MAX: f64 = 20.0;
 
 /// Settings of a [`FlownObservation`].

@@ -2,7 +2,7 @@
 //!
 //! Only measured properties are kept: geometry, time and weights of clarity. The value of a look for a wanted look is computed later
 //! (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, plus one for each look of the same
-//! pass that is better in one respect and worse in another.
+//! pass that is better in one respect and worse in another than the cell's last look.
 
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
@@ -238,8 +238,8 @@ impl TargetLooks {
     }
 }
 
-/// Adds a look of the pass, unless another look of the same cell is at least as good in every respect; removes an earlier one if the new
-/// look is at least as good.
+/// Adds a look of the pass, unless the last look of the same cell is at least as good in every respect; replaces that look if the new
+/// one is at least as good.
 fn keep(strips: &[StripFacts], facts: StripFacts, looks: &mut Vec<CellLook>, last: &mut [u32], look: CellLook) {
     let Some(latest) = last.get_mut(look.cell as usize) else { return };
     let Some(earlier) = looks.get_mut(*latest as usize) else {

@@ -27,7 +27,7 @@ pub const PIECES_MAX: usize = 500;
 pub struct PlannedLine {
     /// Point at which the sensor is switched on.
     pub from: Position,
-    /// Point at which the scanner is switched off.
+    /// Point at which the sensor is switched off.
     pub to: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,

@@ -74,7 +74,8 @@ pub(super) fn assign(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>
     for (served, assigned) in chosen.iter_mut().zip(best.chosen) {
         served.extend(assigned);
     }
-    // A spare pass backs up the wanted look for which it has the most value; a pass without value shows what an unserved look lacks.
+    // A spare pass backs up the wanted look, among those without an interval need, for which it has the most value; a pass without value
+    // shows what an unserved look lacks.
     for pass in passes.iter().filter(|pass| !is_used(pass.pass)) {
         let gain = |k: &usize| {
             let worth = pass.worths.get(*k).copied().unwrap_or(0.0);

@@ -4,7 +4,8 @@
 //! cell whose middle is outside gives its area to a neighbour. A point is one cell of weight 1; the cells of a line are weighted by its
 //! length. Cells lie in rows of increasing y and, in a row, of increasing x, so that a swath is rasterised row by row.
 //!
-//! Cell size: `min(W_use / 30, max(g_want, sqrt(area / budget)))`, enlarged where that makes more than [`CELLS_MAX`] cells.
+//! Cell size: `min(W_use / 30, max(g_want, sqrt(area / cells)))` for the useful width of the swath, the finest wanted resolution and the
+//! number of cells aimed at ([`GridSettings`]), enlarged where that makes more than [`CELLS_MAX`] cells.
 //! Bound: building is O(cells x corners of a row), rasterising O(rows + cells hit).
 
 mod build;

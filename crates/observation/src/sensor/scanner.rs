@@ -1,6 +1,7 @@
 //! Cross-track line scanners: pixel, swath, useful swath, V/H limit and choice of the scan rate.
 //!
-//! Flat ground; curvature changes the swath by 0.14 % at a height of 20 km (`footprint::curved_ground_offset_m`).
+//! Flat ground; curvature widens the swath of an 86 degree field of view by 0.14 % at a height of 20 km
+//! (`footprint::curved_ground_offset_m`).
 //! Geometry: slant range `L = h / cos o`, pixel along the track `ifov L`, across the track `ifov L / cos i` with the
 //! incidence `i = o` on flat ground.
 
