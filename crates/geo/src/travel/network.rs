@@ -194,7 +194,7 @@ impl Network {
     /// Adds a place.
     ///
     /// # Errors
-    /// If the position is not on the plane.
+    /// [`TravelError::TooFar`] if the projection does not reach the position, or if the network is one on a plane.
     pub fn add(&mut self, position: Position) -> Result<EndpointId, TravelError> {
         let spot = if self.on_plane { Err(TravelError::TooFar) } else { self.ground.spot(position) };
         spot.map(|spot| self.admit(spot))

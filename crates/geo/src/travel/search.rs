@@ -144,7 +144,7 @@ impl Network {
         }
     }
 
-    /// Returns the first way to a place over the bends of a tree.
+    /// Returns the way to a place over the bends of a tree with the earliest arrival; `None` if no bend leads there.
     pub(super) fn way_over(&mut self, tree: &Tree, to: EndpointId) -> Option<FoundPath> {
         let mut best: Option<(f64, usize, DirectedLeg)> = None;
         for join in self.joins_of_place(to) {
