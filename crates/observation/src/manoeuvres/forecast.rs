@@ -52,7 +52,7 @@ pub struct Forecast {
     pub energy: f64,
     /// Number of turns: fewer are better at equal value.
     pub turns: usize,
-    /// Pictures, 0 for a scanner.
+    /// Number of pictures; 0 for a scanner.
     pub pictures: usize,
     /// Share of the pictures with the middle of the target in view.
     pub tracked_share: f64,

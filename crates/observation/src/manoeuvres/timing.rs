@@ -15,7 +15,7 @@ use apex_geo::plane::Point;
 pub const CORNER_DEG: f64 = 25.0;
 /// Time in which the direction of flight changes at a corner.
 pub const CORNER_S: f64 = 1.0;
-/// Number of pieces with constant speed and attitude into which a path is divided at least.
+/// Number of pieces of constant speed into which a leg is divided if the speed depends on the distance from the target.
 const PIECE_SHARE: usize = 20;
 
 /// The vehicle at an instant of a manoeuvre.
