@@ -45,7 +45,7 @@ pub(crate) struct HittingSet {
 
 /// Number of open clauses considered for branching, from the first on; the smallest come first if the caller sorts them.
 const SCANNED_MAX: usize = 12;
-/// Clauses that the bound considers.
+/// Maximum number of open clauses that the bound considers.
 const BOUND_SCANNED_MAX: usize = 48;
 /// Sums of the same costs in another order differ by less than this.
 const TOLERANCE: f64 = 1e-9;
