@@ -57,7 +57,7 @@ pub struct Circling {
 pub(super) struct Turned {
     /// Time in addition to the straight legs.
     pub(super) extra_s: f64,
-    /// Departures at which a part of the flown path beside the legs is closed.
+    /// Departures at which a part of the flown path away from the legs is closed.
     pub(super) closed_s: Vec<Span>,
     /// For each span of the air the path over ground.
     spots: Vec<Drawn>,
