@@ -3,7 +3,7 @@
 //! Great-circle times alone decide which target is inserted next, and into which gap; only the chosen insertion is computed with wind and
 //! around zones. So the work is two legs for each target, however many manoeuvres and start times exist, and the search can improve a
 //! complete plan from the beginning.
-//! Bound: O(n^2) estimates and n judgements for n targets; does not end with the budget, so that the smallest has a plan.
+//! Bound: O(n^2) estimates and n judgements for n targets; does not end with the budget, so that every budget yields a plan.
 
 use super::search::{Candidate, LocalSearch, inserted};
 use crate::routing::schedule::Choice;

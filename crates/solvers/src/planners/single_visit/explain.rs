@@ -257,7 +257,7 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
     trouble
 }
 
-/// Returns the places in `order` where `target` adds the shortest detour as the crow flies.
+/// Returns the positions in `order` where `target` adds the shortest detour by least travel times, the shortest first.
 fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
     let (entry, exit) = (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre));
     let travel = &schedule.travel;

@@ -64,7 +64,7 @@ enum StartHeuristic {
 #[derive(Debug)]
 pub(super) struct Starts {
     ways: VecDeque<StartHeuristic>,
-    /// Work that any start takes at least.
+    /// Least allowed work for which a start is tried.
     least_units: u64,
     /// Work of a pass of WAM per unit of its weight, as far as is known; zero before the first.
     wam_units: f64,

@@ -10,8 +10,8 @@ use apex_planning::surveillance::scenario::Scenario;
 pub(super) enum TourEvaluation<'s, 'p> {
     /// Changes are priced without flying the tour.
     Quick(Box<Timetable<'s, 'p>>),
-    /// Changes are evaluated by flying: for rates or travel times that change with time, steps, tables, very long tours, and ways home
-    /// over other targets.
+    /// Changes are evaluated by flying: for rates or travel times that change with time, costs that are neither linear nor saturating,
+    /// very long tours, and ways home over other targets.
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,

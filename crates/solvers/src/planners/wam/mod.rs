@@ -1,10 +1,10 @@
 //! WAM (paper, section V.C): best-first search with replacement that builds the full plan visit by visit.
 //!
 //! From the vehicle's position a window of time is searched. Open nodes are partial tours, each expanded to the targets with the highest
-//! `importance x obsolescence / transit`. A node's cost is the expected cost of ignorance over the whole window, so that all nodes are
-//! compared over the same span. The list of open nodes is bounded, and better nodes replace worse ones. The first visit of the best tour
-//! is committed, and the search starts again from there. Windows and list sizes are tried from small to large while the budget lasts; the
-//! best full plan wins.
+//! `importance x obsolescence / transit`. A node's cost is the change that its visits make to the expected cost of ignorance up to the end
+//! of the window, so that all nodes are compared over the same span. The list of open nodes is bounded, and better nodes replace worse
+//! ones. The first visit of the best tour is committed, and the search starts again from there. Windows and list sizes are tried from small
+//! to large while the budget lasts; the best full plan wins.
 //! Bound: O(visits x depth x open x children) per pass.
 
 use apex_metrics::eci;
