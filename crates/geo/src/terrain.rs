@@ -14,7 +14,7 @@ pub const BLOCK: usize = 16;
 pub const POSTS_MAX: usize = 64 << 20;
 /// Elevations that occur on Earth, in metres above mean sea level.
 pub const ELEVATION_M: (f64, f64) = (-500.0, 9_000.0);
-/// Length of a degree of latitude, at least and rounded down.
+/// Least length of a degree of latitude, rounded down.
 const METRES_PER_DEGREE_MIN: f64 = 110_500.0;
 /// Maximum number of samples of one leg.
 const LEG_STEPS_MAX: usize = 20_000;
