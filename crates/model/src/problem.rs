@@ -25,10 +25,7 @@ use serde::{Deserialize, Serialize};
 
 /// A planning problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there are a handful of problems; a box would burden everyone who matches"
-)]
+#[expect(clippy::large_enum_variant, reason = "few problems exist at a time; a box would complicate every match")]
 pub enum Problem {
     /// Observe targets repeatedly; minimise the expected cost of ignorance.
     Surveillance(SurveillanceProblem),

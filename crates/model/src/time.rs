@@ -125,7 +125,7 @@ impl fmt::Display for Duration {
 }
 
 impl fmt::Display for Time {
-    /// Writes mission elapsed time for operators: `12.5s`, `1:03:04.500`.
+    /// Writes mission elapsed time for operators: `12.5s`, `1:03:04.5`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Time::BEGINNING => return f.write_str("the beginning of time"),

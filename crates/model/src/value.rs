@@ -243,7 +243,8 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions.
+    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions. Quantities are rounded to
+    /// twelve digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),
