@@ -21,7 +21,7 @@ pub struct Contradiction {
     /// Sets of tests, by index. Without any one of these sets the other outcomes are consistent. All sets have the same size, and there
     /// are at most [`ALTERNATIVES_MAX`].
     pub left_out: Vec<Vec<usize>>,
-    /// No smaller set of tests does. False where a limit ended the search.
+    /// True if no smaller set makes the rest consistent; false if a limit ended the search.
     pub is_smallest: bool,
     /// True if no other set of this size makes the rest consistent; false if a limit ended the search.
     pub are_all: bool,
@@ -34,7 +34,7 @@ pub(crate) struct Retraction<'a> {
     outcomes: &'a [Outcome],
     costs: &'a [f64],
     tried: usize,
-    /// A set was not decided within its nodes.
+    /// True if a set was not decided within its nodes.
     is_undecided: bool,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Retraction<'a> {
         self.tried < RETRACTIONS_MAX && !self.is_undecided
     }
 
-    /// Finds the sets with at most `size` tests more to leave out.
+    /// Finds the sets that leave out `left_out` and at most `size` further tests.
     fn within(&mut self, left_out: &Bits, size: usize, found: &mut BTreeSet<Bits>) {
         if self.tried >= RETRACTIONS_MAX || found.len() >= ALTERNATIVES_MAX {
             return;
@@ -151,7 +151,8 @@ impl<'a> Retraction<'a> {
         found.map(|(index, _)| index)
     }
 
-    /// Ways to make a failed test consistent: leave it out, or leave out all passed tests that clear one of its failure modes.
+    /// Returns the sets of tests each of which makes a failed test consistent if it is left out: the test itself, or all passed tests that
+    /// clear one of its failure modes.
     fn explaining(&self, test: usize, left_out: &Bits) -> Vec<Bits> {
         let tests = self.outcomes.len();
         let clauses = self.model.tests.get(test).map_or(&[][..], |test| test.clauses());
@@ -174,8 +175,8 @@ impl<'a> Retraction<'a> {
         Bits::of(self.outcomes.len(), passed.map(|(test, _)| test))
     }
 
-    /// Tests of which one must be left out before a group can have a candidate: the group's failed tests, and passed tests that exclude
-    /// sets of its failure modes or clear failure modes of its conflicts.
+    /// Returns the tests, each as a set, of which one must be left out before a group can have a candidate: the group's failed tests, and
+    /// passed tests that exclude sets of its failure modes or clear failure modes of its conflicts.
     fn allowing(&self, group: &ConflictGroup, left_out: &Bits) -> Vec<Bits> {
         let tests = self.outcomes.len();
         let failed = Bits::of(tests, group.conflicts.iter().map(|conflict| conflict.test));

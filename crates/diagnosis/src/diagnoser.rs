@@ -66,8 +66,8 @@ pub struct Candidate {
 pub struct GroupDiagnosis {
     /// The failed tests by index.
     pub tests: Vec<usize>,
-    /// Candidates, the likeliest first; none only where passed tests exclude sets of failures and the limit ended the search
-    /// before the first.
+    /// Candidates, the likeliest first; empty only if passed tests exclude sets of failures and the limit ended the search
+    /// before the first candidate.
     pub candidates: Vec<Candidate>,
     /// Reason for which the search for candidates ended.
     pub end: SearchEnd,
@@ -148,12 +148,12 @@ impl Diagnoser {
         &self.diagnosis
     }
 
-    /// Sets the outcome of a test; true if it has changed. A test that the model does not have is ignored.
+    /// Sets the outcome of a test; returns true if the outcome has changed. A test that the model does not have is ignored.
     pub fn set(&mut self, test: usize, outcome: Outcome) -> bool {
         self.set_all([(test, outcome)])
     }
 
-    /// Sets several outcomes and diagnoses once; true if any has changed.
+    /// Sets several outcomes and diagnoses once; returns true if any outcome has changed.
     pub fn set_all(&mut self, outcomes: impl IntoIterator<Item = (usize, Outcome)>) -> bool {
         let mut changed = false;
         for (test, outcome) in outcomes {
@@ -188,7 +188,7 @@ impl Diagnoser {
             if excluded.is_empty() {
                 break (evidence.good, evidence.unexplained);
             }
-            // An unexplained test is evidence against nothing, so its other conflicts are dropped, too, and the groups are formed again.
+            // An unexplained test gives no evidence, so its other conflicts are dropped, too, and the groups are formed again.
             excluded.into_iter().for_each(|test| left_out.insert(test));
             known.append(&mut self.solved);
         };

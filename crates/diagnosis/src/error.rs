@@ -36,7 +36,7 @@ impl fmt::Display for DiagnosisError {
 
 impl std::error::Error for DiagnosisError {}
 
-/// Errors of one file.
+/// The name of a file, for its errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FileName<'a>(pub(crate) &'a str);
 
@@ -50,7 +50,7 @@ impl FileName<'_> {
         DiagnosisError { file: self.0.to_string(), place: place.into(), reason: reason.into(), help: help.into() }
     }
 
-    /// Returns text that is not JSON, or JSON of another shape.
+    /// Returns the error of a text that is not JSON, or is JSON of another shape.
     pub(crate) fn unreadable(self, error: &serde_json::Error) -> DiagnosisError {
         let text = error.to_string();
         // serde_json appends the place, which is in front here.

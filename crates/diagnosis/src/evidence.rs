@@ -39,7 +39,7 @@ impl Outcome {
     }
 }
 
-/// Modes or sets that passed tests exclude.
+/// Failure modes and sets of them that a test excludes if it passes.
 #[derive(Clone, Debug)]
 pub(crate) struct Exclusion {
     /// Failure modes that are not present.

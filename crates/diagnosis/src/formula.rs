@@ -1,6 +1,6 @@
 //! The condition for the loss of a signal or the failure of a test: a monotone formula over failure modes, in both normal forms.
 //!
-//! Bound: at most [`TERMS_MAX`] sets in each form; a formula beyond is refused.
+//! Bound: at most [`TERMS_MAX`] sets in each form; a formula with more is rejected.
 
 use crate::bits::{Bits, minimal};
 use crate::limits::TERMS_MAX;
@@ -27,7 +27,7 @@ impl Formula {
         Formula { implicants: Vec::new(), clauses: vec![Bits::new(modes)] }
     }
 
-    /// Always true.
+    /// Returns a formula that is always true.
     fn always(modes: usize) -> Formula {
         Formula { implicants: vec![Bits::new(modes)], clauses: Vec::new() }
     }

@@ -5,7 +5,7 @@
 //! if one of its modes is no longer the only one to hit some clause (Murakami and Uno 2014). Once enough sets have been found, partial
 //! sets that cannot be cheaper than the worst of these are abandoned, too; the bound adds the cheapest modes of clauses that share no
 //! mode.
-//! Bound: the nodes given, each O(words x (modes of the set + sets that must not be held)).
+//! Bound: the nodes given, each O(words x (modes of the set + forbidden sets)).
 
 use crate::bits::Bits;
 
@@ -45,9 +45,9 @@ pub(crate) struct HittingSet {
 
 /// Number of open clauses considered for branching, from the first on; the smallest come first if the caller sorts them.
 const SCANNED_MAX: usize = 12;
-/// Clauses that the bound considers.
+/// Maximum number of open clauses that the bound considers.
 const BOUND_SCANNED_MAX: usize = 48;
-/// Sums in another order differ by less.
+/// Sums of the same costs in another order differ by less than this.
 const TOLERANCE: f64 = 1e-9;
 
 /// Returns the cheapest minimal hitting sets, by cost and then in order.
@@ -176,7 +176,7 @@ impl HittingSearch<'_> {
         Some(branch)
     }
 
-    /// Clauses that are not hit, in their order.
+    /// Returns the clauses that are not hit, in their order.
     fn unhit<'s>(&'s self, state: &'s PartialSet) -> impl Iterator<Item = &'s Bits> {
         let open = self.all.words().iter().zip(state.once.words()).map(|(all, once)| all & !once);
         open.enumerate()
@@ -184,7 +184,7 @@ impl HittingSearch<'_> {
             .filter_map(|index| self.problem.clauses.get(index))
     }
 
-    /// Modes of a clause, ordered so that modes that hit many clauses for their cost come first.
+    /// Returns the modes of a clause, ordered so that modes that hit many clauses for their cost come first.
     fn in_order(&self, branch: &Bits, state: &PartialSet) -> Vec<usize> {
         let worth = |mode: usize| {
             let hits = self.columns.get(mode).map_or(0, |column| column.beyond(&state.once));

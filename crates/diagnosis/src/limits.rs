@@ -15,9 +15,9 @@ pub const NODES_MAX: usize = 500;
 pub const RETRACTIONS_MAX: usize = 60;
 /// Partial sets examined to decide whether one set of tests leaves the rest consistent, if passed tests exclude sets of failures.
 pub const RETRACTION_NODES_MAX: usize = 40;
-/// Number of sets of tests as which such a decision counts.
+/// Number of tried sets as which such a decision counts towards [`RETRACTIONS_MAX`].
 pub const RETRACTION_SEARCH: usize = 20;
-/// Such sets that are named.
+/// Smallest sets of tests that a contradiction names.
 pub const ALTERNATIVES_MAX: usize = 8;
 /// Partial sets that the search for the smallest set of tests examines; a report is not made in flight.
 pub const TEST_SET_NODES_MAX: usize = 500_000;

@@ -42,7 +42,7 @@ pub struct FailureMode {
     pub component: usize,
     /// Probability of failing in an hour of flight, above 0 and below 0.5.
     pub probability_per_hour: f64,
-    /// The failure is intermittent, so a passed test does not exclude it.
+    /// True if the failure is intermittent, so that a passed test does not exclude it.
     pub is_intermittent: bool,
 }
 
@@ -107,22 +107,22 @@ impl Model {
         self.tests.iter().map(alone).collect()
     }
 
-    /// Returns the test with this name.
+    /// Returns the index of the test with this name.
     pub fn test(&self, name: &str) -> Option<usize> {
         self.tests.iter().position(|test| test.name == name)
     }
 
-    /// Returns the component with this name.
+    /// Returns the index of the component with this name.
     pub fn component(&self, name: &str) -> Option<usize> {
         self.components.iter().position(|component| component.name == name)
     }
 
-    /// Returns name of a failure mode; empty for an index beyond.
+    /// Returns the name of a failure mode; empty for an index beyond the last.
     pub fn mode_name(&self, mode: usize) -> &str {
         self.modes.get(mode).map_or("", |mode| mode.name.as_str())
     }
 
-    /// Returns name of a test; empty for an index beyond.
+    /// Returns the name of a test; empty for an index beyond the last.
     pub fn test_name(&self, test: usize) -> &str {
         self.tests.get(test).map_or("", |test| test.name.as_str())
     }

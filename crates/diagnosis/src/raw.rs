@@ -63,7 +63,7 @@ pub(crate) struct RawMonitor {
     pub(crate) passes: String,
 }
 
-/// A need of a signal or test: one thing, or any one of several things.
+/// A need of a signal or test: one component or signal, or any one of several.
 pub(crate) enum RawNeed {
     One(String),
     AnyOf(Vec<String>),

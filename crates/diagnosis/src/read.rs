@@ -58,7 +58,7 @@ struct ModelReader<'a> {
     names: BTreeMap<&'a str, Named>,
     components: Vec<Component>,
     modes: Vec<FailureMode>,
-    /// Things that each failure mode affects; `None`: everything that needs its component.
+    /// Signals and tests that each failure mode affects; `None`: all that need its component.
     affects: Vec<Option<&'a [String]>>,
     formulas: BTreeMap<usize, Formula>,
     /// Signals that are being followed, outermost first.
@@ -288,7 +288,7 @@ impl<'a> ModelReader<'a> {
         Ok(formula)
     }
 
-    /// Returns the condition for the loss of something that needs all of `needs`.
+    /// Returns the condition for the loss of a signal, or the failure of a test, that needs all of `needs`.
     fn formula(&mut self, needs: &'a [RawNeed], whose: Named, name: &str) -> ModelResult<Formula> {
         let place = place_of(whose, "needs");
         let modes = self.modes.len();
@@ -358,7 +358,7 @@ impl<'a> ModelReader<'a> {
         }
     }
 
-    /// Signals that no test depends on, directly or through others.
+    /// Returns the names of the signals that no test depends on, directly or through others.
     fn unused_signals(&self) -> Vec<String> {
         let mut used = Bits::new(self.raw.signals.len());
         let mut open: Vec<&RawNeed> = self.raw.tests.iter().flat_map(|test| &test.needs).collect();

@@ -40,11 +40,11 @@ pub struct Testability {
     pub equal_tests: Vec<Vec<usize>>,
     /// Tests that no single failure mode makes fail: only several together do.
     pub silent_tests: Vec<usize>,
-    /// Pairs of failure modes: the first also fails every test that detects the second, and so hides it.
+    /// Pairs of failure modes: the first makes every test fail that detects the second, and so hides the second.
     pub hidden: Vec<(usize, usize)>,
     /// Pairs of failures that together look like a third one.
     pub masks: Vec<Mask>,
-    /// Number of masks.
+    /// Number of all such pairs; `masks` holds at most [`crate::limits::MASKS_MAX`] of them.
     pub masks_count: usize,
     /// A smallest set of tests with the detection and isolation of all.
     pub test_set: TestSet,
@@ -96,7 +96,7 @@ fn part(count: usize, of: usize) -> f64 {
     if of == 0 { 0.0 } else { count as f64 / of as f64 }
 }
 
-/// Numbers with equal sets, in order of their first number.
+/// Returns the numbers grouped by equal sets, in order of their first number.
 fn equal<'a>(sets: impl Iterator<Item = (usize, &'a Bits)>) -> Vec<Vec<usize>> {
     let mut by_set: BTreeMap<&Bits, Vec<usize>> = BTreeMap::new();
     for (number, set) in sets {

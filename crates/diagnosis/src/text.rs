@@ -8,12 +8,12 @@ use crate::model::Model;
 
 pub use explanation::{explain, explain_json};
 
-/// Returns names of failure modes, separated by commas; `-` for none.
+/// Returns the names of failure modes, separated by commas; `-` for none.
 fn mode_names(model: &Model, modes: impl Iterator<Item = usize>) -> String {
     joined(modes.map(|mode| model.mode_name(mode)))
 }
 
-/// Returns names of tests, separated by commas; `-` for none.
+/// Returns the names of tests, separated by commas; `-` for none.
 fn test_names(model: &Model, tests: impl Iterator<Item = usize>) -> String {
     joined(tests.map(|test| model.test_name(test)))
 }

@@ -1,6 +1,6 @@
 //! Models and results that cannot be used: each error gives the place, the reason and advice.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test that cannot continue fails")]
 
 use apex_diagnosis::{Model, Results};
 

@@ -1,6 +1,6 @@
 //! The worked model: its D-matrix, its testability figures, and twelve diagnosed outcomes, compared with separately computed figures.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test that cannot continue fails")]
 
 use apex_diagnosis::{Diagnoser, Health, Model, Outcome, SearchEnd, testability};
 use std::sync::Arc;

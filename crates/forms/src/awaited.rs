@@ -14,7 +14,7 @@ pub struct Awaited<'p> {
 }
 
 impl<'p> Awaited<'p> {
-    /// Returns the outcomes that the clauses of `procedure` name.
+    /// Collects the variables that the steps of `procedure` bind by `=>`.
     pub fn new(procedure: &'p Procedure) -> Awaited<'p> {
         let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
         for (number, step) in procedure.steps.iter().enumerate() {
@@ -25,12 +25,12 @@ impl<'p> Awaited<'p> {
         Awaited { procedure, producers }
     }
 
-    /// Results of other steps mentioned by the step with this number, each once.
+    /// Returns the results of other steps that the step with this number mentions, each once.
     pub fn by(&self, step: usize) -> Vec<Symbol> {
         self.mentioned(step, false)
     }
 
-    /// Results of other steps mentioned by the step's preconditions, each once.
+    /// Returns the results of other steps that the step's preconditions mention, each once.
     pub fn by_conditions_of(&self, step: usize) -> Vec<Symbol> {
         self.mentioned(step, true)
     }

@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 /// Receives every occurrence of a variable, in textual order.
 type Sink<'a> = &'a mut dyn FnMut(&Symbol);
 
-/// Variables of an expression.
+/// Passes the variables of an expression to `sink`.
 pub fn of_expr(expr: &Expr, sink: Sink<'_>) {
     match &expr.kind {
         ExprKind::Constant(_)
@@ -59,7 +59,7 @@ fn of_exprs(parts: &[Expr], sink: Sink<'_>) {
     parts.iter().for_each(|part| of_expr(part, sink));
 }
 
-/// Variables of a template.
+/// Passes the variables of a template to `sink`.
 pub fn of_template(template: &Template, sink: Sink<'_>) {
     match template {
         Template::Constant(_) => {}
@@ -68,7 +68,7 @@ pub fn of_template(template: &Template, sink: Sink<'_>) {
     }
 }
 
-/// Variables of a pattern, including those that it may bind.
+/// Passes the variables of a pattern to `sink`, including those that it may bind.
 pub fn of_pattern(pattern: &Pattern, sink: Sink<'_>) {
     match pattern {
         Pattern::Literal(_) | Pattern::Anonymous => {}
@@ -83,7 +83,7 @@ pub fn of_pattern(pattern: &Pattern, sink: Sink<'_>) {
     }
 }
 
-/// Variables of an activity.
+/// Passes the variables of an activity to `sink`.
 pub fn of_activity(activity: &Activity, sink: Sink<'_>) {
     match activity {
         Activity::Goal(template) => of_template(template, sink),
@@ -94,7 +94,7 @@ pub fn of_activity(activity: &Activity, sink: Sink<'_>) {
     }
 }
 
-/// Variables of a condition.
+/// Passes the variables of a condition to `sink`.
 pub fn of_condition(condition: &Condition, sink: Sink<'_>) {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => of_measurement(measurement, sink),

@@ -17,7 +17,7 @@ pub const ARC_APART_M_MAX: f64 = 400.0;
 /// Square of the first eccentricity of WGS84.
 const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316e-3;
 
-/// A unit vector from the middle of the Earth: through (0, 0), through (0, 90 E), through the north pole.
+/// A unit vector from the middle of the Earth in Earth-fixed axes: x towards (0, 0), y towards (0, 90 E), z to the north pole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Direction {
     x: f64,
@@ -62,7 +62,7 @@ impl Direction {
         }
     }
 
-    /// Returns the length of the straight line between two directions' ends: never more than the angle.
+    /// Returns the length of the straight line between the tips of two directions: never more than the angle in radians.
     pub fn chord(self, other: Direction) -> f64 {
         let (x, y, z) = (self.x - other.x, self.y - other.y, self.z - other.z);
         libm::sqrt(x * x + y * y + z * z)
@@ -85,7 +85,7 @@ impl Direction {
         self.chord(other) * EARTH_RADIUS_M_MIN
     }
 
-    /// Returns the direction 90 degrees from here on the way to `other`; `None` if both are equal or opposite.
+    /// Returns the direction 90 degrees from this one on the way to `other`; `None` if both are equal or opposite.
     pub fn quarter_turn_to(self, other: Direction) -> Option<Direction> {
         let along = self.dot(other);
         let ahead = Direction { x: other.x - along * self.x, y: other.y - along * self.y, z: other.z - along * self.z };
@@ -93,7 +93,7 @@ impl Direction {
         (length > 1e-9).then(|| Direction { x: ahead.x / length, y: ahead.y / length, z: ahead.z / length })
     }
 
-    /// Returns the two directions at the angle of this cosine from both; `None` if the circles of that angle do not meet.
+    /// Returns the two directions whose angle from both has this cosine; `None` if the circles of that angle do not meet.
     pub fn at_angle_from_both(self, other: Direction, cosine: f64) -> Option<[Direction; 2]> {
         let between = self.dot(other);
         let share = cosine / (1.0 + between);

@@ -2,7 +2,7 @@
 //!
 //! Head rate: a tenth of the open wind at 10 m (Cruz and Alexander 2019, forests and shrubs, dry and windy; error up to 50 %). Shape:
 //! length to breadth by the wind at mid-flame height (Finney 1998, FARSITE), which is assumed to be 0.4 of the open wind. The fire starts
-//! at a focus: it spreads ahead at the head rate, and back at the head rate over `head_to_back`.
+//! at a focus: it spreads ahead at the head rate, and back at the head rate over the ratio of both (Finney 1998).
 
 use crate::plane::{Point, edges};
 use libm::{cos, exp, sin, sqrt};
@@ -106,7 +106,7 @@ fn ellipse_reach_m(centre: Point, ray: Point, towards: Point, (along_m, across_m
     (discriminant >= 0.0 && reach > 0.0).then_some(reach)
 }
 
-/// Length over breadth at a mid-flame wind, m/s; at least 1.
+/// Returns length over breadth at a mid-flame wind in m/s; at least 1.
 fn length_to_breadth(mid_flame_mps: f64) -> f64 {
     let ratio = 0.936 * exp(0.2566 * mid_flame_mps) + 0.461 * exp(-0.1548 * mid_flame_mps) - 0.397;
     ratio.max(1.0)

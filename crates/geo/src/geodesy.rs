@@ -72,7 +72,7 @@ pub fn along_cross_track_m(from: Position, to: Position, point: Position) -> (f6
     (along_rad * EARTH_RADIUS_M_MEAN, across_rad * EARTH_RADIUS_M_MEAN)
 }
 
-/// `angle_deg` as 0..360.
+/// Normalises `angle_deg` to 0..360.
 pub fn wrap_360(angle_deg: f64) -> f64 {
     let wrapped = libm::fmod(angle_deg, 360.0);
     if wrapped < 0.0 { wrapped + 360.0 } else { wrapped }

@@ -1,6 +1,6 @@
 //! Emergency landing places: distance of the nearest one, and legs that stay near enough.
 //!
-//! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] looks.
+//! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] samples.
 
 use crate::direction::{ARC_APART_M_MAX, ARC_RAD_MAX, Direction, EARTH_RADIUS_M_MAX, EARTH_RADIUS_M_MIN};
 use crate::geodesy::{self, Position};
@@ -8,7 +8,7 @@ pub use apex_model::problem::LandingPlace;
 
 /// Maximum number of samples of one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
 pub const LEG_LOOKS_MAX: usize = 40_000;
-/// Least step between looks: an excursion shorter than this may be missed.
+/// Least step between samples: an excursion shorter than this may be missed.
 pub const LOOK_M_MIN: f64 = 500.0;
 
 /// Returns the nearest landing place and its distance; `None` if there are none or the position is not finite.
@@ -48,9 +48,9 @@ pub struct Reach {
     places: Vec<LandingPlace>,
     directions: Vec<Direction>,
     distance_m_max: f64,
-    /// Within this angle of a place is surely near enough.
+    /// A position within this angle of a place is surely near enough.
     sure_rad: f64,
-    /// Beyond this angle is surely too far.
+    /// A position beyond this angle from every place is surely too far.
     doubtful_rad: f64,
 }
 
@@ -58,7 +58,7 @@ impl Reach {
     /// Returns the reach: all points within `distance_m_max` of one of `places`.
     pub fn new(places: Vec<LandingPlace>, distance_m_max: f64) -> Reach {
         let directions = places.iter().map(|place| Direction::of(place.position)).collect();
-        // A ten-thousandth for the distance, the rest for arcs that are not geodesics.
+        // The factor allows for the error of distances, the constant for the distance of arcs from geodesics.
         let sure_rad = (distance_m_max * 0.9999 - ARC_APART_M_MAX) / EARTH_RADIUS_M_MAX;
         let doubtful_rad = (distance_m_max * 1.0001 + ARC_APART_M_MAX) / EARTH_RADIUS_M_MIN;
         Reach { places, directions, distance_m_max, sure_rad, doubtful_rad }
@@ -87,7 +87,7 @@ impl Reach {
     }
 
     /// Returns the points at which the edges of two places' reaches meet outside of all others: the shortest paths within reach bend
-    /// there. Computed on the sphere, slightly inside the reach (by 0.15 % of the distance and 400 m).
+    /// there. Computed on the sphere, slightly inside the reach: by 400 m and 0.01 % (equator) to 0.35 % (poles) of the distance.
     pub fn crossings(&self) -> Vec<Position> {
         let least = libm::cos(self.sure_rad * (1.0 - 1e-9));
         if self.sure_rad <= 0.0 || self.sure_rad > 1.5 {

@@ -1,4 +1,5 @@
-//! Geodesy, wind, airspace, coverage, radio links, the sun and the growth of fires: pure functions over the plain data of `apex_model::problem`.
+//! Geodesy, wind, airspace, coverage, radio links, the sun and the growth of fires: pure functions over the plain data of
+//! `apex_model::problem`.
 //!
 //! No state, no clock, no randomness. Trigonometry is that of `libm`, so that results are equal on every platform; the only exception is
 //! `geographiclib-rs` (geodesics on WGS84).

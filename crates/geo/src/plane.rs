@@ -19,12 +19,12 @@ pub struct Point {
 }
 
 impl Point {
-    /// `self - other`.
+    /// Returns `self - other`.
     pub fn minus(self, other: Point) -> Point {
         Point { x: self.x - other.x, y: self.y - other.y }
     }
 
-    /// `self + scale * other`.
+    /// Returns `self + scale * other`.
     pub fn plus(self, scale: f64, other: Point) -> Point {
         Point { x: self.x + scale * other.x, y: self.y + scale * other.y }
     }
@@ -39,7 +39,7 @@ impl Point {
         self.x * other.y - self.y * other.x
     }
 
-    /// Returns length.
+    /// Returns the length.
     pub fn length(self) -> f64 {
         libm::hypot(self.x, self.y)
     }
@@ -66,7 +66,7 @@ impl Plane {
         Plane { centre, sine: libm::sin(latitude_rad), cosine: libm::cos(latitude_rad) }
     }
 
-    /// Returns the plane that touches in the middle of `positions`; in (0, 0) for none.
+    /// Returns the plane that touches the Earth in the middle of `positions`; at (0, 0) for none.
     pub fn around(positions: &[Position]) -> Plane {
         let centre = crate::geodesy::bounding_area(positions).map_or(Position::default(), |area| {
             let mut width_deg = area.east_deg - area.west_deg;
@@ -166,7 +166,7 @@ pub fn segment_to_edges(a: Point, b: Point, corners: &[Point]) -> f64 {
     edges(corners).fold(f64::INFINITY, |least, (c, d)| least.min(segment_to_segment(a, b, c, d)))
 }
 
-/// Returns the twice the signed area: positive where the corners run counter-clockwise.
+/// Returns twice the signed area: positive where the corners run counter-clockwise.
 pub fn doubled_area(corners: &[Point]) -> f64 {
     edges(corners).map(|(a, b)| a.cross(b)).sum()
 }

@@ -89,7 +89,7 @@ pub fn light_windows(light: Light, position: Position, zero_unix_s: f64, from_s:
     windows
 }
 
-/// The instant in `(low_s, high_s]` at which `lit` has just changed, to a second.
+/// Returns the instant in `(low_s, high_s]` at which `lit` has just changed, to a second.
 fn change_between(lit: &impl Fn(f64) -> bool, mut low_s: f64, mut high_s: f64) -> f64 {
     let before = lit(low_s);
     while high_s - low_s > 1.0 {

@@ -10,20 +10,20 @@ use serde::{Deserialize, Serialize};
 
 /// Number of posts along one side of a block whose highest elevation is stored.
 pub const BLOCK: usize = 16;
-/// Posts of one grid.
+/// Maximum number of posts of one grid.
 pub const POSTS_MAX: usize = 64 << 20;
 /// Elevations that occur on Earth, in metres above mean sea level.
 pub const ELEVATION_M: (f64, f64) = (-500.0, 9_000.0);
-/// Length of a degree of latitude, at least and rounded down.
+/// Least length of a degree of latitude, rounded down.
 const METRES_PER_DEGREE_MIN: f64 = 110_500.0;
-/// Samples of one leg.
+/// Maximum number of samples of one leg.
 const LEG_STEPS_MAX: usize = 20_000;
 
 /// Posts of a grid, in rows from south to north and columns from west to east.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TerrainGrid {
     south_west: Position,
-    /// Distance of rows, distance of columns.
+    /// Distance between rows, and between columns.
     step_deg: (f64, f64),
     rows: usize,
     columns: usize,
@@ -111,7 +111,7 @@ impl TerrainGrid {
         is_inside.then(|| (row.clamp(0.0, last.0), column.clamp(0.0, last.1)))
     }
 
-    /// Degrees east of the first column, counted around the middle of the grid.
+    /// Returns the degrees east of the first column, counted around the middle of the grid.
     fn east_deg(&self, longitude_deg: f64) -> f64 {
         let half_deg = 0.5 * (self.columns - 1) as f64 * self.step_deg.1;
         half_deg + wrap_180(longitude_deg - self.south_west.longitude_deg - half_deg)
@@ -184,14 +184,14 @@ fn span(middle: f64, half: f64, count: usize) -> Option<(usize, usize)> {
     (low <= last && high >= 0.0).then(|| (low.max(0.0) as usize, high.min(last) as usize))
 }
 
-/// The terrain of a mission: one grid or more. Where grids overlap, the first that contains the elevation counts.
+/// The terrain of a mission: one grid or more. Where grids overlap, the first grid with a known elevation counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Terrain {
     grids: Vec<TerrainGrid>,
 }
 
 impl Terrain {
-    /// Returns the ground of these grids; `None` without any.
+    /// Returns the terrain of these grids; `None` without any.
     pub fn new(grids: Vec<TerrainGrid>) -> Option<Terrain> {
         (!grids.is_empty()).then_some(Terrain { grids })
     }

@@ -1,6 +1,6 @@
 //! Time limits of flight commands, for PDL: the greatest duration of a flight before it counts as failed.
 //!
-//! Bound: linear in the number of places of a way.
+//! Bound: linear in the number of values in the list of places.
 
 use crate::geodesy;
 use crate::location::Location;
@@ -66,13 +66,13 @@ pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     Ok(Value::Duration(Duration::from_seconds(libm::ceil(seconds))))
 }
 
-/// Places of a list.
+/// Places and waiting times of a list.
 #[derive(Default)]
 struct TimedWay {
     found: Vec<Location>,
     /// Sum of the durations.
     waits_s: f64,
-    /// Places by name.
+    /// Number of places given by name.
     names: usize,
 }
 

@@ -18,7 +18,7 @@ pub struct Wind {
     pub edr: f64,
 }
 
-/// Flying along a track through wind.
+/// Ground speed and heading of a flight along a track through wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindTriangle {
     /// Speed over ground along the track.
@@ -58,7 +58,7 @@ fn wind_of(layer: &WindLayer) -> Wind {
     Wind { east_mps: layer.wind_east_mps, north_mps: layer.wind_north_mps, edr: layer.edr }
 }
 
-/// Interpolates between the nearest layer middles below and above; the outermost hold to the ground and to space.
+/// Interpolates between the middles of the nearest layers below and above; the outermost layers apply beyond their middles.
 fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> Wind {
     let middle_m = |layer: &WindLayer| 0.5 * (layer.altitude_m_min + layer.altitude_m_max);
     let (mut below, mut above): (Option<&WindLayer>, Option<&WindLayer>) = (None, None);
@@ -111,7 +111,7 @@ pub(crate) fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64
     (speed_mps >= GROUND_SPEED_MPS_MIN).then_some(speed_mps)
 }
 
-/// A leg cut into sub-steps.
+/// A leg divided into sub-steps.
 #[derive(Clone, Debug, PartialEq)]
 struct LegProfile {
     step_m: f64,

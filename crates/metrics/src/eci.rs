@@ -77,7 +77,7 @@ pub fn cost_integral(cost: &CostFunction, age_s: f64) -> f64 {
     }
 }
 
-/// `m (d - (1 - exp(-r d)) / r)`; for small `r d` by its series, where the difference would lose all digits.
+/// Returns `m (d - (1 - exp(-r d)) / r)`; for small `r d` by its series, because the difference would lose all digits.
 fn saturating_integral(maximum: f64, rate_per_s: f64, age_s: f64) -> f64 {
     let x = rate_per_s * age_s;
     if x.abs() > 0.02 {
@@ -133,8 +133,8 @@ pub(crate) fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterat
     })
 }
 
-/// [`interval_cost`] by quadrature, for a cost function outside the model's families. `jumps` are the known ages at which the function is
-/// not smooth.
+/// Like [`interval_cost`] by quadrature, for a cost function outside the model's families. `jumps` are the known ages at which the function
+/// is not smooth.
 ///
 /// # Errors
 /// An error message if the function is not finite or not integrable to the tolerance.

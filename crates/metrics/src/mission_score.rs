@@ -16,18 +16,18 @@ pub struct WorkedHours {
     pub wage_per_hour: f64,
 }
 
-/// `P (R C_v + M C_m)` of a flight.
+/// Returns `P (R C_v + M C_m)` of a flight, in units of target value.
 pub fn failure_cost(failure: &FailureTerm, flight_hours: f64) -> f64 {
     failure_probability(failure, flight_hours)
         * (failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost)
 }
 
-/// P over a flight, with failures at a constant rate.
+/// Returns P: the probability of a critical failure during a flight, with failures at a constant rate.
 pub fn failure_probability(failure: &FailureTerm, flight_hours: f64) -> f64 {
     -libm::expm1(-failure.probability_per_hour * flight_hours.max(0.0))
 }
 
-/// Hours that a crew works for a flight.
+/// Returns the hours that each crew member works for a flight.
 pub fn crew_hours(crew: &[CrewMember], flight_hours: f64) -> Vec<WorkedHours> {
     let worked = |member: &CrewMember| WorkedHours {
         role: member.role.clone(),
@@ -37,7 +37,7 @@ pub fn crew_hours(crew: &[CrewMember], flight_hours: f64) -> Vec<WorkedHours> {
     crew.iter().map(worked).collect()
 }
 
-/// Personnel and failure costs of a flight of `flight_s`.
+/// Returns the personnel and failure costs of a flight of `flight_s`, in units of target value.
 pub fn flight_cost(problem: &SingleVisitProblem, flight_s: f64) -> f64 {
     let hours = flight_s / 3600.0;
     let crew = crew_hours(&problem.crew, hours);

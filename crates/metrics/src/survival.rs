@@ -4,13 +4,13 @@
 //! target *survives* until its first event: between observations at `t1` and `t2` it costs the integral over `t` of `p(t) exp(-h(t))
 //! Cost(t2 - t)`, where `h(t)` is the integral of `p` from `t1` to `t`. That is never more than the result of [`eci`], and equal to it
 //! for rare events. This cost scores plans; planners and bounds add up likelihoods.
-//! Bound: O(visits + rate steps) per target, with quadrature for logistic costs and for saturating ones that hardly begin.
+//! Bound: O(visits + rate steps) per target, with quadrature for logistic costs, and for saturating costs of young ages (`BEGUN`).
 
 use crate::eci::{self, ExpectedCost, QUADRATURE_TOLERANCE, TargetCost};
 use crate::quadrature;
 use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, SurveillanceTarget, SurveillanceVisit};
 
-/// Below this share of its time constant a saturating cost is integrated by quadrature: its closed form loses digits.
+/// Up to ages of this share of its time constant, a saturating cost is integrated by quadrature: its closed form loses digits.
 const BEGUN: f64 = 0.02;
 
 /// Returns the cost of ignorance from the first event between an observation that ends at `from_s` and one that ends at `until_s`.
@@ -21,7 +21,7 @@ pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> 
     over_pieces(&target.rate, from_s, until_s, |span| weighted_integral(&target.cost, span))
 }
 
-/// [`interval_cost`] for a cost that is not of the model's families, as [`eci::interval_cost_of`].
+/// Like [`interval_cost`], for a cost that is not of the model's families, as [`eci::interval_cost_of`].
 ///
 /// # Errors
 /// An error message if the function is not finite or not integrable to the tolerance.
@@ -35,7 +35,7 @@ pub fn interval_cost_of(
     over_pieces(rate, from_s, until_s, |span| by_quadrature(cost, jumps, span))
 }
 
-/// Returns the expected cost of ignorance of flying `visits` (in order of time), of first events.
+/// Returns the expected cost of ignorance of flying `visits` (in order of time), if only the first event after an observation counts.
 ///
 /// # Errors
 /// Like [`interval_cost`].
@@ -48,7 +48,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
 }
 
-/// A period of constant likelihood. When found, its events have ages from `oldest_s` down to `oldest_s - length_s`.
+/// A period of constant likelihood. At the next observation its events have ages from `oldest_s` down to `oldest_s - length_s`.
 #[derive(Clone, Copy, Debug)]
 struct LikelihoodPeriod {
     events_per_s: f64,
@@ -56,7 +56,8 @@ struct LikelihoodPeriod {
     length_s: f64,
 }
 
-/// Returns the sum of the costs of time spans, for one event per second and a target that has survived until each span begins.
+/// Returns the sum over the periods of constant rate of `integral`, weighted by the rate and by the probability that the target survives
+/// until the period begins.
 fn over_pieces(
     rate: &EventRate,
     from_s: f64,
@@ -97,7 +98,7 @@ fn weighted_integral(cost: &CostFunction, span: LikelihoodPeriod) -> Result<f64,
     })
 }
 
-/// Returns the same by quadrature.
+/// Returns the value of [`weighted_integral`] by quadrature.
 fn by_quadrature(cost: &mut dyn FnMut(f64) -> f64, jumps: &[f64], span: LikelihoodPeriod) -> Result<f64, String> {
     let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let mut weighted = |age_s: f64| libm::exp(-events_per_s * (oldest_s - age_s)) * cost(age_s);
@@ -126,7 +127,7 @@ fn first_moment(q: f64, length_s: f64) -> f64 {
     length_s * length_s * sum
 }
 
-/// The integral of `exp(-p s) exp(-r (oldest - s))`: the part by which a saturating cost falls short of its limit.
+/// Returns the integral of `exp(-p s) exp(-r (oldest - s))`: the part by which a saturating cost falls short of its limit.
 fn not_yet(p: f64, r: f64, LikelihoodPeriod { oldest_s, length_s, .. }: LikelihoodPeriod) -> f64 {
     let q = p - r;
     if q * length_s > -1.0 {
@@ -136,7 +137,7 @@ fn not_yet(p: f64, r: f64, LikelihoodPeriod { oldest_s, length_s, .. }: Likeliho
     (libm::exp(-r * oldest_s - q * length_s) - libm::exp(-r * oldest_s)) / -q
 }
 
-/// Straight lines between points, constant before the first and after the last.
+/// Returns [`weighted_integral`] of a table: linear between points, constant before the first and after the last.
 fn of_table(points: &[(f64, f64)], span: LikelihoodPeriod) -> f64 {
     let Some(((first_s, first), (last_s, last))) = points.first().zip(points.last()) else { return 0.0 };
     let constant = |cost: f64, from_s: f64, until_s: f64| of_line((from_s, cost), (until_s, cost), span);

@@ -13,11 +13,11 @@
 
 use crate::user_cost::{self, Function, ROUNDING};
 
-/// Points of one table; planners search them at every step.
+/// Maximum number of points of one table; planners search them at every step.
 pub const POINTS_MAX: usize = 1_000;
-/// Calls of the function. A smooth function takes half as many for a relative error of 1e-5.
+/// Maximum number of calls of the function. A smooth function takes half as many for a relative error of 1e-5.
 pub const ASKED_MAX: usize = 4_000_000;
-/// Costs below this share of the oldest age's are met as closely as this share.
+/// Share of the cost at the oldest age: a smaller cost has the same absolute error as a cost of this share.
 pub const LEAST_SHARE: f64 = 1e-3;
 /// Largest distance between the two points around a jump, as a share of the oldest age: forty halvings.
 pub const JUMP_SHARE: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -50,7 +50,7 @@ pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64)
     Ok(points)
 }
 
-/// Halves the ages from 0 to the oldest until neighbours are `near` each other in cost, or as near in age as a jump's.
+/// Halves the ages from 0 to the oldest until neighbours are `near` each other in cost, or in age as near as around a jump.
 fn asked(
     function: &mut Function<'_>,
     oldest: (f64, f64),

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Share of a cost by which a function may fall before this no longer counts as rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Calls of one target's cost function in one score.
+/// Maximum number of calls of one target's cost function in one score.
 pub const CALLS_MAX: usize = 4_000_000;
 
 /// Cost of an event by its age in seconds, or an error message.
@@ -39,13 +39,13 @@ pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String
     Ok(cost)
 }
 
-/// Returns the error of a function that falls from the younger to the older of two ages with their costs.
+/// Returns the error message for a function that falls from the younger to the older of two ages, given with their costs.
 pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> String {
     format!("the cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age")
 }
 
 /// Returns the expected cost of ignorance of `visits`, in any order. Targets named in `own` have those costs instead of their families'
-/// costs, integrated by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` states whether events are added up or survived.
+/// costs, integrated by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` states whether all events or only first ones count.
 ///
 /// # Errors
 /// An error message that names the target: an unknown target, a visit without a time, or an invalid cost with its age.
@@ -78,7 +78,7 @@ pub fn expected_cost_with(
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
 }
 
-/// Returns the cost of a target with a family of the model's.
+/// Returns the cost of a target whose cost function is of the model's families.
 fn target_cost(
     target: &SurveillanceTarget,
     ends_s: Vec<f64>,
@@ -135,7 +135,7 @@ fn target_cost_of(
     }
 }
 
-/// Returns the age at which a function fell, of all evaluated ages.
+/// Returns the error message for the first fall of a function among all evaluated ages; `None` if it never falls.
 fn fall(mut asked: Vec<(f64, f64)>) -> Option<String> {
     asked.sort_by(|(one_s, _), (other_s, _)| one_s.total_cmp(other_s));
     let mut highest = (0.0, 0.0);

@@ -121,7 +121,7 @@ impl Limit {
         self.facts().3
     }
 
-    /// Returns the executive's own limit, where an agent states none: the greatest value, except for memory, of which computers differ.
+    /// Returns the executive's own limit for an agent that states none: the greatest value, except for memory, because computers differ.
     pub fn usual(self) -> u64 {
         if self == Limit::MemoryMebibytes { limits::MEMORY_MEBIBYTES_MAX } else { self.most() }
     }

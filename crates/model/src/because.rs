@@ -116,13 +116,13 @@ pub struct Share {
 pub struct CircleLink {
     /// The waiting task.
     pub task: TaskId,
-    /// For which resource.
+    /// The resource that it waits for.
     pub resource: Value,
     /// The holder: a task above the one that waits next.
     pub holder: TaskId,
 }
 
-/// Rules of conflict resolution (`pdl.md` section 9).
+/// Rules of conflict resolution (`pdl.md`, Conflicts).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ConflictRule {
     /// Lower rank among siblings.
@@ -146,7 +146,7 @@ pub enum ConflictRule {
     },
 }
 
-/// Rule that chooses among several equally specific matches.
+/// Rule that chooses among several equally specific matches, by what is true of the chosen one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EqualsRule {
     /// It is a plan made in flight, which was requested for use.
@@ -214,7 +214,7 @@ impl Because {
 }
 
 impl Evidence {
-    /// Returns the sample as text: `(roll-angle aircraft-1) = 7.2deg at 12.5s`
+    /// Returns the fact as text, for a sample `(roll-angle aircraft-1) = 7.2deg at 12.5s`.
     pub fn text(&self) -> String {
         match self {
             Evidence::Sample { variable, value, at } => format!("{variable} = {value} at {at}"),
@@ -236,7 +236,7 @@ impl Evidence {
 }
 
 impl Share {
-    /// `camera-1`, or `2 of downlink`.
+    /// Returns the share as text: `camera-1`, or `2 of downlink`.
     pub fn text(&self) -> String {
         match &self.amount {
             None => self.resource.to_string(),

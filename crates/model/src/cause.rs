@@ -1,4 +1,4 @@
-//! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test compares both.
+//! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test compares the names of the kinds.
 
 use crate::because::{CircleLink, ConflictRule, EqualsRule, Share, Strength};
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
@@ -35,7 +35,7 @@ pub enum Cause {
         /// The parent.
         parent: TaskId,
     },
-    /// This is done while the parent's plan is awaited.
+    /// The task works while its parent waits for a plan.
     Meanwhile {
         /// The parent.
         parent: TaskId,
@@ -49,7 +49,7 @@ pub enum Cause {
         /// Greatest number of probes.
         limit: Option<u64>,
     },
-    /// No more is pursued for a condition with `:probing`.
+    /// No further probe is pursued for a condition with `:probing`.
     ProbingStopped {
         /// The task that waits, or waited.
         waiting: TaskId,
@@ -141,14 +141,14 @@ pub enum Cause {
     },
     /// All steps have ended.
     StepsEnded {
-        /// The last that ended; none when there are no steps.
+        /// The task that ended last; `None` without steps.
         last: Option<TaskId>,
     },
     /// All tasks made by `forall` have ended, or the list was empty.
     ItemsEnded {
         /// Number of items.
         items: u64,
-        /// The last that ended; none when the list was empty.
+        /// The task that ended last; `None` if the list was empty.
         last: Option<TaskId>,
     },
     /// A built-in activity is complete when it begins.
@@ -276,7 +276,7 @@ pub enum Cause {
         /// `on-start`, `update`, `on-resume`, ..
         clause: Cow<'static, str>,
     },
-    /// The command was taken back at an interruption, and is sent again.
+    /// The command was withdrawn at an interruption, and is sent again.
     SentAgain,
     /// An expression could not be evaluated.
     ExpressionFailed {
@@ -293,7 +293,7 @@ pub enum Cause {
         /// Error in it.
         message: String,
     },
-    /// An answer arrived for a question that was never asked.
+    /// An answer arrived for a command, solver request or question that was never made.
     StrayAnswer {
         /// `command 7`, `solver request 2`, `question 1`.
         to: String,
@@ -326,7 +326,7 @@ pub enum Cause {
     },
     /// `(end-application)`.
     ApplicationEnded {
-        /// The task that said it.
+        /// The task that executed the form.
         by: TaskId,
     },
     /// The application ends for a reason outside of this agent.
@@ -346,10 +346,10 @@ pub enum Cause {
     },
     /// The executive contradicts itself: a bug of Apex, never of a program.
     ExecutiveFault {
-        /// Message about the event.
+        /// Description of the contradiction.
         message: String,
     },
-    /// The flight is not recorded any longer: the disk takes no more.
+    /// The flight is no longer recorded, because the record cannot be written; the flight continues.
     RecordingLost {
         /// Reason stated by the system.
         reason: String,
@@ -380,7 +380,7 @@ pub enum Cause {
         /// The task that holds it, or gets it.
         holder: TaskId,
     },
-    /// A command was sent, came further, ended or was taken back.
+    /// A command was sent, made progress, ended or was withdrawn.
     CommandMoved {
         /// The command.
         command: CommandId,

@@ -85,7 +85,7 @@ impl Cause {
             Cause::LevelChanged { .. } => "level-changed",
             Cause::ExecutiveFault { .. } => "executive-fault",
             Cause::RecordingLost { .. } => "recording-lost",
-            // The others have their names above.
+            // `kind` has the names of the other causes.
             _ => "",
         }
     }

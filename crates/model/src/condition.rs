@@ -45,7 +45,7 @@ pub enum ConditionKind {
         relation: AllenRelation,
         /// The parts.
         parts: Vec<Condition>,
-        /// Equality of end points within this.
+        /// Difference within which end points count as equal.
         tolerance: Option<Expr>,
         /// Constraints over tags.
         constraints: Vec<Expr>,
@@ -58,7 +58,7 @@ pub enum ConditionKind {
     Event {
         /// The form waited for.
         pattern: Arc<Pattern>,
-        /// Constraints on when it happened.
+        /// Constraints on the time of the event.
         timing: Arc<Timing>,
     },
     /// `?s1`, `(end ?s1)`, `(terminated ?s1)`: the task of that step has ended.
@@ -80,9 +80,9 @@ pub enum ConditionKind {
         goal: Template,
         /// Interval between probes.
         interval: Expr,
-        /// Not longer than.
+        /// Greatest duration of probing.
         time_limit: Option<Expr>,
-        /// Not more often than.
+        /// Greatest number of probes.
         count_limit: Option<Expr>,
     },
     /// `(:cyclic (ATTR OBJ) :period C ..)`.
@@ -94,7 +94,7 @@ pub enum ConditionKind {
 pub struct VariablePattern {
     /// The attribute, for example `roll-angle`.
     pub attribute: Symbol,
-    /// The object; several objects are a list pattern; none is the literal nil.
+    /// The object: a list pattern for several objects, the literal nil for none.
     pub object: Pattern,
 }
 

@@ -10,15 +10,15 @@ use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Numbers a command; from a counter of the agent.
+/// Number of a command, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CommandId(pub u64);
 
-/// Numbers a request to a solver; from a counter of the agent.
+/// Number of a request to a solver, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct SolveRequestId(pub u64);
 
-/// Numbers a question to the operator; from a counter of the agent.
+/// Number of a question to the operator, from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct QuestionId(pub u64);
 
@@ -29,7 +29,7 @@ pub enum Effect {
     Decided(Decision),
     /// Send this form to the vehicle; answered by `CommandAcknowledged`.
     Command {
-        /// For the answer.
+        /// Number of the command, which its answer repeats.
         command: CommandId,
         /// The primitive's task.
         task: TaskId,
@@ -49,9 +49,9 @@ pub enum Effect {
     Solve(SolveRequest),
     /// No task waits for this answer any longer.
     CancelSolve(SolveRequestId),
-    /// `(inform FORM)`: a message for listeners outside. The agent itself receives it as an event too.
+    /// `(inform FORM)`: a message for receivers outside of the application. The agent itself receives it as an event too.
     Inform {
-        /// Speaking task.
+        /// Sending task.
         task: TaskId,
         /// Form of the message.
         form: Value,
@@ -65,7 +65,7 @@ pub enum Effect {
     },
     /// `(ask operator ..)`; answered by `OperatorAnswered`.
     Ask {
-        /// For the answer.
+        /// Number of the question, which its answer repeats.
         question: QuestionId,
         /// Asking task.
         task: TaskId,
@@ -75,7 +75,7 @@ pub enum Effect {
         options: Vec<Value>,
         /// Instant at which the operator's time is over.
         by: Option<Time>,
-        /// Taken then; none fails the task.
+        /// Answer that is taken at that instant; `None`: the task fails.
         default: Option<Value>,
     },
     /// The application is over: by `(end-application)`, or because the root task of its only agent ended.
@@ -86,7 +86,7 @@ pub enum Effect {
     /// A message or sample for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along routers.
     /// It arrives at the same instant.
     Tell {
-        /// Speaking task.
+        /// Sending task.
         task: TaskId,
         /// Receivers in the order of their declarations, each once.
         to: Vec<Symbol>,
@@ -122,7 +122,7 @@ pub enum Effect {
 /// A request to plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveRequest {
-    /// For the answer.
+    /// Number of the request, which its answer repeats.
     pub request: SolveRequestId,
     /// The task whose goal no procedure matched.
     pub task: TaskId,
@@ -130,7 +130,7 @@ pub struct SolveRequest {
     pub goal: Value,
     /// The chosen solver's name, or `auto`.
     pub solver: Symbol,
-    /// Deliberation time; none is the runtime's default.
+    /// Deliberation time; `None` for the runtime's default.
     pub budget: Option<Duration>,
 }
 
@@ -148,9 +148,9 @@ pub struct Decision {
 /// Kind of a decision, with its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DecisionKind {
-    /// A task came into being, in state pending.
+    /// A task was created, in state pending.
     Created {
-        /// Its parent; none for the root.
+        /// Its parent; `None` for the root.
         parent: Option<TaskId>,
         /// The step's tag.
         tag: Symbol,
@@ -159,20 +159,20 @@ pub enum DecisionKind {
         /// The step.
         place: Option<Place>,
     },
-    /// A task changed state. The cause determines the row of the table that applied.
+    /// A task changed state. The cause states which rule of its life cycle applied.
     Transition {
-        /// Before.
+        /// State before the transition.
         from: TaskState,
-        /// After.
+        /// State after the transition.
         to: TaskState,
-        /// Set when `to` is terminated.
+        /// Outcome of the task; `None` unless `to` is terminated.
         outcome: Option<Outcome>,
     },
     /// A monitor's condition became true.
     Satisfied {
         /// Clause: `waitfor`, `end-when`, ..
         clause: Cow<'static, str>,
-        /// The hull of the evidence.
+        /// From the earliest to the latest instant of the evidence.
         interval: (Time, Time),
     },
     /// A variable got a value in a task's context.
@@ -207,7 +207,7 @@ pub enum DecisionKind {
         /// The plan as PDL text.
         pdl: String,
     },
-    /// An error inside an expression, a limit reached, a stray answer: named, never silent.
+    /// An error inside an expression, a reached limit, or an answer without a question.
     Trouble {
         /// Message.
         message: String,

@@ -41,7 +41,7 @@ pub enum EventKind {
     SolverReported(SolveRequestId, SolverReport),
     /// The operator answered.
     OperatorAnswered(QuestionId, Value),
-    /// The requested time has arrived.
+    /// An instant has arrived at which the executive wanted to be called.
     Woken,
     /// A message or sample from another agent of the application.
     Told(Symbol, Message),
@@ -102,11 +102,11 @@ impl fmt::Display for Message {
 pub struct StateVariable {
     /// The attribute.
     pub attribute: Symbol,
-    /// The object: usually a symbol; several objects are a list; none is nil.
+    /// The object: usually a symbol, a list for several objects, nil for none.
     pub object: Value,
 }
 
-/// Returns the measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` is, as in the original system; `None` for other
+/// Returns the measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` contains, as in the original Apex; `None` for other
 /// messages.
 pub fn measured(form: &Value) -> Option<(StateVariable, Value)> {
     let [attribute, objects @ .., relation, value] = form.as_list()? else { return None };

@@ -26,7 +26,7 @@ pub enum ExprKind {
     Variable {
         /// The name without `?`.
         name: Symbol,
-        /// Written `<?x>`: unbound is an error even where `?x` would be free.
+        /// True if written `<?x>`: an unbound variable is then an error, even where `?x` would be free.
         must_be_bound: bool,
     },
     /// A parameter or `let` variable, or a primitive's `locals` variable.
@@ -54,7 +54,7 @@ pub enum ExprKind {
     Or(Vec<Expr>),
     /// `let`, or `let*` when `sequential`.
     Let {
-        /// Later initial values see earlier variables.
+        /// True for `let*`: later initial values see earlier variables.
         sequential: bool,
         /// Variables with initial values.
         bindings: Vec<(Symbol, Expr)>,
@@ -74,7 +74,7 @@ pub enum ExprKind {
     Assign {
         /// The assigned name, without `?`.
         name: Symbol,
-        /// Written `?x`: a variable of the task, not a local.
+        /// True if written `?x`: a variable of the task, not a local.
         of_task: bool,
         /// The new value.
         value: Box<Expr>,

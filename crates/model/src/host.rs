@@ -37,7 +37,7 @@ impl std::fmt::Debug for HostFunctions {
 }
 
 impl PartialEq for HostFunctions {
-    /// Functions have no identity of their content: two lists are equal if their names are.
+    /// The contents of functions cannot be compared: two lists are equal if their names are equal.
     fn eq(&self, other: &HostFunctions) -> bool {
         self.0.keys().eq(other.0.keys())
     }

@@ -18,7 +18,7 @@ pub struct InterfaceDeclaration {
     pub options: Vec<Parameter>,
     /// True if any further arguments may follow (`&rest`, `&key`).
     pub is_open: bool,
-    /// The sender of a message from outside: `vehicle`, `mission`, `operator`, `world`; none is the program itself.
+    /// The sender of a message from outside: `vehicle`, `mission`, `operator`, `world`; `None` for the program itself.
     pub from: Option<Symbol>,
     /// Place in the source.
     pub place: Place,
@@ -36,7 +36,7 @@ pub struct Parameter {
 /// The type of an argument of a goal, message or command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ArgumentType {
-    /// Anything.
+    /// A value of any type.
     Any,
     /// A number of this dimension; spans of time are of dimension time.
     Quantity(Dimension),
@@ -44,13 +44,13 @@ pub enum ArgumentType {
     Text,
     /// A list.
     List,
-    /// The name of something in the mission.
+    /// A name of this kind.
     Named(NameKind),
     /// One of these words.
     OneOf(Vec<Symbol>),
 }
 
-/// Kinds of things that have names. A mission knows the names of each kind.
+/// Kinds of names. A mission knows the names of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum NameKind {
     /// A target, airfield or base, or a location as a list (latitude longitude altitude).
@@ -77,7 +77,7 @@ impl NameKind {
         NameKind::ALL.into_iter().find(|(_, known)| *known == word).map(|(kind, _)| kind)
     }
 
-    /// Returns its word in declarations.
+    /// Returns the word of the kind in declarations.
     pub fn word(self) -> &'static str {
         NameKind::ALL.into_iter().find(|(kind, _)| *kind == self).map_or("", |(_, word)| word)
     }

@@ -63,7 +63,7 @@ impl Library {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
     }
 
-    /// Returns the parts of a resource and their parts, in order of their names; none for most resources.
+    /// Returns the parts of a resource and their parts, in order of their names; empty for most resources.
     pub fn parts_of<'a>(&'a self, resource: &Symbol) -> Vec<&'a Symbol> {
         let mut parts: BTreeSet<&Symbol> = BTreeSet::new();
         let mut open = vec![resource.clone()];
@@ -97,7 +97,7 @@ pub struct Function {
     pub parameters: Parameters,
     /// The body.
     pub body: Vec<Expr>,
-    /// Calls nothing that publishes, prints, assigns task variables or commands.
+    /// True if it calls nothing that publishes, prints, assigns task variables or sends commands.
     pub pure: bool,
     /// Place in the source.
     pub place: Place,
@@ -111,7 +111,7 @@ pub struct HostDeclaration {
     pub parameters: Vec<Symbol>,
     /// True if the function is pure; only pure functions may occur in conditions.
     pub pure: bool,
-    /// Calling it sends `(NAME argument..)` to the vehicle as a command instead of computing a value.
+    /// True if a call sends `(NAME argument..)` to the vehicle as a command instead of computing a value.
     pub command: bool,
     /// Place in the source.
     pub place: Place,
@@ -126,7 +126,7 @@ pub struct StateVariableDeclaration {
     pub dimension: Dimension,
     /// `real`, `integer`, `symbol`, `string`, `location`, `boolean`; `None` for any type.
     pub value_type: Option<Symbol>,
-    /// `:lateness D`: how late a sample may come and still be inserted in order.
+    /// `:lateness D`: greatest delay of a sample that is still inserted in order.
     pub lateness: Option<Value>,
     /// `:rate R`: samples per second to expect, for memory estimates.
     pub rate_per_s: Option<f64>,
@@ -139,7 +139,7 @@ pub struct StateVariableDeclaration {
 pub struct ResourceDeclaration {
     /// Exclusive, shared or consumed.
     pub kind: ResourceKind,
-    /// The resource of which it is a part: a task that takes that resource takes this one, too.
+    /// The resource of which this one is a part: a task that takes that resource takes this one, too.
     #[serde(default)]
     pub part_of: Option<Symbol>,
     /// Place in the source.
@@ -159,7 +159,7 @@ pub enum ResourceKind {
     Renewable(Value),
 }
 
-/// Attribute of the state variable that holds how much there is of a renewable resource, `(resource-level fuel)`.
+/// Attribute of the state variable that holds the remaining amount of a renewable resource, `(resource-level fuel)`.
 pub const RESOURCE_LEVEL: &str = "resource-level";
 
 /// `(solver NAME (index PATTERN) ..)`: a planner's invocation pattern.
@@ -182,13 +182,13 @@ pub struct SolverDeclaration {
 pub struct AgentDeclaration {
     /// The agent's name.
     pub name: Symbol,
-    /// The goal of its root task; none is `(do-domain)`.
+    /// The goal of its root task: `(do-domain)` if the declaration states none.
     pub initial_task: Value,
     /// Bundles that the agent uses; empty means all.
     pub bundles: Vec<Symbol>,
     /// Routers on which it publishes or to which it subscribes, in written order.
     pub routers: Vec<RouterUse>,
-    /// Its workload, 1 to 9: the more, the more counts importance against urgency.
+    /// Its workload, 1 to 9: the greater, the more importance counts in comparison with urgency.
     pub workload: f64,
     /// Its limits, if it lowers any.
     #[serde(default)]
@@ -238,7 +238,7 @@ impl RouterUse {
     }
 }
 
-/// Messages and samples that pass.
+/// Messages and samples that a router carries, or that an agent publishes or receives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Topics {
     /// Everything.

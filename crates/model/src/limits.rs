@@ -65,7 +65,7 @@ pub const WINDOW_FORESIGHT_MAX: usize = 4;
 pub const PRIORITY_SEARCH_MAX: u32 = 2_000;
 /// Milliseconds after which two priorities are compared again if their crossing cannot be computed.
 pub const PRIORITY_LOOK_AGAIN_MS: i64 = 250;
-/// Milliseconds between updates of a primitive whose `update` states no interval: the speed of a pilot's hand.
+/// Milliseconds between updates of a primitive whose `update` states no interval: as fast as a pilot corrects the controls.
 pub const UPDATE_INTERVAL_DEFAULT_MS: i64 = 100;
 /// Remembered spacings of samples of a variable, each shorter than the preceding one, with which a monitoring session finds the largest
 /// gap of a result; samples at a steady rate need a few.

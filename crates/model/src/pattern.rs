@@ -14,7 +14,7 @@ pub enum Pattern {
     Variable(Symbol),
     /// `<?x>`: must be bound already.
     BoundVariable(Symbol),
-    /// `?`: matches anything once.
+    /// `?`: matches any one value.
     Anonymous,
     /// `+name+` or an unquoted `,EXPR`: matches the expression's value.
     Computed(Expr),

@@ -28,7 +28,7 @@ impl fmt::Display for ProbingEnd {
     }
 }
 
-/// `probe 2 of at most 3`, `probe 2`.
+/// Returns the number of a probe as text: `probe 2 of at most 3`, `probe 2`.
 pub fn ordinal(number: u64, limit: Option<u64>) -> String {
     match limit {
         Some(limit) => format!("probe {number} of at most {limit}"),

@@ -25,12 +25,9 @@ use serde::{Deserialize, Serialize};
 
 /// A planning problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there are a handful of problems; a box would burden everyone who matches"
-)]
+#[expect(clippy::large_enum_variant, reason = "few problems exist at a time; a box would complicate every match")]
 pub enum Problem {
-    /// Watch targets again and again; minimise the expected cost of ignorance.
+    /// Observe targets repeatedly; minimise the expected cost of ignorance.
     Surveillance(SurveillanceProblem),
     /// Visit a subset of targets once each; maximise the mission score.
     SingleVisit(SingleVisitProblem),

@@ -19,7 +19,7 @@ pub enum ProcedureKind {
     Sequential,
     /// All at once, conflicts resolved by rank 1..n in written order.
     Ranked,
-    /// In written order where resources conflict (the manual's soft-seq).
+    /// In written order where resources conflict (`soft-seq` of the original Apex).
     SoftSequential,
 }
 
@@ -69,11 +69,11 @@ pub struct ResourceNeed {
 pub struct LogPolicy {
     /// The state variable, `(ATTR OBJ)`, or messages by their first word, `(:events HEAD)`.
     pub subject: Template,
-    /// Not more often than this.
+    /// Least time between two kept samples or messages.
     pub frequency_limit: Option<Duration>,
-    /// Not longer than this.
+    /// Greatest age of kept samples or messages, in comparison with the newest one.
     pub time_limit: Option<Duration>,
-    /// Not more samples or messages than this.
+    /// Maximum number of kept samples or messages.
     pub count_limit: Option<u64>,
 }
 
@@ -90,17 +90,17 @@ pub struct Transitions {
     pub suspend_when: Option<Box<Condition>>,
     /// The `until` of `suspend-when`.
     pub suspend_until: Option<Box<Condition>>,
-    /// + `skip-when`, of steps only: the task is not begun.
+    /// `skip-when`, of steps only: the task is not begun.
     pub skip_when: Option<Box<Condition>>,
-    /// + `exit-when`: the task ends without success or failure.
+    /// `exit-when`: the task ends without success or failure.
     pub exit_when: Option<Box<Condition>>,
-    /// + `precondition`: must hold as the task begins; judged at instants, not watched.
+    /// `precondition`: must hold as the task begins; judged at instants, not watched.
     pub precondition: Option<Box<Condition>>,
-    /// + `invariant`: must hold while the task is ongoing; judged at instants, not watched.
+    /// `invariant`: must hold while the task is ongoing; judged at instants, not watched.
     pub invariant: Option<Box<Condition>>,
 }
 
-/// Forms run at moments of a task's life, in order.
+/// Forms evaluated at moments of a task's life, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hooks {
     /// `on-start`, and a primitive's `on-enablement`.
@@ -138,13 +138,13 @@ pub struct Step {
     pub repeating: Option<Box<Repetition>>,
     /// `responding`.
     pub responding: Option<Box<Repetition>>,
-    /// + Resources of the step itself.
+    /// Resources that the step itself needs.
     pub profile: Vec<ResourceNeed>,
     /// Transition clauses at step level.
     pub transitions: Transitions,
     /// Hooks at step level.
     pub hooks: Hooks,
-    /// + Goal to pursue if the step fails.
+    /// Goal to pursue if the step fails.
     pub on_failure: Option<Box<Activity>>,
     /// Place in the source.
     pub place: Place,
@@ -185,7 +185,7 @@ pub enum Activity {
         task: Option<Box<Expr>>,
         /// The outcome; `None` is success.
         outcome: Option<Box<Expr>>,
-        /// The value handed to the parent.
+        /// The value passed to the parent.
         value: Option<Box<Expr>>,
     },
     /// Another built-in activity; its arguments are expressions.
@@ -217,7 +217,7 @@ pub enum BuiltInActivity {
     EndApplication,
     /// `(ask operator ..)`: its arguments are question, options, by (nil if absent), and the default if there is one.
     AskOperator,
-    /// + `(plan GOAL ..)`: arguments are goal, with, budget (nil where absent).
+    /// `(plan GOAL ..)`: arguments are goal, solver and budget (nil if absent).
     Plan,
 }
 
@@ -258,9 +258,9 @@ pub enum PriorityClause {
 /// Options of `repeating` and `responding`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Repetition {
-    /// Only while this is true.
+    /// The step repeats only while this is true.
     pub while_true: Option<Expr>,
-    /// Only until this is true.
+    /// The step repeats only until this is true.
     pub until: Option<Expr>,
     /// `:enabled`: the new instance starts enabled, when the expression (default true) holds.
     pub enabled: Option<Expr>,
@@ -283,13 +283,13 @@ pub struct Primitive {
     pub profile: Vec<ResourceNeed>,
     /// Variables of the primitive with initial values, in order.
     pub locals: Vec<(Symbol, Expr)>,
-    /// Duration.
+    /// Duration of its task.
     pub duration: Option<Expr>,
-    /// Forms run every interval while ongoing; no interval is the agent's default.
+    /// Interval and forms that are evaluated at each interval while the task is ongoing; `None` for the agent's default interval.
     pub update: Option<(Option<Expr>, Vec<Expr>)>,
     /// `on-start`/`on-enablement`, `on-end`, `on-suspend`, `on-resume`.
     pub hooks: Hooks,
-    /// Forms run at completion, not at other ends.
+    /// Forms evaluated at completion, not at other ends.
     pub on_completion: Vec<Expr>,
     /// The value of its task.
     pub returns: Option<Expr>,

@@ -1,4 +1,4 @@
-//! Quantities: a number with its dimension (`pdl.md`, Text, + quantities).
+//! Quantities: a number with its dimension (`pdl.md`, Text).
 //!
 //! Stored in SI; the unit that the author wrote is kept for printing only. Pure time is [`crate::time::Duration`] and a dimensionless
 //! number is a plain real: neither is ever a `Quantity`.
@@ -210,7 +210,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// `number` of `unit`.
+    /// Returns the quantity of `number` times `unit`.
     pub fn of(number: f64, unit: &'static Unit) -> Quantity {
         let index = UNITS.iter().position(|each| std::ptr::eq(each, unit));
         Quantity {
@@ -231,7 +231,7 @@ impl Quantity {
         self.si / unit.factor
     }
 
-    /// Returns the unit this prints in.
+    /// Returns the unit in which the quantity is printed; `None` for SI base units.
     pub fn unit(&self) -> Option<&'static Unit> {
         self.unit.and_then(|index| UNITS.get(usize::from(index)))
     }

@@ -14,7 +14,7 @@ pub struct Symbol(Arc<SymbolText>);
 struct SymbolText {
     folded: Box<str>,
     printed: Option<Box<str>>,
-    /// Of the folded text: two symbols with different numbers differ.
+    /// Hash of the folded text: symbols with different hashes differ.
     hash: u64,
     /// The first eight bytes of the folded text as one number, which orders most symbols without their texts.
     prefix: u64,

@@ -4,7 +4,7 @@ use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Numbers a task; from a counter of the agent, never reused.
+/// Number of a task, from a counter of the agent, never reused.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct TaskId(pub u64);
 

@@ -14,7 +14,7 @@ pub const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Duration(pub i64);
 
-/// An instant of mission time: nanoseconds since the mission began. All of the executive's times are these.
+/// An instant of mission time: nanoseconds since the mission began. The executive uses no other times.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Time(pub i64);
 
@@ -125,7 +125,7 @@ impl fmt::Display for Duration {
 }
 
 impl fmt::Display for Time {
-    /// Returns mission elapsed time for operators: `12.5s`, `1:03:04.500`.
+    /// Writes mission elapsed time for operators: `12.5s`, `1:03:04.5`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Time::BEGINNING => return f.write_str("the beginning of time"),

@@ -51,7 +51,7 @@ impl Value {
         }
     }
 
-    /// `nil`: the empty list, false.
+    /// Returns `nil`: the empty list, false.
     pub fn nil() -> Value {
         // The empty list is shared: no space is taken.
         Value::List(Arc::default())
@@ -77,7 +77,7 @@ impl Value {
         Value::List(items.iter_mut().map(|item| std::mem::replace(item, Value::Integer(0))).collect())
     }
 
-    /// `t` or `nil`.
+    /// Returns `t` or `nil`.
     pub fn truth(truth: bool) -> Value {
         if truth { Value::symbol("t") } else { Value::nil() }
     }
@@ -243,7 +243,8 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions.
+    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions. Quantities are rounded to
+    /// twelve digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),

@@ -34,17 +34,17 @@ impl Vector {
         }
     }
 
-    /// Returns length.
+    /// Returns the length.
     pub fn length(self) -> f64 {
         libm::sqrt(self.dot(self))
     }
 
-    /// `self + scale * other`.
+    /// Returns `self + scale * other`.
     pub fn plus(self, scale: f64, other: Vector) -> Vector {
         Vector { x: self.x + scale * other.x, y: self.y + scale * other.y, z: self.z + scale * other.z }
     }
 
-    /// Returns the angle between two vectors in radians, exact for small and for large angles; 0 if one has no length.
+    /// Returns the angle between two vectors in radians, exact for small and for large angles; 0 if a vector has no length.
     pub fn angle_rad(self, other: Vector) -> f64 {
         libm::atan2(self.cross(other).length(), self.dot(other))
     }
@@ -95,13 +95,13 @@ impl Attitude {
 }
 
 impl Rotation {
-    /// `vector` of body axes in north-east-down axes.
+    /// Converts `vector` from body axes to north-east-down axes.
     pub fn to_ground(&self, vector: Vector) -> Vector {
         let [north, east, down] = self.rows;
         Vector::new(north.dot(vector), east.dot(vector), down.dot(vector))
     }
 
-    /// `vector` of north-east-down axes in body axes.
+    /// Converts `vector` from north-east-down axes to body axes.
     pub fn to_body(&self, vector: Vector) -> Vector {
         let [north, east, down] = self.rows;
         let sum = |a: f64, b: f64, c: f64| a * vector.x + b * vector.y + c * vector.z;

@@ -1,8 +1,8 @@
 //! Clarity s: the part of a look that motion, turbulence, cloud and glint leave usable.
 //!
-//! For each line `q = roll x rates x line gaps x cloud x glint x ready`, each 0..1. As flown the weights come from recorded attitude; as
-//! predicted, the share of valid lines comes from the turbulence: `sigma_phi = K EDR`. Turbulence acts only through the attitude, so that
-//! it is not counted twice.
+//! For each line or picture `q = roll x rates x line gaps x smear x exposed x ready x attitude known x cloud x glint`, each 0..1. As flown
+//! the weights come from recorded attitude; as predicted, the share of valid lines comes from the turbulence: `sigma_phi = K EDR`.
+//! Turbulence acts only through the attitude, so that it is not counted twice.
 //!
 //! Sources: MIL-F-8785C, roll gust spectrum of the Dryden model; S. Rice, "Mathematical analysis of random noise" (1945),
 //! rate of level crossings.
@@ -56,7 +56,7 @@ pub fn roll_deg_per_edr(
     libm::sqrt(gusts * PI / (4.0 * damping_ratio * cubed)) / roll_damping_s / RAD_PER_DEG
 }
 
-/// EDR of turbulence with a standard deviation of vertical gusts and a length scale (von Karman): `0.894 sigma L^(-1/3)`.
+/// Returns the EDR of turbulence with a standard deviation of vertical gusts and a length scale (von Karman): `0.894 sigma L^(-1/3)`.
 pub fn edr_of_gusts(sigma_mps: f64, scale_m: f64) -> f64 {
     0.894 * sigma_mps / libm::cbrt(scale_m)
 }
@@ -75,7 +75,7 @@ fn expected_ramp(sigma: f64, full: f64, zero: f64) -> f64 {
     (libm::erf(a) + fall / (zero - full)).clamp(0.0, 1.0)
 }
 
-/// Returns s_t: the mean weight of a line at a standard deviation of the roll angle; without a ramp the share of time within the limit.
+/// Returns the mean weight of a line at a standard deviation of the roll angle; without a ramp, the share of time within the limit.
 pub fn share_within(roll_sigma_deg: f64, limits: &RollLimits) -> f64 {
     expected_ramp(roll_sigma_deg, limits.valid_deg, limits.zero_deg.unwrap_or(limits.valid_deg))
 }
@@ -92,11 +92,11 @@ pub struct Excursions {
     pub share: f64,
     /// Excursions per second.
     pub rate_hz: f64,
-    /// Mean duration of an event; 0 if there are none.
+    /// Mean duration of an excursion; 0 if there are none.
     pub mean_s: f64,
 }
 
-/// Excursions of a normal roll angle beyond `limit_deg`, from the standard deviations of angle and rate (Rice's formula).
+/// Returns the excursions of a normal roll angle beyond `limit_deg`, from the standard deviations of angle and rate (Rice's formula).
 pub fn excursions(roll_sigma_deg: f64, roll_rate_sigma_deg_s: f64, limit_deg: f64) -> Excursions {
     let share = 1.0 - expected_ramp(roll_sigma_deg, limit_deg, limit_deg);
     if roll_sigma_deg.is_nan() || roll_sigma_deg <= 0.0 {
@@ -148,7 +148,7 @@ pub fn clear_probability(clear_share: f64, tangent_look_angle: f64) -> f64 {
     }
 }
 
-/// Weight of properties that older records do not contain.
+/// Returns the weight of a property that older records do not contain.
 fn fully() -> f64 {
     1.0
 }
@@ -189,7 +189,7 @@ impl ClarityWeights {
         clear_share: 1.0,
     };
 
-    /// Returns the product of the weights that are not chances: rates, gaps, smear, exposure, readiness and knowledge of the attitude.
+    /// Returns the product of the weights that are never probabilities: rates, gaps, smear, exposure, readiness, known attitude.
     pub fn steady(&self) -> f64 {
         self.rates * self.line_gaps * self.smear * self.exposed * self.ready * self.attitude_known
     }

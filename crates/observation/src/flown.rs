@@ -29,10 +29,10 @@ pub const PASS_GAP_S: f64 = 60.0;
 const ROLL_STEP_DEG: f64 = 0.5;
 /// Time between interpolated samples.
 const INTERPOLATION_S: f64 = 0.2;
-/// Interpolated pieces between two samples.
+/// Maximum number of interpolated pieces between two samples.
 const PIECES_MAX: f64 = 20.0;
 
-/// Settings of an accumulation.
+/// Settings of a [`FlownObservation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlownSettings {
     /// Start of the mission, seconds of Unix time.
@@ -43,7 +43,7 @@ pub struct FlownSettings {
     pub sample_gap_s_max: f64,
 }
 
-/// A flight that cannot be accumulated.
+/// Error in the targets of a flight, whose observations then cannot be accumulated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObservationError {
     /// A target's area is not usable.
@@ -151,7 +151,7 @@ struct TargetObservations {
     reach_m: f64,
 }
 
-/// The accumulation of a flight.
+/// The observations of a flight, accumulated from its samples.
 #[derive(Clone, Debug)]
 pub struct FlownObservation {
     settings: FlownSettings,
@@ -199,7 +199,7 @@ impl FlownObservation {
         Ok(FlownObservation { settings, watched, sensor: SensorState::Off, last: None, products: Vec::new() })
     }
 
-    /// The sensor changes at the instant of the last sample: the strip up to there is complete.
+    /// Changes the state of the sensor at the instant of the last sample: the strip that ends there is complete.
     pub fn sensor(&mut self, state: SensorState) {
         if self.sensor != state {
             self.sensor = state;
@@ -210,7 +210,7 @@ impl FlownObservation {
         }
     }
 
-    /// The vehicle's state at the next instant. With a scanner on, the ground since the sample before is seen.
+    /// Adds the vehicle's state at the next instant. With a scanner on, the ground since the preceding sample is seen.
     pub fn sample(&mut self, sample: FlightSample, ground: &dyn Ground) {
         let SensorState::Scanning(setting) = &self.sensor else {
             self.last = None;
@@ -245,12 +245,12 @@ impl FlownObservation {
         }
     }
 
-    /// The image of a line or picture is received on the ground.
+    /// Adds the image of a line or picture that was received on the ground.
     pub fn product(&mut self, product: Product) {
         self.products.push(product);
     }
 
-    /// Images received so far.
+    /// Returns the images received so far.
     pub fn products(&self) -> &[Product] {
         &self.products
     }
@@ -295,7 +295,7 @@ impl FlownObservation {
 }
 
 impl TargetObservations {
-    /// Returns true if ground within `swath_m` of a position may belong to the target. Degrees first: most targets are far.
+    /// Returns true if ground within `swath_m` of a position may belong to the target. Compares degrees, because most targets are far.
     fn is_near(&self, position: Position, swath_m: f64) -> bool {
         let centre = self.grid.plane().centre();
         let reach_m = self.reach_m + swath_m + 1_000.0;
@@ -388,7 +388,7 @@ impl TargetObservations {
         sample.clear_share.unwrap_or(1.0).clamp(0.0, 1.0)
     }
 
-    /// Returns the azimuth and zenith angle of the sun, where glint counts.
+    /// Returns the azimuth and zenith angle of the sun in degrees; `None` for a target without water, where glint does not count.
     fn sun(&self, unix_s: f64) -> Option<(f64, f64)> {
         self.target.is_water.then(|| {
             let sun = solar_position(self.grid.plane().centre(), unix_s);

@@ -9,7 +9,7 @@ use apex_geo::geodesy::{Position, RAD_PER_DEG};
 
 /// Greatest angle off the vertical of a line of sight that counts.
 pub const OFF_NADIR_DEG_MAX: f64 = 75.0;
-/// Steps of one ray: 30 m cells over 150 km.
+/// Maximum number of steps of one ray: 30 m cells over 150 km.
 pub const MARCH_STEPS_MAX: usize = 5_000;
 /// Corners of the circle to which footprints near the horizon are cut.
 const LIMIT_CORNERS: usize = 64;

@@ -6,8 +6,9 @@ use crate::target::{ObservedTarget, TargetArea, WantedLook};
 use apex_geo::geodesy::Position;
 use apex_geo::plane::{Plane, Point, inside};
 
-/// Returns the target `name`, of which the ground of `area` outside of the outline `before` is wanted, with its grid. Its looks are those of
-/// `target` with `share` of their values, and none of them must not be missed. `None` if that ground cannot be divided into cells.
+/// Returns the target `name`, of which the ground of `area` outside of the outline `before` is wanted, with its grid. Its looks are those
+/// of `target` with `share` of their values and without a cost of missing them. `None` if that ground cannot be divided into cells, or
+/// if it is empty.
 pub fn grown(
     target: &ObservedTarget,
     name: &str,

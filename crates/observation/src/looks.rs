@@ -2,7 +2,7 @@
 //!
 //! Only measured properties are kept: geometry, time and weights of clarity. The value of a look for a wanted look is computed later
 //! (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, plus one for each look of the same
-//! pass that is better in one respect and worse in another.
+//! pass that is better in one respect and worse in another than the cell's last look.
 
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
@@ -69,7 +69,7 @@ impl TargetPass {
     }
 }
 
-/// A polygon of ground that is seen at once, with the vehicle's place.
+/// A polygon of ground that is seen in one strip or picture, with the vehicle's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenGround<'a> {
     /// Corners on the plane of the target.
@@ -89,7 +89,7 @@ pub struct SeenGround<'a> {
 }
 
 impl SeenGround<'_> {
-    /// Returns the position of a point between beginning and end of the look, 0..1.
+    /// Returns a function from a point to the share of the look, 0..1, that has passed when the point is seen.
     fn fraction(&self) -> impl Fn(Point) -> f64 {
         let (start, along, scale) = match self.first_line {
             None => (Point::default(), Point::default(), 0.0),
@@ -131,12 +131,12 @@ impl TargetLooks {
         self.last = Vec::new();
     }
 
-    /// Number of looks that cells have received until now. Bound: O(passes).
+    /// Returns the number of looks that cells have received until now. Bound: O(passes).
     pub fn count(&self) -> usize {
         self.passes.iter().map(|pass| pass.looks.len()).sum()
     }
 
-    /// True if a pass is being recorded.
+    /// Returns true if a pass is being recorded.
     pub fn is_recording(&self) -> bool {
         !self.last.is_empty()
     }
@@ -188,7 +188,7 @@ impl TargetLooks {
         is_seen
     }
 
-    /// Returns true if the looks belong to a grid with as many cells, or there are none.
+    /// Returns true if the looks belong to a grid with as many cells as `grid`, or if there are no looks.
     pub fn fits(&self, grid: &TargetGrid) -> bool {
         self.cells == 0 || self.cells == grid.len()
     }
@@ -220,12 +220,12 @@ impl TargetLooks {
         TargetLooks { passes, remarks: self.remarks.clone(), cells: to.len(), last: Vec::new() }
     }
 
-    /// Returns the first instant at which a wanted cell was seen clearly: a valid look.
+    /// Returns the first instant of a look with a clarity above 0 (a valid look); `None` without such a look.
     pub fn first_valid_s(&self) -> Option<f64> {
         self.valid().map(|(_, time_s)| time_s).reduce(f64::min)
     }
 
-    /// Looks that were seen clearly, with their instants.
+    /// Returns the looks with a clarity above 0, with their instants in seconds.
     pub(crate) fn valid(&self) -> impl Iterator<Item = (&CellLook, f64)> {
         self.passes.iter().flat_map(|pass| {
             pass.looks.iter().filter_map(|look| {
@@ -238,8 +238,8 @@ impl TargetLooks {
     }
 }
 
-/// Adds a look of the pass, unless another look of the same cell is at least as good in every respect; removes an earlier one if the new
-/// look is at least as good.
+/// Adds a look of the pass, unless the last look of the same cell is at least as good in every respect; replaces that look if the new
+/// one is at least as good.
 fn keep(strips: &[StripFacts], facts: StripFacts, looks: &mut Vec<CellLook>, last: &mut [u32], look: CellLook) {
     let Some(latest) = last.get_mut(look.cell as usize) else { return };
     let Some(earlier) = looks.get_mut(*latest as usize) else {

@@ -51,7 +51,7 @@ pub struct PlannedPicture {
 }
 
 impl PictureView {
-    /// Corners of the footprint on the ground as north and east offsets; empty above the horizon.
+    /// Returns the positions of the footprint's corners on the ground; empty if the camera looks above the horizon.
     fn footprint(&self, ground: &dyn Ground, fallback_m: f64) -> impl Iterator<Item = Position> {
         let sight = sight_of(&self.attitude, self.angles, self.is_stabilised);
         let (wide_rad, high_rad) = (self.wide_deg * RAD_PER_DEG, self.high_deg * RAD_PER_DEG);

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 
 /// Length of a piece of a planned line: within it weather changes little and the geodesic is practically straight.
 pub const PIECE_M: f64 = 4_000.0;
-/// Pieces of one line.
+/// Maximum number of pieces of one line.
 pub const PIECES_MAX: usize = 500;
 
 /// A straight line that is planned to be flown level with the sensor on.
@@ -27,7 +27,7 @@ pub const PIECES_MAX: usize = 500;
 pub struct PlannedLine {
     /// Point at which the sensor is switched on.
     pub from: Position,
-    /// Point at which the scanner is switched off.
+    /// Point at which the sensor is switched off.
     pub to: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,
@@ -39,7 +39,7 @@ pub struct PlannedLine {
     pub crab_deg: f64,
     /// Pitch angle of the level flight: a scanner that is fixed to the body looks ahead by it.
     pub pitch_deg: f64,
-    /// Instant at which the image of the line is on the ground; none if that is not planned.
+    /// Instant at which the image of the line is on the ground; `None` if that is not planned.
     pub on_ground_s: Option<f64>,
 }
 

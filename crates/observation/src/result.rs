@@ -93,7 +93,7 @@ impl LossCause {
         LossCause::Interval,
     ];
 
-    /// Words for a report.
+    /// Returns the cause as text for a report.
     pub fn words(self) -> &'static str {
         match self {
             LossCause::NotSeen => "not seen",
@@ -157,7 +157,7 @@ pub struct SeenFigures {
     pub first_s: Option<f64>,
     /// Last instant of a look that counts.
     pub last_s: Option<f64>,
-    /// First instant of a look that has a value before timing (a valid look).
+    /// First instant of a look that counts with a clarity above 0 (a valid look).
     pub first_valid_s: Option<f64>,
     /// Mean pixel size in the worst direction of the looks that count.
     pub pixel_m_mean: Option<f64>,
@@ -200,7 +200,7 @@ pub struct TargetResult {
 }
 
 impl TargetResult {
-    /// Returns points of all looks.
+    /// Returns the points of all looks.
     pub fn points(&self) -> f64 {
         self.looks.iter().map(|look| look.points).sum()
     }

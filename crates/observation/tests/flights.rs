@@ -271,7 +271,7 @@ fn what_is_predicted_is_flown_in_still_air() {
     }
 }
 
-/// A seeded generator, so that every run flies the same air.
+/// A seeded generator, so that every run has the same turbulence.
 struct Generator(ChaCha8Rng);
 
 impl Generator {

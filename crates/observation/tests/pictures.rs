@@ -1,5 +1,5 @@
 //! Pictures against a naive second witness, which casts a ray to the centre of every cell and tests whether it is inside the field of
-//! view, without polygons, clipping or rasters; and against the footprints of observation.md.
+//! view, without polygons, clipping or rasters; and against the footprints of `docs/reference/observation.md`.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "the witness has its own arithmetic")]
@@ -22,7 +22,7 @@ use support::*;
 
 type Axes = [[f64; 3]; 3];
 
-/// Rotation by `degrees` about axis 0 (x), 1 (y) or 2 (z), as in textbooks.
+/// Returns the rotation matrix by `degrees` about axis 0 (x), 1 (y) or 2 (z).
 fn turn(axis: usize, degrees: f64) -> Axes {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     match axis {
@@ -36,8 +36,8 @@ fn times(a: Axes, b: Axes) -> Axes {
     std::array::from_fn(|row| std::array::from_fn(|column| (0..3).map(|k| a[row][k] * b[k][column]).sum()))
 }
 
-/// Returns the offset of a ground point from the centre of the picture: at most 1 on both axes is inside. `None` behind the camera or
-/// if the view is too flat.
+/// Returns the larger of a ground point's two offsets from the centre of the picture, in half fields of view: up to 1 is inside. `None`
+/// behind the camera or if the view is too flat.
 fn inside(view: &PictureView, north_m: f64, east_m: f64) -> Option<f64> {
     let Attitude { heading_deg, pitch_deg, roll_deg } = view.attitude;
     let body = match view.is_stabilised {
@@ -56,7 +56,7 @@ fn inside(view: &PictureView, north_m: f64, east_m: f64) -> Option<f64> {
     })
 }
 
-/// A sequence of numbers without pattern, equal on every machine.
+/// A seeded generator, so that every run has the same pictures.
 struct Numbers(ChaCha8Rng);
 
 impl Numbers {

@@ -14,7 +14,7 @@ const WAIT_S: f64 = 1e-6;
 /// reports the work, and whether a greater budget would prove more.
 ///
 /// # Errors
-/// A bound contradicts the plan, which then states none.
+/// [`Contradiction`] if a bound contradicts the plan, which then states no bound.
 pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) -> Result<(), Contradiction> {
     if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
         single_visit::prove(problem, plan, meter);

@@ -13,7 +13,7 @@ fn solved(problem: &Problem, units: u64, seed: u64) -> SingleVisitPlan {
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
     let plan = SingleVisit.solve(problem, &mut environment).expect("a plan");
     assert_eq!(apex_planning::checker::violations(problem, &plan), Vec::<String>::new());
-    let Plan::SingleVisit(plan) = plan else { panic!("of another kind") };
+    let Plan::SingleVisit(plan) = plan else { panic!("the plan is of another kind") };
     plan
 }
 

@@ -39,7 +39,7 @@ fn forty_targets_with_wide_windows_are_proven() {
     }
 }
 
-/// A tour of many places, and the most value in too little time: a plan of more work is never worse, for any two budgets.
+/// A tour through many places, and a flight too short for all targets: a plan of more work is never worse, for any two budgets.
 #[test]
 fn more_work_never_gives_a_worse_plan() {
     let problems =
@@ -65,6 +65,6 @@ fn solved(problem: &Problem, units: u64, seed: u64) -> (SingleVisitPlan, u64) {
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
     let plan = SingleVisit.solve(problem, &mut environment).expect("a plan");
     assert_eq!(apex_planning::checker::violations(problem, &plan), Vec::<String>::new());
-    let Plan::SingleVisit(plan) = plan else { panic!("of another kind") };
+    let Plan::SingleVisit(plan) = plan else { panic!("the plan is of another kind") };
     (plan, budget.used())
 }

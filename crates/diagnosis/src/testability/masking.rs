@@ -4,7 +4,7 @@ use crate::bits::Bits;
 use crate::limits::MASKS_MAX;
 use std::collections::BTreeMap;
 
-/// Two failures that together fail exactly the tests of a third one.
+/// Two failures that together make exactly the tests fail that a third failure makes fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mask {
     /// The two failure modes.
@@ -13,7 +13,8 @@ pub struct Mask {
     pub looks_like: usize,
 }
 
-/// Pairs of detected failure modes where the first fails every test that the second fails. Two equal modes give one pair, in order.
+/// Returns the pairs of detected failure modes of which the first makes every test fail that the second makes fail. Two equal modes give
+/// one pair, in order.
 pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
     let row = |mode: &usize| rows.get(*mode);
     let mut pairs = Vec::new();
@@ -31,7 +32,8 @@ pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Pairs where neither mode hides the other and the two together look like a third mode: the first such pairs, and the number of all.
+/// Returns the pairs in which neither mode hides the other and the two together look like a third mode: the first such pairs, and the
+/// number of all.
 pub(super) fn masks(rows: &[Bits], detected: &[usize]) -> (Vec<Mask>, usize) {
     let mut by_row: BTreeMap<&Bits, Vec<usize>> = BTreeMap::new();
     for mode in detected {

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// Candidates are printed until they hold this share of the prior odds.
 const SHARE_PRINTED: f64 = 0.99;
-/// Candidates that are printed at most.
+/// Maximum number of candidates that are printed.
 const PRINTED_MAX: usize = 10;
 
 impl Diagnoser {

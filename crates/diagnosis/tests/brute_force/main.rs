@@ -1,7 +1,7 @@
 //! An independent check: small random models, diagnosed by trying all fault sets. It reads the model's JSON separately, follows the needs
 //! of each test for each fault set, and shares no code with the crate.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test that cannot continue fails")]
 
 mod witness;
 

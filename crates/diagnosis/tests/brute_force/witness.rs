@@ -161,7 +161,7 @@ impl Witness {
         })
     }
 
-    /// Faults without the intermittent ones, which may have been absent when a test passed.
+    /// Returns the faults without the intermittent ones, which may have been absent when a test passed.
     fn lasting(&self, present: Faults) -> Faults {
         let comes_and_goes = self.modes.iter().enumerate().filter(|(_, mode)| mode.is_intermittent);
         comes_and_goes.fold(present, |present, (index, _)| present & !(1 << index))
@@ -175,14 +175,14 @@ impl Witness {
         })
     }
 
-    /// Minimal sets among all fault sets that explain the outcomes.
+    /// Returns the minimal sets among all fault sets that explain the outcomes.
     pub(crate) fn candidates(&self, said: &[Said]) -> BTreeSet<Faults> {
         let all: Vec<Faults> = (0..1 << self.modes.len()).filter(|present| self.explains(*present, said)).collect();
         let is_minimal = |set: &Faults| !all.iter().any(|other| other != set && other & set == *other);
         all.iter().copied().filter(is_minimal).collect()
     }
 
-    /// Failure modes that alone would have made a passed test fail.
+    /// Returns the failure modes that alone would have made a passed test fail.
     pub(crate) fn good(&self, said: &[Said]) -> Faults {
         let cleared = |mode: &usize| {
             let alone = self.lasting(1 << mode);

@@ -76,7 +76,7 @@ impl Style {
         list_text(head, std::iter::once(tag).chain(parts).chain([tolerance, constraints]))
     }
 
-    /// `(ATTR OBJ.. rest)`
+    /// Returns `(ATTR OBJ.. rest)`.
     pub(super) fn variable(self, variable: &VariablePattern, rest: String) -> String {
         let split = |count: usize| count > 1 || self == Style::Brief;
         let object = match &variable.object {
@@ -174,7 +174,7 @@ impl Style {
         list_text(":episode", parts)
     }
 
-    /// Prints `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
+    /// Returns `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
     fn named_group(self, name: &Symbol, constraints: &[Constraint]) -> String {
         let operand = match (name.folded(), constraints) {
             ("custom", [Constraint::Predicate(predicate, _)]) => Some(predicate.to_string()),
@@ -221,17 +221,17 @@ impl Style {
         format!("({head} {} = {})", self.expression(task), self.pattern(state))
     }
 
-    /// `:delay` and `:timestamp` as text.
+    /// Returns a `:delay` or `:timestamp` condition as text.
     pub fn span(self, name: &str, from: &Expr, to: Option<&Expr>) -> String {
         list_text(name, std::iter::once(from).chain(to).map(|expr| self.expression(expr)))
     }
 
-    /// `(:function EXPR)`.
+    /// Returns `(:function EXPR)`.
     pub fn function(self, expr: &Expr) -> String {
         format!("(:function {})", self.expression(expr))
     }
 
-    /// Prints `:name C..`, or nothing without constraints.
+    /// Returns `:name C..`, or an empty text without constraints.
     pub(super) fn option(self, name: &str, constraints: &[Constraint]) -> String {
         match constraints {
             [] => String::new(),
@@ -257,7 +257,7 @@ impl Style {
         }
     }
 
-    /// `REL right [+/- tolerance]`
+    /// Returns `REL right [+/- tolerance]`; `None` for a predicate or a range.
     fn infix(self, constraint: &Constraint) -> Option<String> {
         match constraint {
             Constraint::Compare { relation, right, tolerance } => {

@@ -64,7 +64,7 @@ impl Style {
         }
     }
 
-    /// Prints an expression on the right side of a comparison, where names represent themselves.
+    /// Returns an expression on the right side of a comparison as text, where names represent themselves.
     pub(super) fn operand(self, expr: &Expr) -> String {
         match &expr.kind {
             ExprKind::Constant(value @ Value::Symbol(_)) => self.literal(value),
@@ -152,7 +152,7 @@ fn exact(expr: &Expr) -> String {
     Style::Exact.expression(expr)
 }
 
-/// Prints control forms, definitions and assignments in full.
+/// Returns control forms, definitions and assignments in full.
 fn with_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, then, otherwise) => {
@@ -189,7 +189,7 @@ fn with_body(kind: &ExprKind) -> String {
     }
 }
 
-/// Returns the same forms with abbreviated bodies.
+/// Returns the forms of [`with_body`] with abbreviated bodies.
 fn without_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, ..) => format!("(if {} ..)", Style::Brief.expression(test)),

@@ -1,6 +1,6 @@
 //! Joining the parts of a form.
 
-/// `(head part..)`, empty parts left out.
+/// Returns `(head part..)`, with empty parts left out.
 pub fn list_text(head: &str, parts: impl IntoIterator<Item = String>) -> String {
     let mut text = format!("({head}");
     for part in parts.into_iter().filter(|part| !part.is_empty()) {
@@ -13,7 +13,7 @@ pub fn list_text(head: &str, parts: impl IntoIterator<Item = String>) -> String 
     text
 }
 
-/// ` part part ..` joined by blanks.
+/// Returns the parts joined by blanks.
 pub fn joined(parts: impl IntoIterator<Item = String>) -> String {
     parts.into_iter().collect::<Vec<_>>().join(" ")
 }

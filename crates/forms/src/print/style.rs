@@ -13,7 +13,7 @@ pub enum Style {
 }
 
 impl Style {
-    /// A value where holes are allowed: in exact text, symbols that would be read as holes are quoted.
+    /// Returns a value as text where holes are allowed: in exact text, symbols that would be read as holes are quoted.
     pub fn literal(self, value: &Value) -> String {
         match self {
             Style::Exact => value::literal_text(value),

@@ -12,7 +12,7 @@ const HORIZON_KM_PER_SQRT_M: f64 = 4.12;
 const NU_CLEAR: f64 = -0.78;
 /// Spacing of the samples of a profile, m, until there are [`PROFILE_SAMPLES_MAX`].
 const PROFILE_STEP_M: f64 = 100.0;
-/// Most samples of a profile; longer paths are sampled more sparsely.
+/// Maximum number of samples of a profile; longer paths are sampled more sparsely.
 pub const PROFILE_SAMPLES_MAX: usize = 256;
 
 /// Returns the distance at which two antennas see each other over a smooth earth of 4/3 radius, m: `4.12 (sqrt h1 + sqrt h2)` km.
@@ -41,7 +41,7 @@ pub fn fresnel_clearance_m(before_m: f64, behind_m: f64, wavelength_m: f64) -> f
     0.6 * sqrt(wavelength_m * before_m * behind_m / (before_m + behind_m))
 }
 
-/// Loss of the worst knife edge of the ground between two antennas that are `ground_m` apart over ground, dB.
+/// Returns the loss of the worst knife edge of the ground between two antennas that are `ground_m` apart over ground, dB.
 pub fn diffraction_loss_db(
     from: &Antenna,
     to: &Antenna,

@@ -70,9 +70,9 @@ impl LevelLaw {
 pub struct Shadow {
     /// Its place and shape.
     pub shape: ShadowShape,
-    /// Above this altitude the station is in sight again, m above mean sea level; infinite for none.
+    /// Above this altitude the station is in sight again, m above mean sea level; infinite for a shadow without upper end.
     pub altitude_m_max: f64,
-    /// The level inside is multiplied by this, 0 to 1; a ridge computes its own.
+    /// Factor of the level inside, 0 to 1; not used by a ridge, whose loss is computed.
     pub factor: f64,
 }
 

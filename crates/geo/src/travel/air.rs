@@ -20,7 +20,7 @@ pub(crate) struct WindStep {
 enum Blows {
     /// The same everywhere.
     Everywhere(Wind),
-    /// Different by area; a time between the changes.
+    /// Different by area: the field, and an instant between the changes at which it is queried.
     ByArea(WindField, f64),
 }
 
@@ -82,7 +82,7 @@ impl Air {
         slowest_mps.is_nan() || slowest_mps <= GROUND_SPEED_MPS_MIN
     }
 
-    /// Returns the number of spans of time between changes.
+    /// Returns the number of intervals between changes.
     pub(crate) fn spans(&self) -> usize {
         self.spans.len()
     }
@@ -92,12 +92,12 @@ impl Air {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
 
-    /// Returns the span that holds the time just before `time_s`.
+    /// Returns the interval that contains the time just before `time_s`.
     pub(crate) fn span_before(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s < time_s)
     }
 
-    /// Returns begin and end of span number `span`.
+    /// Returns the beginning and the end of interval number `span`.
     pub(crate) fn span_ends_s(&self, span: usize) -> (f64, f64) {
         let begin_s = span.checked_sub(1).and_then(|before| self.changes_s.get(before));
         let end_s = self.changes_s.get(span);
@@ -109,7 +109,7 @@ impl Air {
         self.true_airspeed_mps
     }
 
-    /// Returns the east and north parts of the wind at a place in `span`.
+    /// Returns the east and north parts of the wind at a place in interval `span`.
     pub(crate) fn wind(&self, span: usize, position: Position) -> (f64, f64) {
         let wind = match self.spans.get(span) {
             Some(Blows::Everywhere(wind)) => *wind,
@@ -119,7 +119,7 @@ impl Air {
         (wind.east_mps, wind.north_mps)
     }
 
-    /// Returns the speed over ground in `span` along the track of `step`, or backwards; `None` if the step cannot be flown.
+    /// Returns the speed over ground in interval `span` along the track of `step`, or backwards; `None` if the step cannot be flown.
     pub(crate) fn speed_mps(&self, span: usize, step: &WindStep, backwards: bool) -> Option<f64> {
         let wind = match self.spans.get(span)? {
             Blows::Everywhere(wind) => *wind,
@@ -130,7 +130,8 @@ impl Air {
         wind::ground_speed_mps(track, self.true_airspeed_mps, wind)
     }
 
-    /// Like [`Air::speed_mps`], with a very low speed where the step cannot be flown: such intervals are closed to legs by other means.
+    /// Like [`Air::speed_mps`], with a very low speed where the step cannot be flown ([`super::course::Course::closed`] closes such
+    /// intervals).
     pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &WindStep, backwards: bool) -> f64 {
         self.speed_mps(span, step, backwards).unwrap_or(GROUND_SPEED_MPS_MIN)
     }

@@ -1,10 +1,10 @@
 //! A tree of boxes, to find those that a leg meets.
 //!
-//! Bound: building O(n log n); a question O(log n + boxes met).
+//! Bound: building O(n log n); a query O(log n + boxes met).
 
 use crate::plane::Point;
 
-/// Boxes of one leaf.
+/// Maximum number of boxes of one leaf.
 const LEAF_MAX: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 //! ([`radius`]), so wind changes only the times of arcs and lines. A flight leaves by its circle or by the opposite turn, flies a line
 //! that touches both circles, and arrives where it touches the other one. The greatest time of leaving ([`Rounds::worst`]) is bounded:
 //! from each point of a circle the vehicle may first fly to the next of [`POINTS`], so that no point between them is missed.
-//! Bound: [`POINTS`] points of the circle and four words each, mostly some tens.
+//! Bound: [`POINTS`] points of the circle, mostly some tens, and four path types for each.
 
 use super::dubins::{angle, left, turned, unit};
 use crate::plane::Point;
@@ -18,7 +18,7 @@ const POINTS: usize = 192;
 const APART: usize = 32;
 /// A turn nearer than this to a full circle counts as no turn.
 const NO_TURN_RAD: f64 = 1e-9;
-/// Directions that are tried where a circle is met from a place that is left in any.
+/// Number of directions that are tried if the place before a circle may be left in any direction.
 const TRACKS: usize = 16;
 
 /// Returns the radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the highest
@@ -39,11 +39,11 @@ pub(super) struct On {
 /// End of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
-    /// On a circle around this place, either way round.
+    /// On a circle around this place, in either sense.
     Circle(Point),
     /// At this place, in this direction.
     Pose(Point, f64),
-    /// At this place.
+    /// At this place, in any direction.
     Place(Point),
 }
 
@@ -97,7 +97,7 @@ impl Rounds {
         libm::sqrt(ahead.max(0.0)) + self.wind_mps.dot(unit(track_rad))
     }
 
-    /// Returns seconds for turning from 0 to a direction, full circles included, for a radius of 1.
+    /// Returns the time of turning from 0 to a direction, full circles included, in seconds for a radius of 1.
     fn turned_until_s(&self, track_rad: f64) -> f64 {
         let circles = libm::floor(track_rad / TAU);
         let share = (track_rad / TAU - circles) * PIECES as f64;
@@ -126,7 +126,7 @@ impl Rounds {
         [1.0, -1.0].map(|sense| On { centre: point.plus(sense * self.radius, left(track_rad)), sense, track_rad })
     }
 
-    /// Returns the position on a circle after some seconds.
+    /// Returns the state on a circle after some seconds, and the angle flown until then.
     pub(super) fn after(&self, on: On, lasts_s: f64) -> (On, f64) {
         let circles = libm::floor(lasts_s / self.circle_s()).max(0.0);
         let rest_s = lasts_s - circles * self.circle_s();
@@ -243,7 +243,7 @@ impl Rounds {
             |from: usize, to: usize| self.arc_s(point(centre, sense, from), TAU * (to - from) as f64 / POINTS as f64);
         let mut known: Vec<(usize, f64)> = (0..POINTS).step_by(APART).map(leaving_s).collect::<Option<_>>()?;
         loop {
-            // Backwards around the circle, twice: from each point at once, or from the next.
+            // Backwards around the circle, twice: a vehicle leaves the circle at each point, or continues to the next one.
             let mut best_s: Vec<f64> = known.iter().map(|(_, time_s)| *time_s).collect();
             // The interval with the greatest time from its beginning, and the one with the greatest time from just past it; then the
             // times.
@@ -299,7 +299,7 @@ impl Rounds {
     }
 }
 
-/// Returns a point of a circle by its number, counted the way round that is flown.
+/// Returns a point of a circle by its number, counted in the sense of the flight.
 fn point(centre: Point, sense: f64, number: usize) -> On {
     On { centre, sense, track_rad: sense * TAU * (number % POINTS) as f64 / POINTS as f64 }
 }

@@ -70,7 +70,7 @@ impl Course {
         length.is_finite().then(|| Course { length, steps: step.into_iter().collect() })
     }
 
-    /// Returns length.
+    /// Returns the length of the leg.
     pub(crate) fn length(&self) -> f64 {
         self.length
     }
@@ -160,7 +160,8 @@ impl Course {
         if arrive_s <= air.span_ends_s(span).1 { arrive_s } else { self.advance(air, backwards, depart_s, 1.0) }
     }
 
-    /// Returns the departures at which the leg cannot be flown, because the vehicle would be in a block while it is closed.
+    /// Returns the departures at which the leg cannot be flown: the vehicle would be in a block while it is closed, or in a wind that is
+    /// too strong.
     pub(crate) fn closed<'a>(
         &self,
         air: &Air,

@@ -5,7 +5,7 @@
 //! moves the air as a whole: seen from the air the end moves against the wind, and the solution is the first instant at which a path of
 //! exactly that duration reaches it (McGee, Spry and Hedrick 2005; Techy and Woolsey 2009). This instant is searched for each path type
 //! separately, beginning with the arrival of a straight flight. A track that is not given is free: the turn at that end is then left out.
-//! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
+//! Bound: [`INSTANTS_MAX`] instants for each of eight path types, mostly some tens; one without wind.
 
 mod idle;
 mod instants;
@@ -24,12 +24,12 @@ const NO_TURN_RAD: f64 = 1e-9;
 /// Number of tracks that are examined if one is free and the two places are too near for a path without a turn there.
 const TRACKS: usize = 16;
 
-/// A place with a direction over ground, counter-clockwise from the x axis; `None` for any direction.
+/// A place with a direction over ground, counter-clockwise from the x axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position.
     pub point: Point,
-    /// In which direction.
+    /// Direction over ground; `None` for any direction.
     pub track_rad: Option<f64>,
 }
 
@@ -125,8 +125,8 @@ impl Flyer {
         found
     }
 
-    /// Returns the first of [`Flyer::paths`]. No word is tried at instants when another has been flown already, so the words that are
-    /// probably short are tried first.
+    /// Returns the first of [`Flyer::paths`]. A path type is not tried at instants at which another type has already arrived, so the types
+    /// that are probably short are tried first.
     pub fn quickest(&self, from: Pose, to: Pose) -> Option<TurnPath> {
         let (start, end) = self.headings(from, to)?;
         let mut tried: Vec<(f64, usize, PathType)> = words(start.is_some(), end.is_some())
@@ -138,7 +138,7 @@ impl Flyer {
         for (_, number, word) in tried {
             let until_s = best.map_or(f64::INFINITY, |(best, _)| best.time_s);
             let Some(path) = self.path(word, (from, start), (to, end), until_s) else { continue };
-            // Of equal paths the first word counts.
+            // Of equally fast paths the one of the first type counts.
             let is_better = |(best, first): (TurnPath, usize)| {
                 path.time_s < best.time_s || (path.time_s == best.time_s && number < first)
             };
@@ -206,7 +206,7 @@ impl Flyer {
         });
         let direct_s = if apart.length() > 0.0 { apart.length() / speed? } else { 0.0 };
         let wind_mps = self.wind_mps.length();
-        // Two full circles more than the straight way, while the end moves.
+        // Three full circles more than the straight way, longer if the end moves away.
         let lasts_s = 3.0 * circle_s / (1.0 - wind_mps / self.true_airspeed_mps);
         let count = (libm::ceil(lasts_s / circle_s) * INSTANTS_PER_CIRCLE).min(INSTANTS_MAX);
         let exact_s = EXACT * (circle_s + direct_s);
@@ -218,8 +218,8 @@ impl Flyer {
         self.first_reached((word, &ends, to.point), &instants, &look).map(path)
     }
 
-    /// Returns the candidate of the first instant at which its duration is exact. Instants between which that surely does not happen are
-    /// not examined.
+    /// Returns the candidate of the first instant at which its duration is exact. Instants at which it is surely not exact are not
+    /// examined.
     fn first_reached(
         &self,
         (word, ends, to): (PathType, &PathEnds, Point),
@@ -277,14 +277,14 @@ impl Instants {
 #[derive(Clone, Copy, Debug)]
 struct PathCandidate {
     time_s: f64,
-    /// Excess of the path's duration.
+    /// Duration of the path less the time until the instant.
     missed_s: f64,
     heading_rad: f64,
     parts: [Part; 3],
 }
 
 impl PathCandidate {
-    /// Returns true if a turn has become a full circle, or vanished, between this and the other.
+    /// Returns true if a turn has become a full circle, or vanished, between this candidate and the other.
     fn jumps_to(&self, other: &PathCandidate, radius: f64) -> bool {
         let pairs = self.parts.iter().zip(&other.parts);
         pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)

@@ -19,7 +19,7 @@ pub enum TravelError {
     LeavesPermitted,
     /// Not on the map, or farther away than the projection reaches.
     TooFar,
-    /// Too far from every emergency landing place; the nearest is this far, infinite where there is none.
+    /// Too far from every emergency landing place; holds the distance of the nearest one in metres, infinite if there are none.
     NoLandingPlace(f64),
     /// Every path is too far from emergency landing places, of which one must be within this distance.
     LeavesReach(f64),

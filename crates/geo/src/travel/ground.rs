@@ -1,6 +1,6 @@
 //! Permitted positions and legs, by time: zones, corridors and the reach of landing places.
 //!
-//! Bound: a leg asks the zones whose boxes it meets, O(corners) each.
+//! Bound: a leg is compared with the zones whose boxes it meets, O(corners) each.
 
 use super::boxes::Boxes;
 use super::course::Block;
@@ -22,12 +22,12 @@ const TOUCH: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Zone {
     pub(crate) name: String,
-    /// Stay inside, instead of keep out.
+    /// True for a permitted zone, false for a restricted one.
     pub(crate) keep_in: bool,
     pub(crate) solid: Solid,
     /// Distance to be kept.
     pub(crate) margin: f64,
-    /// Ways bend around its corners at this distance, no less than the margin.
+    /// Distance from its corners at which ways bend, no less than the margin.
     pub(crate) bend_radius: f64,
     /// Greatest number of units of the plane for a metre on the ground.
     pub(crate) stretch: f64,
@@ -41,22 +41,22 @@ impl Zone {
     }
 }
 
-/// A place made ready for questions about legs.
+/// A place prepared for queries about legs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PreparedPoint {
     pub(crate) position: Position,
     pub(crate) direction: Direction,
     pub(crate) point: Point,
-    /// Zones closer than their margin, with their distance: a leg from here need not keep more.
+    /// Zones closer than their margin, with their distance: a leg from this place need not keep more.
     close: Vec<(usize, f64)>,
-    /// Bend of paths here; `None` if they may come and go in every direction.
+    /// Bend at this place; `None` if paths may pass the place in every direction.
     bend: Option<PathVertex>,
     /// True for a destination, false for a point that is only passed.
     is_place: bool,
 }
 
 impl PreparedPoint {
-    /// Returns true if a leg in direction `along`, to or from here, can be part of a shortest path.
+    /// Returns true if a leg in direction `along`, to or from this place, can be part of a shortest path.
     pub(crate) fn takes(&self, along: Point) -> bool {
         self.bend.is_none_or(|bend| bend.takes(along))
     }
@@ -107,7 +107,7 @@ impl PathConstraints {
         PathConstraints { zones, tree, corridors, reach, plane }
     }
 
-    /// Returns the instants at which something opens or closes, in order.
+    /// Returns the instants at which a zone opens or closes, in order.
     pub(crate) fn changes_s(&self) -> Vec<f64> {
         let ends = self.zones.iter().flat_map(|zone| &zone.active_s).flat_map(|(from_s, until_s)| [*from_s, *until_s]);
         let mut changes_s: Vec<f64> = ends.filter(|time_s| time_s.is_finite()).collect();
@@ -116,7 +116,7 @@ impl PathConstraints {
         changes_s
     }
 
-    /// `position` made ready.
+    /// Prepares `position`.
     pub(crate) fn spot(&self, position: Position) -> Result<PreparedPoint, TravelError> {
         let direction = Direction::of(position);
         let point = match &self.plane {
@@ -132,7 +132,7 @@ impl PathConstraints {
         Ok(self.spot_at(position, direction, point))
     }
 
-    /// Returns a point of the plane made ready.
+    /// Prepares a point of the plane.
     pub(crate) fn spot_on_plane(&self, point: Point) -> Result<PreparedPoint, TravelError> {
         if !(point.x.is_finite() && point.y.is_finite()) {
             return Err(TravelError::TooFar);
@@ -154,7 +154,7 @@ impl PathConstraints {
         PreparedPoint { position, direction, point, close, bend: None, is_place: true }
     }
 
-    /// Places where ways may bend: around zones' corners and where the reaches of two landing places meet.
+    /// Returns the places where ways may bend: around zones' corners and where the reaches of two landing places meet.
     pub(crate) fn path_vertices(&self) -> Vec<PreparedPoint> {
         let mut found = Vec::new();
         for zone in &self.zones {
@@ -228,7 +228,7 @@ impl PathConstraints {
         Some(PreparedPoint { position, direction, point, close, bend: None, is_place: false })
     }
 
-    /// Returns the obstacle at `spot` at some time of `time_s`; `None` if flight is permitted there at all times of it.
+    /// Returns the obstacle at `spot` at some time of the interval; `None` if flight is permitted there during the whole interval.
     pub(crate) fn place_trouble(&self, spot: &PreparedPoint, (from_s, until_s): Span) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut inside = None;
@@ -264,7 +264,7 @@ impl PathConstraints {
     /// Like [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
     ///
     /// # Errors
-    /// As there.
+    /// Like [`PathConstraints::blocks`].
     pub(crate) fn blocks_wider(
         &self,
         from: &PreparedPoint,
@@ -325,7 +325,7 @@ impl PathConstraints {
             })
     }
 
-    /// Returns the obstacle of a leg at some time of `time_s`, whatever paths lead around it; `None` if the leg is permitted.
+    /// Returns the obstacle of a leg at some time of `time_s`, even if a path leads around the obstacle; `None` if the leg is permitted.
     pub(crate) fn leg_trouble(
         &self,
         from: &PreparedPoint,

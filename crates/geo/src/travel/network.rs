@@ -44,7 +44,7 @@ impl DirectedLeg {
     }
 }
 
-/// The bend at the other end of a ride.
+/// A directed leg and the bend at its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArrivalTurn {
     pub(crate) bend: usize,
@@ -56,9 +56,9 @@ pub(super) struct Endpoint {
     pub(super) spot: PreparedPoint,
     /// Times at which the place is allowed.
     pub(super) open_s: Vec<Span>,
-    /// Direction in which it is left and reached, clockwise from north; `None` for any.
+    /// Direction in which the place is left and reached, clockwise from north; `None` for any.
     pub(super) track_rad: Option<f64>,
-    /// True if the vehicle circles around it instead of flying over it.
+    /// True if the vehicle circles around the place instead of flying over it.
     pub(super) is_circled: bool,
     /// Legs to bends, once they are known.
     joins: Option<Vec<ArrivalTurn>>,
@@ -98,7 +98,7 @@ pub struct Network {
     path_vertices: Vec<PreparedPoint>,
     /// For each bend the times at which flight is permitted there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
-    /// For each bend the rides to other bends.
+    /// For each bend the legs to other bends.
     joins: Vec<Vec<ArrivalTurn>>,
     pub(super) places: Vec<Endpoint>,
     /// Legs between places, the one with the lower number first; an error if the leg is closed forever.
@@ -194,7 +194,7 @@ impl Network {
     /// Adds a place.
     ///
     /// # Errors
-    /// If the position is not on the plane.
+    /// [`TravelError::TooFar`] if the projection does not reach the position, or if the network is one on a plane.
     pub fn add(&mut self, position: Position) -> Result<EndpointId, TravelError> {
         let spot = if self.on_plane { Err(TravelError::TooFar) } else { self.ground.spot(position) };
         spot.map(|spot| self.admit(spot))
@@ -251,7 +251,7 @@ impl Network {
         open_s.iter().any(opens)
     }
 
-    /// Returns how many times zones have opened or shut by `time_s`: equal numbers mean equal permissions.
+    /// Returns the number of instants up to `time_s` at which zones open or close: equal numbers mean equal permissions.
     pub fn epoch(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
@@ -288,7 +288,7 @@ impl Network {
         Ok(self.legs.len() - 1)
     }
 
-    /// Returns the straight ride between two places.
+    /// Returns the straight leg between two places.
     ///
     /// # Errors
     /// The obstacle that closes the leg forever.
@@ -305,7 +305,7 @@ impl Network {
         leg.map(|leg| DirectedLeg { leg, backwards })
     }
 
-    /// Rides from a place to bends.
+    /// Returns the legs from a place to bends.
     pub(super) fn joins_of_place(&mut self, place: EndpointId) -> Vec<ArrivalTurn> {
         let Some(found) = self.places.get(place.0) else { return Vec::new() };
         if let Some(joins) = &found.joins {
@@ -324,25 +324,25 @@ impl Network {
         joins
     }
 
-    /// Rides between a bend and others.
+    /// Returns the legs from a bend to other bends.
     pub(super) fn joins_of_bend(&self, bend: usize) -> &[ArrivalTurn] {
         self.joins.get(bend).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the end of a ride that begins at `depart_s`.
+    /// Returns the arrival at the end of a leg for a departure at `depart_s`.
     pub(super) fn arrive(&mut self, ride: DirectedLeg, depart_s: f64) -> f64 {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return f64::INFINITY };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
         timing.map_or(f64::INFINITY, |timing| leg.course.arrive(&self.air, ride.backwards, timing, depart_s))
     }
 
-    /// Returns the begin of a ride that ends at `arrive_s`.
+    /// Returns the departure on a leg for an arrival at `arrive_s`.
     pub(super) fn retreat(&self, ride: DirectedLeg, arrive_s: f64) -> f64 {
         let leg = self.legs.get(ride.leg);
         leg.map_or(f64::NEG_INFINITY, |leg| leg.course.retreat(&self.air, ride.backwards, arrive_s, 1.0))
     }
 
-    /// Departures at which a leg is closed.
+    /// Returns the departures at which a leg is closed.
     pub(super) fn closed(&mut self, ride: DirectedLeg) -> &[Span] {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return &[] };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
@@ -354,7 +354,7 @@ impl Network {
         first_open(self.closed(ride), ready_s)
     }
 
-    /// Returns the length of a ride.
+    /// Returns the length of a leg.
     pub(super) fn length(&self, ride: DirectedLeg) -> f64 {
         self.legs.get(ride.leg).map_or(f64::INFINITY, |leg| leg.course.length())
     }

@@ -43,8 +43,8 @@ mod tests {
     use super::super::{Air, Network, PlaneZone, TravelError};
     use crate::plane::Point;
 
-    /// A zone counted as met from the beginning of the way to its end: a vehicle inside of one that shuts in an hour could not leave for a place
-    /// half an hour away.
+    /// A vehicle inside a zone that shuts later may leave for a distant place: only the part of the way inside the zone counts, not the
+    /// whole way.
     #[test]
     fn a_zone_that_shuts_is_left_on_a_long_way_with_turns() {
         let p = |x: f64, y: f64| Point { x, y };

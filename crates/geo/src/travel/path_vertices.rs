@@ -19,15 +19,15 @@ const ALONG_RAD: f64 = 1e-9;
 pub(crate) struct PathVertex {
     /// Position.
     pub(crate) point: Point,
-    /// Direction to the corner of the outline before.
+    /// Direction to the preceding corner of the outline.
     before: Point,
-    /// Direction to the corner after.
+    /// Direction to the following corner.
     after: Point,
 }
 
 impl PathVertex {
-    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends here: only if both neighbours
-    /// are on the same side of the leg's line.
+    /// Returns true if a shortest path may continue along a leg in direction `along` that begins or ends at this corner: only if both
+    /// neighbours are on the same side of the leg's line.
     pub(crate) fn takes(&self, along: Point) -> bool {
         let Some(unit) = along.unit() else { return false };
         let (before, after) = (unit.cross(self.before), unit.cross(self.after));

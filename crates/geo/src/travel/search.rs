@@ -36,20 +36,20 @@ impl Ord for TimeKey {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ArrivalLabel {
     arrive_s: f64,
-    /// The label before, none at the first bend, and the ride from there.
+    /// The preceding label (`None` at the first bend), and the leg from its bend or from the place of departure.
     before: Option<(Option<usize>, DirectedLeg)>,
 }
 
 /// The earliest arrivals at all bends for one departure.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
-    /// The first label of each bend; its spans follow.
+    /// Index of the first label of each bend; the labels of its other intervals follow.
     firsts: Vec<usize>,
     labels: Vec<ArrivalLabel>,
 }
 
 impl Tree {
-    /// Returns the rides that lead to a label.
+    /// Returns the legs that lead to a label, and the labels at their ends.
     fn rides(&self, label: usize) -> (Vec<DirectedLeg>, Vec<usize>) {
         let (mut rides, mut labels, mut here) = (Vec::new(), Vec::new(), Some(label));
         while let Some(number) = here {
@@ -97,7 +97,7 @@ impl Network {
             let bend = tree.bend_of(label);
             let span = tree.firsts.get(bend).and_then(|first| self.bends_open_s.get(bend)?.get(label - first));
             let Some((_, until_s)) = span.copied() else { continue };
-            // The legs are moved out temporarily, because relaxing stores their times.
+            // By index, because relaxing a leg stores its times in the network.
             for index in 0..self.joins_of_bend(bend).len() {
                 let Some(join) = self.joins_of_bend(bend).get(index).copied() else { continue };
                 self.relax(&mut tree, &mut open, (Some(label), now_s, until_s), &join);
@@ -144,7 +144,7 @@ impl Network {
         }
     }
 
-    /// Returns the first way to a place over the bends of a tree.
+    /// Returns the way to a place over the bends of a tree with the earliest arrival; `None` if no bend leads there.
     pub(super) fn way_over(&mut self, tree: &Tree, to: EndpointId) -> Option<FoundPath> {
         let mut best: Option<(f64, usize, DirectedLeg)> = None;
         for join in self.joins_of_place(to) {

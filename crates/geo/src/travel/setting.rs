@@ -17,7 +17,7 @@ pub struct Setting<'a> {
     pub margin_m: f64,
     /// Least turn radius of the vehicle: paths bend around corners of zones on arcs of at least this radius.
     pub turn_radius_m: f64,
-    /// Are places circled around ([`super::Network::circle`])? Ways then keep space for circles next to the margin.
+    /// True if the vehicle may circle around places ([`super::Network::circle`]). Ways then keep space for circles next to the margin.
     pub circling: bool,
     /// Emergency landing places.
     pub landing_places: &'a [LandingPlace],
@@ -44,7 +44,8 @@ pub struct PlaneZone {
     pub active_s: Vec<(f64, f64)>,
 }
 
-/// Returns a projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
+/// Returns the constraints of a setting, with all zones on one projection around its positions. Paths keep `room_m` more than the margin
+/// from zones.
 pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<PathConstraints, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;
@@ -79,7 +80,7 @@ pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<PathConstrain
     Ok(PathConstraints::new(zones.collect(), must_stay, reach, Some(plane), setting.time_s))
 }
 
-/// Zones on a plane, each kept at `margin`.
+/// Returns the constraints of zones on a plane, each kept at `margin`.
 pub(crate) fn drawn(
     zones: &[PlaneZone],
     margin: f64,

@@ -2,7 +2,7 @@
 //!
 //! Touching does not count as entering: a leg along an edge or through a corner is outside. A point within [`Solid::tolerance`] of an
 //! edge counts as on it. Any list of corners is a solid; the even-odd rule applies to edges that cross each other.
-//! Bound: O(corners) for each question.
+//! Bound: O(corners) for each query.
 
 use super::spans::{Span, merged};
 use crate::plane::{self, Point};
@@ -18,7 +18,7 @@ pub(crate) struct Solid {
     pub(crate) low: Point,
     /// North-eastern corner of the box around it.
     pub(crate) high: Point,
-    /// Closer to an edge than this is on the edge.
+    /// A point closer to an edge than this counts as on the edge.
     pub(crate) tolerance: f64,
 }
 

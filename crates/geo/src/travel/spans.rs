@@ -1,6 +1,6 @@
 //! Intervals of a leg or of time: sorted, merged, without overlaps.
 
-/// From where until where; of a leg in shares of its length, of time in seconds.
+/// Beginning and end of an interval: of a leg in shares of its length, of time in seconds.
 pub(crate) type Span = (f64, f64);
 
 /// Sorts `spans` and merges those that overlap or touch within `gap`; empty intervals are dropped.

@@ -1,4 +1,4 @@
-//! The network against naive twins and against a peer.
+//! The network against naive twins and against another program (extremitypathfinder).
 
 use super::*;
 use crate::plane::{self, Point};
@@ -130,7 +130,8 @@ mod random {
         })
     }
 
-    /// Is the point strictly inside a zone that is active, by another method: the angle under which the outline is seen.
+    /// Returns the number of an active zone that contains the point or is closer to it than `margin`, by another method: the angle under
+    /// which the outline is seen.
     fn entered(zones: &[PlaneZone], point: Point, time_s: f64, margin: f64) -> Option<usize> {
         zones.iter().position(|zone| {
             let active = |(from, until): &(f64, f64)| from + 1e-4 < time_s && time_s < until - 1e-4;
@@ -149,7 +150,7 @@ mod random {
         })
     }
 
-    /// Flies a trip in short steps; the first place and time at which a zone is entered.
+    /// Flies a trip in short steps and returns the first place and time at which a zone is entered, with the zone's number.
     fn first_entry(world: &Worlds, network: &mut Network, trip: Trip, margin: f64) -> Option<(Point, f64, usize)> {
         let points = network.points(trip.way);
         let speed = network.length_of(trip.way) / (trip.arrive_s - trip.depart_s);
@@ -169,7 +170,7 @@ mod random {
         None
     }
 
-    /// Shortest lengths from the first place by brute force: every corner and place sees every other that no zone hides.
+    /// Returns the shortest lengths from the first place by brute force: every corner and place sees every other that no zone hides.
     fn brute(world: &Worlds) -> Vec<f64> {
         let solids: Vec<Solid> = world.zones.iter().filter_map(|zone| Solid::new(&zone.corners)).collect();
         let mut points = world.places.clone();

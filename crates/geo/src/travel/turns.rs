@@ -6,7 +6,7 @@
 //! time of turns beyond the straight path is the same at every departure: that in the worst wind of the considered time, so that a later
 //! departure never arrives earlier. From a circled place, a path takes its time from the worst point of the circle, and to one it ends on
 //! the circle ([`super::circles`]).
-//! Bound: eight words for each piece and wind, a question to the ground for each chord of some.
+//! Bound: eight path types for each piece and wind, and a query of the constraints for each chord of the paths tried.
 
 use super::circles::{End, On, Passage, Rounds};
 use super::dubins::{Flyer, Pose, TurnPath};
@@ -22,7 +22,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Greatest deviation of drawn paths from the flown one, as a share of the radius: 3 m of 3 km.
 pub const TOLERANCE_SHARE: f64 = 1e-3;
-/// Places along a piece, as shares of its length, at which its wind is sampled.
+/// Points of a piece, as shares of its length, at which the wind is sampled.
 const WIND_SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Number of directions examined at a place whose direction is free.
 const TRACKS: usize = 32;
@@ -46,9 +46,9 @@ pub(super) enum At {
 /// Position on a circle around a place, and sense of the flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circling {
-    /// From the place to the vehicle, clockwise from north.
+    /// Bearing of the vehicle from the place, clockwise from north.
     pub bearing_rad: f64,
-    /// True to the right.
+    /// True if the vehicle turns to the right.
     pub clockwise: bool,
 }
 
@@ -57,7 +57,7 @@ pub struct Circling {
 pub(super) struct Turned {
     /// Time in addition to the straight legs.
     pub(super) extra_s: f64,
-    /// Departures at which something next to the legs is closed.
+    /// Departures at which a part of the flown path away from the legs is closed.
     pub(super) closed_s: Vec<Span>,
     /// For each span of the air the path over ground.
     spots: Vec<Drawn>,
@@ -178,7 +178,7 @@ impl TurnLeg<'_> {
     }
 }
 
-/// Directions that are tried if no direction is required.
+/// Returns the directions that are tried if no direction is required.
 fn tracks() -> impl Iterator<Item = f64> {
     (0..TRACKS).map(|index| TAU * index as f64 / TRACKS as f64)
 }

@@ -16,7 +16,7 @@ use crate::plane::Point;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
 
-/// Instants of departure for which ways are searched.
+/// Maximum number of instants of departure for which ways are searched.
 const INSTANTS_MAX: usize = 16;
 
 /// The number of a way of a network.
@@ -28,9 +28,9 @@ pub struct PathId(usize);
 pub struct Trip {
     /// Departure; later than requested if holding first is better.
     pub depart_s: f64,
-    /// At the end.
+    /// Arrival.
     pub arrive_s: f64,
-    /// By which way.
+    /// The way that is flown.
     pub way: PathId,
 }
 
@@ -134,7 +134,7 @@ impl Network {
         self.turns.radius <= 0.0 || self.turned(number).is_some()
     }
 
-    /// Returns the ends and bends of a path, and how its ends are left and reached.
+    /// Returns the ends and bends of a path, and the directions or circles in which its ends are left and reached.
     pub(super) fn ends_and_bends(&self, number: PathId) -> Option<(Vec<PreparedPoint>, (At, At))> {
         let way = self.found.ways.get(number.0)?;
         let (from, to) = (self.places.get(way.from.0)?, self.places.get(way.to.0)?);

@@ -84,9 +84,9 @@ pub struct WindLayer {
     pub altitude_m_min: f64,
     /// Upper face, above mean sea level.
     pub altitude_m_max: f64,
-    /// From when.
+    /// First instant at which the layer holds.
     pub from_s: f64,
-    /// Until when; [`FOREVER_S`] for always.
+    /// First instant at which it no longer holds; [`FOREVER_S`] if it has no end.
     pub until_s: f64,
     /// Air moves east at this speed.
     pub wind_east_mps: f64,
@@ -104,16 +104,16 @@ pub struct WindLayer {
 pub struct WindField {
     /// The layers.
     pub layers: Vec<WindLayer>,
-    /// True: between the middles of layers that hold at the place and time, wind is interpolated over altitude.
+    /// True if wind is interpolated over altitude between the middles of the layers that hold at the place and time.
     pub blend: bool,
 }
 
 /// Demand of a zone of airspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ZoneKind {
-    /// Stay out.
+    /// The vehicle must stay outside.
     Restricted,
-    /// Stay inside: the corridor of permitted operation. With several, inside at least one at every instant.
+    /// The vehicle must stay inside: a corridor of permitted operation. With several, inside at least one at every instant.
     Permitted,
 }
 

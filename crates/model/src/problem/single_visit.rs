@@ -14,11 +14,11 @@ pub struct SingleVisitProblem {
     pub vehicle: SingleVisitVehicle,
     /// Position of the vehicle at the beginning of the plan.
     pub start: Position,
-    /// At which altitude above mean sea level.
+    /// Altitude of the start above mean sea level.
     pub start_altitude_m: f64,
     /// Beginning of the plan.
     pub start_s: f64,
-    /// Required end of the flight; `None` is anywhere.
+    /// Required end of the flight; `None`: the flight may end anywhere.
     pub base: Option<Position>,
     /// Latest time at which the vehicle must have landed; `None` if only endurance and fuel limit it.
     pub end_s: Option<f64>,
@@ -116,7 +116,7 @@ pub struct Manoeuvre {
     pub length_m: f64,
     /// Predicted coverage, resolution and clarity.
     pub quality: QualityFactors,
-    /// The pictures that are taken; none: a line scanner records the lines.
+    /// The pictures that are taken; `None`: a line scanner records the lines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<PictureWork>,
 }
@@ -129,7 +129,7 @@ pub struct PictureWork {
     pub camera: String,
     /// Name of the place that the camera points at; `None`: straight down.
     pub at: Option<String>,
-    /// Pictures in all.
+    /// Number of pictures.
     pub count: u32,
     /// Distance over ground between pictures; `None` if they are taken from a hover.
     pub every_m: Option<f64>,
@@ -147,9 +147,9 @@ pub struct PictureWork {
 pub struct QualityFactors {
     /// Share of the wanted ground that is seen.
     pub coverage: QualityFactor,
-    /// Wanted against obtained resolution.
+    /// Obtained resolution in comparison with the wanted one.
     pub resolution: QualityFactor,
-    /// Wings level, smooth air.
+    /// Clarity: wings level and smooth air.
     pub clarity: QualityFactor,
 }
 
@@ -164,7 +164,7 @@ impl QualityFactors {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QualityFactor {
-    /// 0 worthless .. 1 as wished.
+    /// From 0 (worthless) to 1 (as wanted).
     pub factor: f64,
     /// Cause of a factor other than 1, for example "roll 12 deg for 8 s on leg 3"; empty if it is 1.
     pub cause: String,
@@ -208,7 +208,7 @@ pub struct SingleVisitVehicle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrewMember {
-    /// For example `sensor operator`.
+    /// Role, for example `sensor operator`.
     pub role: String,
     /// Pay per hour, in units of target value.
     pub wage_per_hour: f64,
@@ -252,13 +252,13 @@ pub struct PlannedVisit {
     pub target: String,
     /// Index into the target's manoeuvres.
     pub manoeuvre: usize,
-    /// Way points from the exit before to this entry, both included; detours around airspace are in between.
+    /// Way points from the preceding exit to this entry, both included; detours around airspace are in between.
     pub route: Vec<Position>,
     /// Flown path between both ends of the route, turns included: its points deviate from the flight by at most a thousandth of the
     /// vehicle's turn radius. Empty if turns are not limited: the route itself is then flown.
     #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
-    /// Departure from the exit before (or from the start); later than the end of the visit before if the vehicle holds
+    /// Departure from the preceding exit (or from the start); later than the end of the preceding visit if the vehicle holds
     /// first.
     pub depart_s: f64,
     /// Arrival at the entry.

@@ -19,7 +19,7 @@ pub struct SurveillanceProblem {
     pub endurance_s: Option<f64>,
 }
 
-/// Something to be watched.
+/// A target to be observed repeatedly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurveillanceTarget {
@@ -51,7 +51,7 @@ impl EventRate {
         EventRate { steps: vec![(0.0, events_per_s)] }
     }
 
-    /// Events per second at `time_s`.
+    /// Returns the events per second at `time_s`.
     pub fn at(&self, time_s: f64) -> f64 {
         let later = self.steps.iter().rev().find(|(from_s, _)| *from_s <= time_s);
         later.or_else(|| self.steps.first()).map_or(0.0, |(_, events_per_s)| *events_per_s)
@@ -64,7 +64,7 @@ impl EventRate {
 pub enum CostFunction {
     /// `cost_per_s d`.
     Linear {
-        /// Cost of every further second.
+        /// Cost per second of age.
         cost_per_s: f64,
     },
     /// `maximum (1 - exp(-rate_per_s d))`.
@@ -74,9 +74,9 @@ pub enum CostFunction {
         /// Rate at which the cost grows.
         rate_per_s: f64,
     },
-    /// Nothing before the deadline, `maximum` from then on.
+    /// 0 before the deadline, `maximum` from then on.
     Step {
-        /// Age from which on it is too late.
+        /// Age from which on the event costs `maximum`.
         deadline_s: f64,
         /// Cost of being late.
         maximum: f64,

@@ -66,7 +66,8 @@ impl LaterTimes {
 }
 
 impl TravelTimes {
-    /// Removes all paths to and from a target, at every departure.
+    /// Removes all paths from the start and the targets to a target, and from it to the targets, at every departure. Its path to the base
+    /// stays: no plan reaches it.
     pub fn shut(&mut self, target: usize) {
         fn shut(from_start_s: &mut [f64], between_s: &mut [Vec<f64>], target: usize) {
             from_start_s.get_mut(target).into_iter().for_each(|time_s| *time_s = UNREACHABLE_S);

@@ -13,10 +13,10 @@ use super::worth::StripWorth;
 use crate::sensor::scanner::ramp_down;
 use crate::target::{IntervalNeed, WANTED_LOOKS_MAX};
 
-/// Maximum number of passes that are assigned to one cell; worse ones are left out.
+/// Maximum number of passes that are assigned to one cell; the passes with the least value are left out.
 pub(super) const PASSES_MAX: usize = 10;
 
-/// The entries of a cell that serve each wanted look.
+/// The entries (pass and look) of a cell that serve each wanted look.
 pub(super) enum Chosen {
     /// There is a single wanted look, which every entry may serve.
     All,
@@ -74,7 +74,8 @@ pub(super) fn assign(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>
     for (served, assigned) in chosen.iter_mut().zip(best.chosen) {
         served.extend(assigned);
     }
-    // A spare pass backs up the wanted look for which it has the most value; a pass without value shows what an unserved look lacks.
+    // A spare pass backs up the wanted look, among those without an interval need, for which it has the most value; a pass without value
+    // shows what an unserved look lacks.
     for pass in passes.iter().filter(|pass| !is_used(pass.pass)) {
         let gain = |k: &usize| {
             let worth = pass.worths.get(*k).copied().unwrap_or(0.0);

@@ -13,13 +13,13 @@ use crate::result::LossCause;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellWorth {
     pub(super) is_seen: bool,
-    /// Mean clarity.
+    /// Expected clarity of the look that counts; 0 if none does.
     pub(super) s: f64,
-    /// Mean of clarity times resolution.
+    /// Expected clarity times resolution.
     pub(super) sr: f64,
-    /// Mean worth.
+    /// Expected clarity times resolution times timing.
     pub(super) sro: f64,
-    /// The look with the greatest probability to count.
+    /// The look with the greatest value.
     pub(super) best: Option<(u32, u32)>,
 }
 

@@ -205,8 +205,8 @@ impl StripTiming {
     }
 }
 
-/// Returns the instant at which the image of a strip is on the ground: that of the strip, otherwise that of the earliest product that
-/// contains it.
+/// Returns the first instant at which the image of a strip is on the ground, on its own or in a product that contains it; `None` if
+/// neither is known.
 fn arrival_s(strip: &StripFacts, products: &[Product]) -> Option<f64> {
     let holds = |product: &&Product| product.from_s <= strip.time_s && strip.time_s <= product.until_s;
     let received = products.iter().filter(holds).map(|product| product.on_ground_s);

@@ -8,7 +8,7 @@ use crate::plane::Point;
 use crate::target::{ObservedTarget, TargetArea};
 
 impl TargetObservations {
-    /// Nothing of the target seen yet.
+    /// Returns a target of which nothing has been seen.
     pub(super) fn new(target: ObservedTarget, grid: TargetGrid) -> TargetObservations {
         let (low, high) = grid.bounds();
         let reach_m = [low, high, Point { x: low.x, y: high.y }, Point { x: high.x, y: low.y }]
@@ -30,7 +30,7 @@ impl FlownObservation {
         self.watched.iter().find(is_of).is_some_and(TargetObservations::is_seen)
     }
 
-    /// Adds a target, in place of the one of its name if nothing of that has been seen.
+    /// Adds a target. It replaces the target of the same name, unless ground of that target has been seen: then the call has no effect.
     pub fn put(&mut self, target: ObservedTarget, grid: TargetGrid) {
         match self.watched.iter_mut().find(|watched| watched.target.name == target.name) {
             Some(watched) if watched.is_seen() => {}
@@ -39,7 +39,7 @@ impl FlownObservation {
         }
     }
 
-    /// Names of the targets, and the number of looks that cells of each have received.
+    /// Returns the name of each target, and the number of looks that its cells have received.
     pub fn look_counts(&self) -> impl Iterator<Item = (&str, usize)> {
         self.watched.iter().map(|watched| (watched.target.name.as_str(), watched.looks.count()))
     }

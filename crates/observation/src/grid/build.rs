@@ -8,11 +8,11 @@ use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_geo::plane::{doubled_area, edges, point_to_segment};
 use std::fmt;
 
-/// Cells of a grid on which flights are scored.
+/// Number of cells aimed at in a grid on which flights are scored.
 pub const SCORING_CELLS: usize = 20_000;
-/// Cells of a grid on which planners predict.
+/// Number of cells aimed at in a grid on which planners predict.
 pub const PLANNING_CELLS: usize = 4_000;
-/// Cells of any grid.
+/// Maximum number of cells of any grid.
 pub const CELLS_MAX: usize = 60_000;
 
 /// An area of a target that cannot be divided into cells.
@@ -57,11 +57,11 @@ impl TargetGrid {
     }
 }
 
-/// Corners of the polygon that represents a circle; its area is that of the circle.
+/// Number of corners of the polygon that represents a circle and has its area.
 const CIRCLE_CORNERS: usize = 96;
 /// Greatest extent of one target.
 const EXTENT_M_MAX: f64 = 1.0e6;
-/// Cells of the box around a perimeter's band.
+/// Maximum number of cells of the box around a perimeter's band.
 const BAND_BOX_CELLS_MAX: f64 = 4.0e6;
 
 fn build(target: &ObservedTarget, settings: GridSettings) -> Result<TargetGrid, String> {
@@ -214,7 +214,7 @@ fn bounds<'a>(points: impl Iterator<Item = &'a Point>, margin_m: f64) -> (Point,
     (low, high)
 }
 
-/// For each cell, true if its middle is inside the rings (even-odd rule).
+/// Returns for each cell true if its middle is inside the rings (even-odd rule).
 fn middles_inside(rings: &Rings, origin: Point, cell_m: f64, (rows, columns): (usize, usize)) -> Vec<bool> {
     let mut inside = vec![false; rows * columns];
     for (row, cells) in inside.chunks_mut(columns).enumerate() {
@@ -350,7 +350,7 @@ fn from_dense(
     finish(target, plane, cell_m, rows, cells)
 }
 
-/// Returns the unit normal of the ellipsoid at a position: through (0, 0), through (0, 90 E), through the north pole.
+/// Returns the unit normal of the ellipsoid at a position, in Earth-fixed axes: towards (0, 0), towards (0, 90 E), to the north pole.
 fn normal_of(position: Position) -> [f64; 3] {
     let (latitude_rad, longitude_rad) = (position.latitude_deg * RAD_PER_DEG, position.longitude_deg * RAD_PER_DEG);
     let cosine = libm::cos(latitude_rad);

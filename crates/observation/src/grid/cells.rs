@@ -19,12 +19,12 @@ impl GlanceEdge {
     }
 }
 
-/// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings. Rows are asked in
-/// order of y.
+/// Approximate crossings of the rows with a narrow strip: most rows have no cell centre in it and need no exact crossings. Callers pass
+/// rows in order of y.
 struct Glance {
-    /// `None` for anything but at most four edges.
+    /// Edges of the strip; all `None` if it has more than four.
     edges: [Option<GlanceEdge>; 4],
-    /// The only two edges that cross the rows below `until_y`; `None` if there are not two.
+    /// The only two edges that cross the rows below `until_y`; `None` if another number of edges crosses them.
     pair: Option<(GlanceEdge, GlanceEdge)>,
     until_y: f64,
     cells_per_m: f64,
@@ -57,8 +57,8 @@ impl Glance {
         (self.pair, self.until_y) = (pair, until_y);
     }
 
-    /// Returns true if no cell centre of the row, whose centres are whole cells east of its first, can be inside. Certain only for
-    /// exactly two crossings.
+    /// Returns true if certainly no cell centre of the row is inside; centres are a whole number of cells from the first one. Always false
+    /// unless exactly two edges cross the row.
     fn misses(&mut self, row: &CellRow) -> bool {
         if row.y >= self.until_y {
             self.select(row.y);
@@ -158,7 +158,7 @@ impl TargetGrid {
         self.total
     }
 
-    /// Corners south-west and north-east of the box around the cells.
+    /// Returns the corners of the box around the cells: least x and y, greatest x and y.
     pub fn bounds(&self) -> (Point, Point) {
         (self.low, self.high)
     }
@@ -178,7 +178,7 @@ impl TargetGrid {
         self.slope_max
     }
 
-    /// Returns unit normal of the ellipsoid at a cell.
+    /// Returns the unit normal of the ellipsoid at a cell.
     pub(crate) fn normal(&self, cell: usize) -> [f64; 3] {
         self.normals.get(cell).copied().unwrap_or_default()
     }
@@ -213,7 +213,7 @@ impl TargetGrid {
             (low_y, high_y) = (low_y.min(corner.y), high_y.max(corner.y));
             (low_x, high_x) = (low_x.min(corner.x), high_x.max(corner.x));
         }
-        // Most strips of a join lie outside the target.
+        // Most strips lie outside the target.
         if high_x < self.low.x || low_x > self.high.x {
             return;
         }
@@ -281,7 +281,7 @@ mod tests {
     use crate::grid::GridSettings;
     use crate::target::{ObservedTarget, Polygon, TargetArea, WantedLook};
 
-    /// Returns the cells by the definition: those whose centre has an odd number of crossings to its west.
+    /// Returns the cells by the even-odd rule: those whose centre has an odd number of crossings to its west.
     fn by_definition(grid: &TargetGrid, polygon: &[Point]) -> Vec<usize> {
         let middles = grid.centres().enumerate();
         let inside = middles.filter(|(_, (x, y))| {
@@ -332,6 +332,6 @@ mod tests {
             hits += found.len();
             assert_eq!(found, by_definition(&grid, &polygon), "{polygon:?}");
         }
-        assert!(hits > 1_000, "{hits} hits say little");
+        assert!(hits > 1_000, "{hits} hits, expected more than 1,000");
     }
 }

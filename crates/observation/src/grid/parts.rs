@@ -3,7 +3,7 @@
 use super::cells::TargetGrid;
 
 impl TargetGrid {
-    /// Returns the grid of which only the cells are wanted for which `is_wanted` is true; the others have no weight.
+    /// Returns the grid with weight 0 for the cells for which `is_wanted` is false: they are no longer wanted.
     #[must_use]
     pub fn only(mut self, is_wanted: impl Fn(usize) -> bool) -> TargetGrid {
         let left_out = self.weights.iter_mut().enumerate().filter(|(cell, _)| !is_wanted(*cell));

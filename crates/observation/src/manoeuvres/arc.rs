@@ -52,7 +52,7 @@ pub struct Arc {
 pub struct ArcFigures {
     /// Length of the path.
     pub length_m: f64,
-    /// Time at `speed_mps` with the slow part, from speed to speed.
+    /// Time from end to end, both passed at `speed_mps`, with the braking, the turn and the acceleration between them.
     pub time_s: f64,
     /// Greatest tilt rate.
     pub tilt_rate_deg_s: f64,
@@ -90,7 +90,7 @@ impl Arc {
         self.slant_m(90.0)
     }
 
-    /// Figures for a camera with this vertical field of view.
+    /// Returns the figures for a camera with this vertical field of view.
     pub fn figures(&self, vertical_field_deg: f64) -> ArcFigures {
         let Arc { speed_mps: v, turn_speed_mps: slow, acceleration_mps2: a, .. } = *self;
         let sweep_rad = (180.0 - 2.0 * self.from_elevation_deg) * RAD_PER_DEG;
@@ -222,7 +222,7 @@ impl Arc {
         })
     }
 
-    /// The second half is flown tail first: `|v - w_along| <= rearward limit`.
+    /// Rejects a wind that is too strong for the second half, flown tail first (`|v - w_along| <= rearward limit`), or to the side.
     fn check_wind(&self, craft: &Craft, scene: &Scene) -> Result<(), Refusal> {
         let axis = along(self.azimuth_deg, 1.0);
         let tail = scene.wind.east_mps * axis.x + scene.wind.north_mps * axis.y;

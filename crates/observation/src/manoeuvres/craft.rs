@@ -69,7 +69,7 @@ impl DrainTable {
 
 impl Craft {
     /// Returns the radius of a turn through the air at `true_airspeed_mps` with the bank of planned turns: `V^2 / (g tan phi)`. For a
-    /// vehicle that hovers, the radius at which the turn needs its whole acceleration.
+    /// vehicle that hovers, the radius at which the turn accelerates by [`Craft::braking_mps2`].
     pub fn turn_radius_m(&self, true_airspeed_mps: f64) -> f64 {
         if self.can_hover {
             true_airspeed_mps * true_airspeed_mps / self.braking_mps2

@@ -21,7 +21,7 @@ use apex_geo::plane::Point;
 
 /// Time between the pictures of a video that are predicted, s.
 const VIDEO_S: f64 = 1.0;
-/// Pictures of one forecast.
+/// Maximum number of pictures of one forecast.
 const PICTURES_MAX: usize = 5_000;
 /// Greatest difference of direction, in degrees, between chords that form one line of a scanner.
 const STRAIGHT_DEG: f64 = 0.05;
@@ -52,7 +52,7 @@ pub struct Forecast {
     pub energy: f64,
     /// Number of turns: fewer are better at equal value.
     pub turns: usize,
-    /// Pictures, 0 for a scanner.
+    /// Number of pictures; 0 for a scanner.
     pub pictures: usize,
     /// Share of the pictures with the middle of the target in view.
     pub tracked_share: f64,
@@ -117,7 +117,7 @@ fn factors_of(result: &TargetResult) -> Factors {
     result.looks.first().map_or(none, |look| look.factors)
 }
 
-/// Returns lines of a scanner: consecutive observed chords of one direction form one line.
+/// Returns the lines of a scanner: consecutive observed chords of one direction form one line.
 fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> Vec<PlannedLine> {
     let mut lines: Vec<PlannedLine> = Vec::new();
     let mut track_deg = f64::NAN;
@@ -128,7 +128,7 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
             continue;
         }
         let to = scene.position(after.point);
-        // Comparing with not-a-number is false: a new line.
+        // The first track is not a number, with which every comparison is false: a new line begins.
         let goes_on = wrap_180(pose.track_deg - track_deg).abs() < STRAIGHT_DEG;
         match lines.last_mut().filter(|_| goes_on) {
             Some(line) => line.to = to,

@@ -79,7 +79,7 @@ impl FlightPath {
         SectorSearch::NAME,
     ];
 
-    /// Returns name in PDL.
+    /// Returns the name in PDL.
     pub fn name(&self) -> &'static str {
         match self {
             FlightPath::StraightOver(_) => StraightOver::NAME,

@@ -90,7 +90,7 @@ impl DataHandling {
         }
     }
 
-    /// Refuses a link that does not carry the data.
+    /// Rejects a link that does not carry the data.
     pub(crate) fn check(&self, manoeuvre: &str) -> Result<(), Refusal> {
         let (rate, link) = match self {
             DataHandling::Store => return Ok(()),

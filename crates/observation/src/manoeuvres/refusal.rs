@@ -18,12 +18,12 @@ pub struct Refusal {
     pub unit: Box<str>,
     /// Owner of the limit, and its reason.
     pub because: Box<str>,
-    /// The nearest thing that works.
+    /// The nearest possible value or manoeuvre, as text.
     pub nearest: String,
 }
 
 impl Refusal {
-    /// The excess of the figure over its limit, as a share of the larger of the two.
+    /// Returns the excess of the figure over its limit, as a share of the larger of the two.
     pub fn excess(&self) -> f64 {
         (self.value - self.limit).abs() / self.limit.abs().max(self.value.abs()).max(1e-9)
     }
@@ -40,7 +40,7 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Returns a number in readable form: an integer from 100 on, otherwise three digits.
+/// Returns a number as text: without decimals from 100 on and for integers, with one decimal from 1 on, with three below.
 pub(crate) fn short(number: f64) -> String {
     if number.abs() >= 100.0 || number == libm::trunc(number) {
         format!("{number:.0}")
@@ -51,7 +51,7 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
-/// Terms of a check.
+/// A figure of a manoeuvre that is checked against a limit.
 pub(crate) struct Limit<'a> {
     pub(crate) manoeuvre: &'a str,
     pub(crate) figure: &'a str,
@@ -94,7 +94,7 @@ impl Limit<'_> {
     }
 }
 
-/// Refuses a parameter that is not a positive finite number.
+/// Rejects a parameter that is not a positive finite number.
 pub(crate) fn positive(manoeuvre: &str, figure: &str, unit: &str, value: f64) -> Result<(), Refusal> {
     if value.is_finite() && value > 0.0 {
         return Ok(());

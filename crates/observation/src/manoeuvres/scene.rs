@@ -22,7 +22,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// In still air, from the south, at instant 0.
+    /// Returns a scene in still air in which the vehicle arrives from the south and begins at instant 0.
     pub fn still(target: Position, elevation_m: f64) -> Scene {
         Scene { target, elevation_m, wind: Wind::default(), approach: Point { x: 0.0, y: -1.0 }, from_s: 0.0 }
     }

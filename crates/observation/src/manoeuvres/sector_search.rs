@@ -15,7 +15,7 @@ pub struct SectorSearch {
     pub radius_m: f64,
     /// Height above the target.
     pub height_m: f64,
-    /// Direction of the first leg; `None`: into the wind, or north without wind. A repetition is turned by 30 degrees.
+    /// Direction of the first leg; `None`: into the wind, or north without wind. To repeat a search, turn it by 30 degrees.
     pub first_track_deg: Option<f64>,
 }
 

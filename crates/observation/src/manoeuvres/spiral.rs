@@ -62,7 +62,7 @@ impl Spiral {
             if angle_rad >= whole_rad || points.len() >= super::track::POINTS_MAX {
                 break;
             }
-            // Near the middle a chord of the usual angle would be shorter than a step of guidance.
+            // Far from the middle, a chord of the usual angle would be longer than the limit.
             let chord_rad = (CHORD_DEG * RAD_PER_DEG).min(chord_m_max / radius_m.max(1.0));
             angle_rad = (angle_rad + chord_rad).min(whole_rad);
         }

@@ -17,7 +17,7 @@ pub struct StraightOver {
     pub height_m: f64,
     /// Extent of the target along the track.
     pub length_m: f64,
-    /// Recorded beyond the far edge: half of a footprint for pictures, 0 for a scanner.
+    /// Length recorded beyond the far edge: half of a footprint for pictures, 0 for a scanner.
     pub run_out_m: f64,
 }
 
@@ -35,7 +35,7 @@ impl StraightOver {
         )
     }
 
-    /// Refuses figures that are not positive.
+    /// Rejects figures that are not positive.
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a length", "m", self.length_m + self.run_out_m)

@@ -2,7 +2,7 @@
 //! the wind.
 //!
 //! A fixed wing turns between lines on the shortest path in the wind; if lines are nearer than two turn radii, it may fly every k-th line
-//! instead, if that is faster. Bound: 24 directions of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
+//! instead, if that is faster. Bound: 60 directions with two orders of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
@@ -28,7 +28,7 @@ pub struct Sweep {
     pub sidelap: f64,
     /// Direction of the lines; `None`: the fastest one in the wind.
     pub track_deg: Option<f64>,
-    /// Recorded beyond both ends of each line.
+    /// Length recorded beyond both ends of each line.
     pub run_in_m: f64,
 }
 

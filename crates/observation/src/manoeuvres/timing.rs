@@ -15,7 +15,7 @@ use apex_geo::plane::Point;
 pub const CORNER_DEG: f64 = 25.0;
 /// Time in which the direction of flight changes at a corner.
 pub const CORNER_S: f64 = 1.0;
-/// Number of pieces with constant speed and attitude into which a path is divided at least.
+/// Number of pieces of constant speed into which a leg is divided if the speed depends on the distance from the target.
 const PIECE_SHARE: usize = 20;
 
 /// The vehicle at an instant of a manoeuvre.
@@ -228,7 +228,8 @@ fn chord(
     Ok(chords)
 }
 
-/// Speeds at the ends of chords that keep the accelerations: first backwards, then forwards.
+/// Returns the ground speeds at the ends of the chords. A pass backwards applies the limit of braking, a pass forwards that of
+/// acceleration.
 fn node_speeds(chords: &[Chord], craft: &Craft) -> Vec<f64> {
     let mut nodes: Vec<f64> = Vec::with_capacity(chords.len() + 1);
     nodes.push(0.0);

@@ -11,7 +11,7 @@ use apex_geo::plane::Point;
 use apex_geo::travel::{Flyer, Pose};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Points of one track.
+/// Maximum number of points of one track.
 pub(crate) const POINTS_MAX: usize = 20_000;
 /// Angle of a chord of a curve.
 pub(crate) const CHORD_DEG: f64 = 7.5;
@@ -32,7 +32,7 @@ pub struct TrackPoint {
 /// A part of a track.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Element {
-    /// Points that are followed; the first is where the part before ended.
+    /// Points that are followed; the first one is the end of the preceding part.
     Follow {
         /// The points; at least two.
         points: Vec<TrackPoint>,

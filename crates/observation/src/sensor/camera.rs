@@ -66,7 +66,7 @@ impl CameraSetting {
         self.mount.tilt_deg.0 <= -90.0
     }
 
-    /// Angles of the mount that look straight down.
+    /// Returns the angles of the mount for a view straight down.
     pub fn straight_down() -> GimbalAngles {
         GimbalAngles { pan_deg: 0.0, tilt_deg: -90.0 }
     }
@@ -94,7 +94,7 @@ impl CameraSetting {
         }
     }
 
-    /// Weights of a planned picture in turbulence of `edr`: roll is the probability of a valid picture.
+    /// Returns the weights of a planned picture in turbulence of `edr`: roll is the probability of a valid picture.
     pub fn planned_weights(&self, motion: &ExposureMotion, hold: &AttitudeHold, edr: f64) -> ClarityWeights {
         let level = ExposureMotion { roll_deg: Some(0.0), ..*motion };
         ClarityWeights { roll: share_within(hold.roll_sigma_deg(edr), &self.roll), ..self.weights(&level) }

@@ -42,7 +42,7 @@ impl FrameCamera {
         height_m * self.pixel_rad()
     }
 
-    /// Returns metres per pixel of an oblique view: along the scan plane, and in the plane of view where the line of sight meets the
+    /// Returns metres per pixel of an oblique view: at right angles to the plane of view, and in it, where the line of sight meets the
     /// ground at `incidence_rad`. `slant_m` is the distance to the ground point.
     pub fn oblique_sample_m(&self, slant_m: f64, incidence_rad: f64) -> (f64, f64) {
         let sample_m = self.pixel_rad() * slant_m;

@@ -88,7 +88,7 @@ impl Gimbal {
         NADIR_CONE_DEG.max(libm::asin(ratio) / RAD_PER_DEG)
     }
 
-    /// Angles for a line of sight in body axes, from the present angles. `cone_deg` is [`Gimbal::nadir_cone_deg`].
+    /// Returns the angles for a line of sight in body axes, from the present angles. `cone_deg` is [`Gimbal::nadir_cone_deg`].
     pub fn point(&self, line: Vector, present: GimbalAngles, cone_deg: f64) -> Pointing {
         let wanted = angles_of(line);
         let level = libm::hypot(line.x, line.y);
@@ -176,7 +176,7 @@ pub fn scanner_sun_roll_deg(sun_elevation_deg: f64, field_of_view_deg: f64, marg
 }
 
 /// Returns the tilt and pan rates (deg/s) that hold a ground point in view in level flight: `height_m` above it, `offset_m` away
-/// horizontally, moving at `along_mps` towards it and `across_mps` at right angles. None straight above it.
+/// horizontally, moving at `along_mps` towards it and `across_mps` at right angles. The pan rate is `None` straight above it.
 pub fn tracking_rates_deg_s(height_m: f64, offset_m: f64, along_mps: f64, across_mps: f64) -> (f64, Option<f64>) {
     let squared = height_m * height_m + offset_m * offset_m;
     let tilt = along_mps.abs() * height_m / squared / RAD_PER_DEG;

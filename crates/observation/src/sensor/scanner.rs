@@ -1,6 +1,7 @@
 //! Cross-track line scanners: pixel, swath, useful swath, V/H limit and choice of the scan rate.
 //!
-//! Flat ground; curvature changes the swath by 0.14 % at a height of 20 km (`footprint::curved_ground_offset_m`).
+//! Flat ground; curvature widens the swath of an 86 degree field of view by 0.14 % at a height of 20 km
+//! (`footprint::curved_ground_offset_m`).
 //! Geometry: slant range `L = h / cos o`, pixel along the track `ifov L`, across the track `ifov L / cos i` with the
 //! incidence `i = o` on flat ground.
 
@@ -45,7 +46,7 @@ pub struct RateLimits {
 }
 
 impl Default for RateLimits {
-    /// Full to 2 pixels per line, nothing from 6: attitude recorded at 50 Hz corrects smaller shifts.
+    /// Returns full value up to 2 pixels per line and no value from 6 on: attitude recorded at 50 Hz corrects smaller shifts.
     fn default() -> RateLimits {
         RateLimits { full_pixels: 2.0, zero_pixels: 6.0 }
     }
@@ -194,7 +195,7 @@ impl RateLimits {
     }
 }
 
-/// 1 up to `full`, 0 from `zero` on, linear between; a step where the two are equal. Not-a-number gives 0.
+/// Returns 1 up to `full`, 0 from `zero` on, linear between; a step where the two are equal. Not-a-number gives 0.
 pub(crate) fn ramp_down(value: f64, full: f64, zero: f64) -> f64 {
     if value <= full {
         1.0

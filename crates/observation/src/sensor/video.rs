@@ -23,7 +23,7 @@ pub struct VideoCamera {
 pub enum ViewerTask {
     /// Notice that an object is there.
     Detect,
-    /// See how it lies.
+    /// See its orientation.
     Orient,
     /// See its class.
     Recognise,

@@ -76,7 +76,7 @@ impl SunDirection {
         }
     }
 
-    /// Returns the unit vector: through (0, 0), through (0, 90 E), through the north pole.
+    /// Returns the unit vector in Earth-fixed axes: towards (0, 0), towards (0, 90 E), to the north pole.
     pub fn unit(&self) -> [f64; 3] {
         let longitude_rad = self.subsolar_longitude_deg * RAD_PER_DEG;
         [

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub(crate) const HOLD: AttitudeHold =
     AttitudeHold { roll_deg_per_edr: 10.0, natural_frequency_rad_s: Some(1.0), damping_ratio: 0.7 };
 
-/// Predator B: 95 m/s, 18 degrees.
+/// Returns a Predator B: 95 m/s, 18 degrees of bank.
 pub(crate) fn predator() -> Craft {
     Craft {
         name: "predator-b".to_string(),
@@ -37,7 +37,7 @@ pub(crate) fn predator() -> Craft {
     }
 }
 
-/// Returns a mapping fixed wing: 13 m/s, 35 degrees, 20 m of lead-in.
+/// Returns a mapping fixed wing: 13 m/s, 35 degrees of bank, 20 m of lead-in.
 pub(crate) fn mapper() -> Craft {
     Craft {
         name: "mapper".to_string(),

@@ -1,6 +1,6 @@
 //! Manoeuvres: every worked number and test vector of the reference, and properties.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test that cannot continue fails")]
 
 mod fixtures;
 mod properties;

@@ -13,9 +13,9 @@ pub struct Contradiction {
     pub problem: Box<Problem>,
     /// The plan, without the bound.
     pub plan: Box<Plan>,
-    /// Value of the plan: of surveillance its expected cost, of a tour its length.
+    /// Value of the plan: expected cost of surveillance, benefits of single visits, or length of a tour.
     pub value: f64,
-    /// Value that no plan should better.
+    /// The bound: no plan should have a better value.
     pub bound: f64,
 }
 
@@ -93,8 +93,8 @@ mod tests {
         };
         assert_eq!(stated(&plan), None);
         state_at_least(&posed, &mut plan, |_| cost * (1.0 + 1e-9)).unwrap();
-        assert_eq!(stated(&plan), Some(cost), "rounding is none");
+        assert_eq!(stated(&plan), Some(cost), "a rounding error is not a contradiction");
         let no_number = state_at_least(&posed, &mut plan, |_| f64::NAN);
-        assert!(no_number.is_ok(), "what is known stays");
+        assert!(no_number.is_ok(), "a bound that is not a number is ignored");
     }
 }

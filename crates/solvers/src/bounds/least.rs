@@ -7,7 +7,7 @@ pub(super) fn events_per_s(target: &SurveillanceTarget) -> f64 {
     target.rate.steps.iter().map(|(_, events_per_s)| *events_per_s).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// Shortest times between ends of observations, over other targets too.
+/// Returns the shortest times in seconds from the end of an observation to the end of another, with detours over other targets.
 pub(super) fn ways(problem: &SurveillanceProblem) -> Vec<Vec<f64>> {
     let count = problem.targets.len();
     let dwells = || problem.targets.iter().map(|target| target.dwell_s);

@@ -1,10 +1,10 @@
-//! Proven lower bounds on the expected cost of ignorance (paper, section II.A; ours beyond it): no plan costs less.
+//! Proven lower bounds on the expected cost of ignorance (paper, section II.A; the bounds are an addition to it): no plan costs less.
 //!
 //! Three methods exist, and the greatest bound counts. [`price`] puts a price on time and lets every target respond to it independently:
-//! some microseconds; weak if targets are clustered. [`absences`] is a linear program over the number of times each leg is flown, in
-//! which groups of targets are unobserved together while the vehicle is elsewhere: some tenths of a second for 16 targets. [`ages`] is a
-//! dynamic program backwards in time over a grid of the ages of all targets, for few targets and flights that never wait: a second or
-//! two, and tight. The first two bound all flights. Each bound has a certificate whose value [`verified`] computes again without the
+//! some microseconds; weak if targets are clustered. [`revisit_gaps`] is a linear program over the number of times each leg is flown, in
+//! which groups of targets are unobserved together while the vehicle is elsewhere: some tenths of a second for 16 targets. [`age_grid`]
+//! is a dynamic program backwards in time over a grid of the ages of all targets, for few targets and flights that never wait: a second
+//! or two, and tight. The first two bound all flights. Each bound has a certificate whose value [`verified`] computes again without the
 //! solver that found it.
 
 pub mod age_grid;
@@ -26,7 +26,7 @@ use std::borrow::Cow;
 /// A bound with its certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
-    /// No plan costs less; with a proof by ages, none that never waits.
+    /// No plan costs less; with a proof by [`Proof::AgeGrid`], no plan that never waits costs less.
     pub expected_cost: f64,
     /// Proof of the bound.
     pub proof: Proof,
@@ -37,7 +37,7 @@ pub struct Bound {
 pub enum Proof {
     /// Least expected cost that one more second of flight would save.
     PricePerSecond(f64),
-    /// Multipliers of the rows of the program of absences.
+    /// Multipliers of the rows of the linear program in [`revisit_gaps`].
     RevisitGaps(revisit_gaps::Multipliers),
     /// All flights that never wait were evaluated backwards over a grid of ages with this resolution.
     AgeGrid(age_grid::horizon::GridResolution),
@@ -47,7 +47,7 @@ pub enum Proof {
 /// plans contain their bounds already.
 ///
 /// # Errors
-/// The bound contradicts the plan, which then states none.
+/// [`Contradiction`] if the bound contradicts the plan, which then states no bound.
 pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
     state_at_least(problem, plan, |problem| price::expected_cost(&simplified(problem)).expected_cost)
 }
@@ -68,7 +68,7 @@ pub(crate) fn state_at_least(
     contradiction::check(problem, plan)
 }
 
-/// Returns the best bound found of plans that never wait. `problem` must be valid (`validate::surveillance`).
+/// Returns the best bound found for plans that never wait. `problem` must be valid (`validate::surveillance`).
 pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
@@ -84,7 +84,7 @@ pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter
     }
 }
 
-/// Returns the best bound found of all plans. `problem` must be valid (`validate::surveillance`).
+/// Returns the best bound found for all plans. `problem` must be valid (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }

@@ -11,7 +11,7 @@
 use apex_metrics::eci;
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 
-/// Prices that are tried.
+/// Maximum number of prices that are tried.
 pub const PRICES_MAX: usize = 48;
 /// Work per target for all prices together, in nanoseconds.
 pub(super) const TARGET_NS: f64 = 2e5;
@@ -70,7 +70,7 @@ pub fn at_price(problem: &SurveillanceProblem, price_per_s: f64) -> f64 {
 
 fn of_targets(problem: &SurveillanceProblem, targets: &[PricedTarget<'_>], price: f64) -> f64 {
     let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
-    // If the mission may end anywhere, the last visit has no way onward; half of one was charged for each stay.
+    // If the mission may end anywhere, no leg follows the last visit; each stay was charged half of a leg from its target.
     let spared_s = if problem.return_to_base {
         0.0
     } else {
@@ -91,7 +91,7 @@ struct PricedTarget<'a> {
     stay_s: f64,
     /// Half of the shortest way from the target.
     half_out_s: f64,
-    /// Stays that fit.
+    /// Maximum number of stays that fit into the flight.
     stays_max: u32,
 }
 

@@ -3,7 +3,7 @@
 use apex_model::problem::{EventRate, SurveillanceProblem, SurveillanceTarget};
 use std::borrow::Cow;
 
-/// Returns the problem without the steps of rates that lie wholly outside that time.
+/// Returns the problem without the steps of rates that lie wholly outside the time that matters.
 pub(super) fn held(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let steps = |target: &SurveillanceTarget| steps(target, problem.horizon_s);
     if problem.targets.iter().all(|target| steps(target).len() == target.rate.steps.len()) {
@@ -16,7 +16,7 @@ pub(super) fn held(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem
     Cow::Owned(held)
 }
 
-/// Returns true if a rate changes within that time.
+/// Returns true if a rate changes within the time that matters.
 pub(super) fn change(problem: &SurveillanceProblem) -> bool {
     let differ = |steps: &[(f64, f64)]| steps.iter().zip(steps.iter().skip(1)).any(|((_, a), (_, b))| a != b);
     problem.targets.iter().any(|target| differ(&steps(target, problem.horizon_s)))

@@ -25,7 +25,7 @@ proptest! {
         seed in 0..1000_u64, cost in families(), other in families(), home: bool, age in 0.0..300.0f64,
         later in 0.1..3.0f64, horizon in 200.0..900.0f64, turn in prop::option::of(0.2..0.9f64),
     ) {
-        // All words of up to seven visits over three targets, one of which has a rate that changes. The wind may change on the way.
+        // All sequences of up to seven visits to three targets, one of which has a rate that changes. The wind may change on the way.
         let mut problem = match turn {
             Some(share) => examples::turning(3, seed, 3_000.0, share * horizon),
             None => examples::sized(3, seed, 3_000.0),

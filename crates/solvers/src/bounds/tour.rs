@@ -8,7 +8,7 @@
 use apex_model::problem::{TravelTimes, UNREACHABLE_S};
 use apex_planning::meter::Meter;
 
-/// Greatest number of examined edges in all, about a second, and rounds at most and at least.
+/// Maximum number of examined edges in all, which take about a second, and the least and greatest number of rounds.
 const LOOKS_MAX: usize = 200_000_000;
 const ROUNDS: (usize, usize) = (20, 1_000);
 /// Work per examined edge, in nanoseconds: measured were 4 among 400 places.

@@ -101,7 +101,7 @@ fn least_s(schedule: &mut Schedule<'_>, (from, to): (PointKey, PointKey), change
     let mut quickest_s = least_s;
     let mut open: Vec<((f64, f64), f64)> = Vec::new();
     for ((depart_s, taken_s), (next_s, _)) in known.iter().zip(known.iter().skip(1)) {
-        // A vehicle that arrives before anything changes takes as long as one that leaves first.
+        // A vehicle that arrives before the next change takes as long as the first one: only later departures are examined.
         let quiet_s = if taken_s.is_finite() { next_s - taken_s } else { *depart_s };
         open.push(((depart_s.max(quiet_s), *taken_s), *next_s));
     }

@@ -17,7 +17,7 @@ pub(crate) const END: u32 = 1;
 pub(crate) const FIRST: u32 = 2;
 /// Ticks of a leg that cannot be flown: the sum of three of them still fits into 32 bits.
 pub(crate) const NO_WAY: i32 = 1 << 29;
-/// Ticks of the longest flight: a leg in addition fits.
+/// Ticks of the longest flight: with a leg in addition they still fit into 32 bits.
 const TICKS_MAX: f64 = (1_u32 << 27) as f64;
 /// More nodes than this are left to the general search: the table of legs would not fit.
 const NODES_MAX: usize = 6_000;
@@ -172,7 +172,7 @@ impl Network {
         Network::tightened(nodes, legs, targets, (1.0, 0.0))
     }
 
-    /// Ticks from the beginning of the visit `from` to the arrival at `to`.
+    /// Returns the ticks from the beginning of the visit `from` to the arrival at `to`.
     #[inline(always)]
     pub(crate) fn leg(&self, from: u32, to: u32) -> i32 {
         self.legs.get(from as usize * self.nodes.len() + to as usize).copied().unwrap_or(NO_WAY)

@@ -6,7 +6,7 @@ use apex_metrics::mission_score;
 use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_planning::solver::Budget;
 
-/// Work units charged for one leg: a unit is about a tenth of a microsecond. The preparation of a path is charged separately.
+/// Work units charged for one leg. The preparation of a path is charged separately.
 pub(crate) const UNITS_PER_LEG: u64 = 2;
 /// Times that differ by at most this are equal, so that sums of decimals do not decide.
 const SAME_S: f64 = 1e-9;
@@ -18,7 +18,7 @@ pub(crate) struct Choice {
     pub(crate) target: usize,
     /// Index of its manoeuvre.
     pub(crate) manoeuvre: usize,
-    /// Wait for this time before observing, for a better timing factor.
+    /// Earliest beginning of the observation, for a better timing factor; negative infinity to begin at once.
     pub(crate) not_before_s: f64,
 }
 
@@ -61,12 +61,12 @@ impl Judged {
 pub(crate) enum Infeasibility {
     /// No path or no time window; the phrase states which.
     Impossible(String),
-    /// The flight would end this much too late.
+    /// The flight would end too late.
     TooLate {
-        /// By how much.
+        /// Time by which it would exceed its limit.
         over_s: f64,
     },
-    /// A target that must come earlier does not.
+    /// A target that must precede another one comes later, or is missing.
     Order,
 }
 

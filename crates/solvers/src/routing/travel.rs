@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// Work units of examining one leg, or one continuation from a bend.
 const UNITS_PER_LOOK: u64 = 5;
-/// Networks of one problem; further sets of zones share one in which every zone applies at every altitude.
+/// Maximum number of networks of one problem; further sets of zones share one in which every zone applies at every altitude.
 const NETWORKS_MAX: usize = 16;
 
 /// A way with its times.
@@ -64,7 +64,7 @@ struct Spot {
     track_rad: Option<f64>,
 }
 
-/// The travel model with its memory.
+/// The travel model with the paths computed so far.
 pub(crate) struct Travel<'a> {
     problem: &'a SingleVisitProblem,
     /// The first manoeuvre of each target among all manoeuvres.
@@ -153,7 +153,7 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// Returns departure and arrival at `to` after readiness at `from` at `ready_s`. Errors: the obstacle.
+    /// Returns departure and arrival at `to` of a vehicle that can leave `from` at `ready_s`. Errors: the obstacle.
     pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
         if let Some(travel) = &self.problem.travel {
             let travel_s = given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
@@ -393,7 +393,7 @@ impl Layer {
     }
 }
 
-/// Returns the time in which the flight lies.
+/// Returns an interval that contains the whole flight, in seconds.
 fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
     (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
 }

@@ -30,7 +30,7 @@ impl Chance {
         self.below(100) < percent
     }
 
-    /// One of `all`.
+    /// Returns a random element of `all`.
     pub(crate) fn of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len())]
     }

@@ -44,7 +44,7 @@ fn a_target_of_no_value_that_comes_first_is_kept() {
     assert_eq!(visits::of_problem(&mut Chance::new(1), &problem), Vec::<String>::new());
 }
 
-/// From the start to the fire 100 s, by way of the gate 25 s; the fire closes after 60 s.
+/// Returns a problem in which the fire is 100 s from the start, but only 25 s by way of the gate; its window closes after 60 s.
 fn short_cut(gate: f64) -> SingleVisitProblem {
     let mut problem = visits_of(&[("gate", gate), ("fire", 10.0), ("hill", 1.0)]);
     problem.targets[1].windows = vec![TimeWindow { from_s: 0.0, until_s: 60.0 }];

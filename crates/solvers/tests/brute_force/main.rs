@@ -15,7 +15,7 @@ mod watch_problems;
 mod watch_words;
 mod watches;
 
-/// Number of problems of a run; seven in ten are single-visit problems.
+/// Returns the number of problems of a run; seven in ten are single-visit problems.
 fn problems() -> u64 {
     number("APEX_BRUTE_FORCE_PROBLEMS").unwrap_or(2_000)
 }

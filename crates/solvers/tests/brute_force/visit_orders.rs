@@ -58,7 +58,7 @@ fn quality(manoeuvre: &apex_model::problem::Manoeuvre) -> f64 {
     quality.coverage.factor * quality.resolution.factor * quality.clarity.factor
 }
 
-/// Straight lines between points, constant outside; 1 where there are none.
+/// Returns the timing factor: linear between the points, constant outside; 1 without points.
 fn timing(points: &[(f64, f64)], at_s: f64) -> f64 {
     let Some(after) = points.iter().position(|(time_s, _)| *time_s > at_s) else {
         return points.last().map_or(1.0, |(_, factor)| *factor);

@@ -98,7 +98,7 @@ fn timing(chance: &mut Chance, start_s: f64, span_s: f64) -> Vec<(f64, f64)> {
     (0..chance.below(4)).map(|_| point(chance)).collect()
 }
 
-/// Pairs that follow the order of a shuffled list: no circles.
+/// Returns pairs that follow the order of a shuffled list, so that they form no cycle.
 fn precedence(chance: &mut Chance, count: usize) -> Vec<(String, String)> {
     if count < 2 || chance.percent(50) {
         return Vec::new();
@@ -119,7 +119,7 @@ fn crew(chance: &mut Chance) -> Vec<CrewMember> {
     paid.then(member).into_iter().collect()
 }
 
-/// Travel times on a plane, in a circle where equal points are usual, or any numbers; sometimes changing with the departure.
+/// Returns travel times on a plane, in a circle where equal points are usual, or any numbers; sometimes changing with the departure.
 pub(crate) fn travel(chance: &mut Chance, count: usize) -> TravelTimes {
     let kind = chance.below(4);
     let unreachable = if kind >= 2 { chance.of(&[0, 0, 10, 30]) } else { 0 };
@@ -152,7 +152,7 @@ pub(crate) fn travel(chance: &mut Chance, count: usize) -> TravelTimes {
     travel
 }
 
-/// Times for two later departures; a later departure never arrives earlier.
+/// Returns times for two later departures; a later departure never arrives earlier.
 fn later(chance: &mut Chance, first: &TravelTimes) -> Vec<LaterTimes> {
     let mut all: Vec<LaterTimes> = Vec::new();
     let mut before = LaterTimes {

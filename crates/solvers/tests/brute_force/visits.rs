@@ -8,7 +8,7 @@ use apex_planning::solver::{Environment, Solver, WorkBudget};
 use apex_solvers::planners::human::Human;
 use apex_solvers::planners::single_visit::SingleVisit;
 
-/// Times of plans may be off by this: `apex_planning::checker` allows a microsecond.
+/// Margin with which times must be kept, negative: a tolerance, because `apex_planning::checker` allows a microsecond.
 const LENIENT_S: f64 = -1e-5;
 /// Share within which sums of worths are equal.
 const SAME: f64 = 1e-9;
@@ -47,11 +47,11 @@ fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<SingleVi
     let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
     match solver.solve(problem, &mut environment)? {
         Plan::SingleVisit(plan) => Ok(plan),
-        Plan::Surveillance(_) => panic!("of another kind"),
+        Plan::Surveillance(_) => panic!("the plan is of another kind"),
     }
 }
 
-/// Some targets in an order of chance.
+/// Returns some targets in random order.
 fn order(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
     let mut names: Vec<String> = problem.targets.iter().map(|target| target.name.clone()).collect();
     (1..names.len()).for_each(|index| names.swap(index, chance.below(index + 1)));

@@ -72,7 +72,7 @@ impl Words<'_> {
     }
 }
 
-/// Returns the cost of not looking from `from_s` to `until_s`: the rate times the cost of each event's age at the end.
+/// Returns the cost of an interval without observation: the rate times the cost of each event's age at the end.
 fn gap_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> f64 {
     let of = |from_s: f64, until_age_s: f64| integral(&target.cost, from_s) - integral(&target.cost, until_age_s);
     let pieces = pieces(&target.rate, from_s, until_s);

@@ -62,7 +62,7 @@ fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<Surveill
     let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
     match solver.solve(problem, &mut environment)? {
         Plan::Surveillance(plan) => Ok(plan),
-        Plan::SingleVisit(_) => panic!("of another kind"),
+        Plan::SingleVisit(_) => panic!("the plan is of another kind"),
     }
 }
 
@@ -80,7 +80,7 @@ fn claims(
     if (cost - plan.expected_cost).abs() > same(cost) {
         found.push(format!("{who}: the plan claims {} and costs {cost}", plan.expected_cost));
     }
-    // A margin keeps the words a hair shorter than plans may be.
+    // The enumerated flights end a margin before the limit, which plans may use up; hence the tolerance.
     if plan.expected_cost < without - 1e-6 * without.max(1.0) - 1e-6 {
         found.push(format!("{who}: the plan claims {} where no word costs less than {without}", plan.expected_cost));
     }

@@ -8,15 +8,15 @@ use super::{Flyer, PathCandidate, PathEnds, PathType};
 use crate::plane::Point;
 use std::f64::consts::TAU;
 
-/// Part of the excess of a duration that may be used up, and distance of a turn from none and from a full circle, so that no rounding
-/// decides.
+/// Share of a duration's excess that may be used up, and least distance of a turn from zero and from a full circle, so that rounding does
+/// not decide.
 const SURELY_LESS: f64 = 0.999;
 const SURELY_APART_RAD: f64 = 1e-6;
 
 /// Upper bounds of changes while an end moves by a certain distance.
 struct ChangeBounds {
     length_m: f64,
-    /// Of each turn.
+    /// Bound on the change of each turn.
     turn_rad: f64,
 }
 
@@ -43,7 +43,7 @@ impl Flyer {
                     && turns().all(|part| keeps(part.length_m / self.turn_radius_m))
             })
         };
-        // No path ends sooner than one whose end comes towards it straight.
+        // The excess falls fastest if the end comes straight towards the path.
         let mut steps = libm::floor(excess_s / ((1.0 + wind_mps / self.true_airspeed_mps) * step_s));
         while steps > 1.0 && !is_idle(steps) {
             steps = libm::floor(0.5 * steps);

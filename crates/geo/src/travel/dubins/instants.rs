@@ -3,7 +3,7 @@
 use super::{HALVINGS, PathCandidate};
 
 impl PathCandidate {
-    /// Returns the candidate farthest from this one towards `until_s`, where none exists.
+    /// Returns the candidate farthest from this one towards `until_s`, at which no candidate exists.
     pub(super) fn outermost(self, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
         let mut known = self;
         for _ in 0..HALVINGS {
@@ -61,7 +61,7 @@ impl PathCandidate {
     ) -> (PathCandidate, PathCandidate) {
         for _ in 0..HALVINGS {
             let middle_s = 0.5 * (low.time_s + high.time_s);
-            // Between two neighbouring numbers there is none.
+            // No number lies between these two.
             if middle_s == low.time_s || middle_s == high.time_s {
                 break;
             }

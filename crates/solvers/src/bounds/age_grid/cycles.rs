@@ -21,13 +21,13 @@ const TRIALS_MAX: usize = 12;
 const SWEEPS_MAX: usize = 120;
 /// Number of sweeps before the cost is computed.
 const SWEEPS_AT_ONCE: usize = 20;
-/// Shares of the cost within which a number counts as proven, and at which trials end.
+/// Relative gap up to which a trial cost counts as proven, and relative gap between bound and best cost at which trials end.
 const NEAR: f64 = 1e-5;
 const ENOUGH: f64 = 2e-3;
-/// Number of visits flown by the values, and greatest length of a cycle searched among them.
+/// Number of visits in the flight that follows the values, and greatest length of a cycle sought in it.
 const VISITS: usize = 900;
 const CYCLE_MAX: usize = 300;
-/// Visits at which a cycle may begin.
+/// Number of visits at which a cycle may begin.
 const BEGINNINGS: usize = 60;
 /// Work of following the values and seeking cycles, in nanoseconds.
 const FLOWN_NS: f64 = 1e7;
@@ -39,22 +39,22 @@ const ROUNDING: f64 = 1e-9;
 /// A cycle with its cost per second and the proof of its quality.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BestCycle {
-    /// Indices of the targets in the order of their visits, again and again.
+    /// Indices of the targets in the order of their visits; the cycle is flown endlessly.
     pub cycle: Vec<usize>,
-    /// Expected cost per second of this cycle without end.
+    /// Expected cost per second of the cycle.
     pub cost_per_s: f64,
-    /// No flight without end that never waits costs less per second.
+    /// Lower bound on the cost per second of any endless flight that never waits.
     pub cost_per_s_bound: f64,
     /// Proof: a value for each point of the grid.
     pub proof: Vec<f64>,
 }
 
-/// Result of flying a plan's cycle without end.
+/// Result of flying a plan's cycle endlessly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WithoutEnd {
     /// Expected cost per second of the plan's cycle.
     pub cost_per_s: f64,
-    /// No flight without end that never waits costs less per second.
+    /// Lower bound on the cost per second of any endless flight that never waits.
     pub cost_per_s_bound: f64,
     /// Names of the targets of a cheaper cycle with its cost per second, if one is known.
     pub better: Option<(Vec<String>, f64)>,
@@ -178,7 +178,7 @@ fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, mete
     for number in 1..=SWEEPS_MAX {
         improve(grid, values, trial);
         meter.spend(once_ns);
-        // A caller that must stop asks for a last sweep.
+        // The budget does not suffice for another sweep.
         let last = meter.left_ns() <= once_ns;
         if number % SWEEPS_AT_ONCE == 0 || last {
             meter.spend(once_ns);

@@ -1,8 +1,9 @@
 //! Lower bound on the cost of any flight over the horizon that never waits: dynamic programming backwards in time over the grid of ages.
 //!
 //! Time advances in equal ticks. A visit that ends between two ticks leaves the remaining whole ticks; the rest of its tick costs at
-//! least what all targets accumulate at any instant when all but one have an age. This is valid because a vehicle with less time could
-//! fly the same visits, cut off earlier. Endurance and the way back are ignored, because neither makes a flight cheaper.
+//! least what all targets accumulate while all but one have at least the least age of the grid. This is valid because a
+//! vehicle with less time could fly the same visits, cut off earlier. Endurance and the way back are ignored, because neither makes a
+//! flight cheaper.
 //! Bound: O(ticks x points x targets x 2^targets), limited by [`GridResolution::steps`].
 
 use super::{Grid, first_leg_s, gathered, leg_s};
@@ -17,7 +18,7 @@ const TICKS_PER_LEG: f64 = 24.0;
 const STEPS_MIN: f64 = 1e5;
 /// Share of the remaining budget that may be used: cycles need their bound too.
 const LEFT_SHARE: f64 = 0.5;
-/// With a share of the work of the finest grid, the grid has this power of the share as its share of points.
+/// If the budget suffices only for a share of the finest grid's work, the grid has this power of the share as its share of the points.
 const POINTS_POWER: f64 = 0.5;
 /// Relative amount by which the bound is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 3e-9;
@@ -27,9 +28,9 @@ const WHOLE: f64 = 1e-9;
 /// Resolution of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridResolution {
-    /// Points of the grid of ages at most.
+    /// Maximum number of points of the grid of ages.
     pub points: usize,
-    /// Ticks times visits between points at most.
+    /// Maximum product of ticks and visits between points.
     pub steps: f64,
 }
 
@@ -38,8 +39,8 @@ impl GridResolution {
     pub const CLOSEST: GridResolution = GridResolution { points: 9_000, steps: 4e8 };
 }
 
-/// Returns the bound on the finest grid that the budget permits; `None` if there are too many targets, a cost is not concave, nothing can
-/// be reached, or the budget is too small for any grid.
+/// Returns the bound on the finest grid that the budget permits; `None` if there are too many targets, a cost is not concave, no target
+/// can be reached, or the budget is too small for any grid.
 pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, GridResolution)> {
     let (grid, time) = prepared(problem, GridResolution::CLOSEST)?;
     let (left_ns, wanted_ns) = (LEFT_SHARE * meter.left_ns(), time.steps(&grid) * grid.step_ns());
@@ -115,17 +116,17 @@ impl Time {
         if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
             return None;
         }
-        // A vehicle that stays at a target has no partial ticks: these would make waiting too cheap.
+        // The shortest stay at a target takes whole ticks: with partial ticks repeated stays would be too cheap.
         let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(is_leg);
         let stay_s = stays.fold(f64::INFINITY, f64::min);
         let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
-        // No leg fits into a tick that is longer than the horizon, nor does the tick.
+        // A longer tick would not fit into the horizon.
         let tick_s = tick_s.min(problem.horizon_s);
         let ticks = libm::floor(problem.horizon_s / tick_s).max(1.0);
         Some(Time { ticks: ticks as usize, tick_s, least_per_s: least_per_s(problem, grid, tick_s) })
     }
 
-    /// Ticks times visits between points.
+    /// Returns the product of ticks and visits between points.
     fn steps(&self, grid: &Grid) -> f64 {
         self.ticks as f64 * grid.visits()
     }
@@ -155,7 +156,7 @@ fn least_per_s(problem: &SurveillanceProblem, grid: &Grid, tick_s: f64) -> f64 {
     (all.iter().sum::<f64>() - greatest).max(0.0)
 }
 
-/// Values by the number of remaining ticks, as a ring: only as many layers as the longest visit has ticks.
+/// Values by the number of remaining ticks, as a ring buffer: only as many layers as the longest visit has ticks.
 struct Layers {
     kept: Vec<Vec<f64>>,
 }

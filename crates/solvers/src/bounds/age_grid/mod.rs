@@ -4,7 +4,7 @@
 //! It is concave in them if the cost of an age is concave: any flight accumulates a concave cost from each target, and the best flight is
 //! the minimum over all flights. So values at grid points that are lower bounds stay lower bounds when interpolated linearly in each age,
 //! and values of the rest of a flight give values of a flight that is one visit longer. Ages beyond the grid count as the last age of the
-//! grid, which is not more expensive. Flights never wait: this bounds no waiting vehicle.
+//! grid, which is not more expensive. The bounds hold only for flights that never wait.
 //! Bound: O(targets x points x 2^targets) for all visits once.
 
 pub mod cycles;
@@ -16,9 +16,9 @@ use apex_model::problem::{CostFunction, SurveillanceProblem, UNREACHABLE_S};
 
 /// With more targets the grid is too coarse.
 pub const TARGETS_MAX: usize = 5;
-/// Corners of a cell of the grid at most.
+/// Maximum number of corners of a cell of the grid.
 const CORNERS_MAX: usize = 1 << (TARGETS_MAX - 1);
-/// Ages of a target that are distinguished at most.
+/// Maximum number of ages of a target on the grid.
 const LEVELS_MAX: usize = 48;
 /// Share of the greatest cost at which the grid ends.
 const SATURATED: f64 = 0.995;
@@ -29,7 +29,7 @@ const TOURS: f64 = 20.0;
 /// Work of a visit from a point, for each corner of the grid cell, in nanoseconds. Measured over a horizon: 2.0 with 3 targets, 2.1 with
 /// 4 and 2.4 with 5; about the same in sweeps.
 const STEP_CORNER_NS: f64 = 2.3;
-/// Halvings in the search for an age.
+/// Number of bisection steps in the search for an age.
 const HALVINGS: usize = 60;
 
 /// A visit from one target to another, for every point of the grid.
@@ -38,9 +38,9 @@ pub(super) struct GridVisit {
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) seconds: f64,
-    /// Cost that the departed target accumulates meanwhile.
+    /// Cost that target `from` accumulates during the visit.
     user_cost: f64,
-    /// Interpolated position of the age of the target that is left, on the grid of the visited one.
+    /// Position of the age of target `from` after the visit, on the grid of target `to`.
     own: Option<GridInterpolation>,
     /// For each age of a point: its position after the visit, and the cost that its target accumulates during it.
     others: Vec<Vec<(Option<GridInterpolation>, f64)>>,
@@ -71,7 +71,7 @@ impl Grid {
     pub(super) fn new(problem: &SurveillanceProblem, points_max: usize, longest_s: f64) -> Option<Grid> {
         let count = problem.targets.len();
         let concave = problem.targets.iter().all(|target| is_concave(&target.cost));
-        // If travel takes longer at some times, its least time followed by a wait would be a different flight.
+        // With travel times that depend on the departure, a slow leg is a fast one followed by a wait, and flights must not wait.
         if count == 0 || count > TARGETS_MAX || !concave || !problem.travel.is_constant() {
             return None;
         }
@@ -90,12 +90,12 @@ impl Grid {
         Some(grid)
     }
 
-    /// Returns points of all targets together.
+    /// Returns the number of points of all targets.
     pub(super) fn size(&self) -> usize {
         self.levels.len() * self.rows.len() * self.row()
     }
 
-    /// Visits from all points.
+    /// Returns the number of visits from all points.
     pub(super) fn visits(&self) -> f64 {
         (self.steps.len() * self.size() / self.levels.len().max(1)) as f64
     }
@@ -135,7 +135,7 @@ impl Grid {
         self.steps.get(begin..end).unwrap_or_default()
     }
 
-    /// Returns the first point at a target.
+    /// Returns the index of the first point at a target.
     pub(super) fn first(&self, target: usize) -> usize {
         target * self.rows.len() * self.row()
     }
@@ -174,7 +174,7 @@ impl Grid {
         Some(GridInterpolation { offset: (below * distance) as u32, share, next: distance as u32 })
     }
 
-    /// Number of ages of the first of the other targets: grid points are stored in rows of this length.
+    /// Returns the number of ages of the first of the other targets: grid points are stored in rows of this length.
     pub(super) fn row(&self) -> usize {
         if self.levels.len() > 1 { self.levels.first().map_or(1, Vec::len) } else { 1 }
     }
@@ -197,7 +197,7 @@ impl Grid {
             return;
         };
         let Some(next) = first.first().and_then(|(place, _)| *place).map(|place| place.next as usize) else {
-            // The first of the other targets is visited, so its age no longer matters.
+            // The visited target is the first of the other targets: its age before the visit no longer matters.
             let value = cost + corners.value(values);
             sums.iter_mut().zip(first).for_each(|(sum, (_, gathered))| *sum = value + gathered);
             return;
@@ -300,7 +300,7 @@ fn first_leg_s(problem: &SurveillanceProblem, to: usize) -> f64 {
     problem.travel.start_to(to) + problem.targets.get(to).map_or(0.0, |target| target.dwell_s)
 }
 
-/// Returns a way through all targets in their order and back.
+/// Returns the time of a tour through all targets in their order, in seconds.
 fn tour_s(problem: &SurveillanceProblem) -> f64 {
     let count = problem.targets.len();
     let legs = (0..count).map(|from| leg_s(problem, from, (from + 1) % count));

@@ -10,7 +10,7 @@ use apex_planning::solver::WorkBudget;
 use apex_planning::surveillance::scenario::Scenario;
 use proptest::prelude::*;
 
-/// Returns all words of `length` letters out of `letters`.
+/// Returns all sequences of `length` visits to `letters` targets.
 fn words(letters: usize, length: u32) -> impl Iterator<Item = Vec<usize>> {
     (0..letters.pow(length)).map(move |number| (0..length).map(|place| number / letters.pow(place) % letters).collect())
 }

@@ -2,8 +2,8 @@
 //!
 //! The choice of groups affects how tight a bound is, never its validity. Bound: O(targets^3).
 
-/// Returns for each target its groups, from itself alone to the largest one that excludes a target. `between` is the travel time between
-/// two targets; infinite times count as `far`.
+/// Returns for each target its groups, from the target alone to the largest group that does not hold all targets. `between` is the travel
+/// time between two targets; infinite times count as `far`.
 pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f64) -> Vec<Vec<Vec<usize>>> {
     let mut groups: Vec<Vec<usize>> = (0..count).map(|target| vec![target]).collect();
     let mut chains: Vec<Vec<Vec<usize>>> = groups.iter().map(|alone| vec![alone.clone()]).collect();

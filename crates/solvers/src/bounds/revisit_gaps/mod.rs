@@ -24,9 +24,9 @@ use program::{LinearProgram, STEPS_MAX};
 pub const TARGETS_MAX: usize = 48;
 /// Number of programs solved; each adds tangents where the previous solution needed them.
 pub const ROUNDS_MAX: usize = 4;
-/// Tangents that every level has from the beginning: at lengths of a geometric row.
+/// Number of tangents of each level in the first program, at gap lengths in geometric progression.
 const TANGENTS: usize = 12;
-/// Numbers of visits between which the cost of a target is linear (chords), because only integers occur.
+/// Number of chords that bound the cost of a target from below, each between successive numbers of visits: only integers occur.
 const CHORDS: u32 = 12;
 /// Tangents are added where the cost is understated by more than this share of all cost.
 const UNDERSTATED: f64 = 1e-5;
@@ -40,12 +40,12 @@ const GROUPS: [usize; 9] = [0, 1, 2, 4, 6, 8, 12, 16, 24];
 /// Work of making an entry of a program, in nanoseconds.
 const MADE_ENTRY_NS: f64 = 60.0;
 
-/// Proof of a bound by absences: the tangents that were added, and a number for each row.
+/// Proof of a bound by revisit gaps: the tangents that were added, and a multiplier for each row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multipliers {
     /// Greatest number of groups of each target.
     groups_max: usize,
-    /// Level and target of each tangent, and its share of the horizon.
+    /// Index of the level of each added tangent, and the gap at which it touches the cost, as a share of the horizon.
     tangents: Vec<(usize, f64)>,
     of_rows: Vec<f64>,
 }
@@ -213,7 +213,7 @@ impl<'a> Model<'a> {
         Some((self.problem.targets.get(target)?, *self.visits.get(target)?))
     }
 
-    /// The target's cost, which is never below that of equal gaps.
+    /// Adds the target's cost, which is never below that of equal gaps.
     fn whole(&mut self, target: usize) {
         let Some((of, visits)) = self.target(target) else { return };
         let span_s = span_s(self.problem, of);
@@ -228,7 +228,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The target's gaps by their levels in a chain of groups, which begins with the target alone.
+    /// Adds the target's gaps by their levels in a chain of groups, which begins with the target alone.
     fn chain(&mut self, target: usize, chain: &[Vec<usize>]) {
         let (Some((of, visits)), Some(whole)) = (self.target(target), self.levels.get(target)) else { return };
         let (span, whole) = (span_s(self.problem, of) / self.problem.horizon_s, whole.cost);
@@ -286,7 +286,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A tangent to the cost of gaps of the level, at gaps of this share of the horizon.
+    /// Adds a tangent to the cost of the level's gaps, at gaps of this share of the horizon.
     fn tangent(&mut self, level: usize, at: f64) {
         let Some(Level { target, count, length, cost }) = self.levels.get(level) else { return };
         let Some(of) = self.problem.targets.get(*target) else { return };
@@ -303,7 +303,7 @@ impl<'a> Model<'a> {
         self.program.at_most(terms, limit);
     }
 
-    /// Returns the levels whose cost the tangents underestimate in this solution, and the length of their gaps.
+    /// Returns the levels whose cost the tangents underestimate in this solution, each with its gap as a share of the horizon.
     fn understated(&self, columns: &[f64]) -> Vec<(usize, f64)> {
         let value = |column: usize| columns.get(column).copied().unwrap_or(0.0);
         let understated = |(number, level): (usize, &Level)| {

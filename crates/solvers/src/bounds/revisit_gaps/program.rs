@@ -8,14 +8,14 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 /// Relative amount, of all terms, by which a proven value is lowered, so that rounding cannot lift it above the true value.
 const ROUNDING: f64 = 1e-12;
-/// Steps of the solver.
+/// Maximum number of steps of the solver.
 pub(super) const STEPS_MAX: u32 = 100;
 /// Work of a step in nanoseconds for each entry of the matrix; multiplied by the root of their number because factors fill in. Measured
 /// per step: 0.15 ms at 1,100 entries, 5 ms at 20,000, 38 ms at 75,000, 430 ms at 397,000; the formula is within a sixth of all.
 const ENTRY_NS: f64 = 80.0;
 const ENTRY_FILLED_NS: f64 = 1.4;
 
-/// Least value of a sum over columns, under rows.
+/// A linear program: minimises the cost of the columns subject to the rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinearProgram {
     columns: Vec<Column>,
@@ -35,7 +35,7 @@ struct ProgramRow {
     limit: f64,
 }
 
-/// Least value, and the multipliers of the rows: those of equations first.
+/// Columns of the least cost, and the multipliers of the rows, those of equations first.
 pub(super) struct DualSolution {
     /// Steps that were taken.
     pub(super) steps: u32,
@@ -44,7 +44,7 @@ pub(super) struct DualSolution {
 }
 
 impl LinearProgram {
-    /// Adds a column with a cost per unit, and its upper bound in anything that the program represents.
+    /// Adds a column with a cost per unit, and an upper bound that no represented plan exceeds.
     pub(super) fn column(&mut self, cost: f64, most: f64) -> usize {
         self.columns.push(Column { cost, most });
         self.columns.len() - 1
@@ -64,7 +64,7 @@ impl LinearProgram {
         self.equal.iter().chain(&self.at_most)
     }
 
-    /// Entries of the matrix.
+    /// Returns the number of entries of the matrix.
     pub(super) fn entries(&self) -> f64 {
         (self.rows().map(|row| row.terms.len()).sum::<usize>() + self.columns.len()) as f64
     }
@@ -114,7 +114,7 @@ impl LinearProgram {
         self.columns.len()
     }
 
-    /// By how much these columns break a row, or are outside their bounds, at the worst.
+    /// Returns the greatest amount by which these columns violate a row or their bounds.
     #[cfg(test)]
     pub(super) fn worst_break(&self, columns: &[f64]) -> f64 {
         let sum = |row: &ProgramRow| {

@@ -16,8 +16,8 @@ pub(super) struct LabelCompletion {
 }
 
 impl LabelCompletion {
-    /// `labels` come from the network with its ends exchanged, where each visit earned `reduced_profit`. Keeps at most
-    /// `listed_max` pairs per node and bucket; of the others, only the highest profit.
+    /// Collects the bounds from `labels`, which come from the network with its ends exchanged, where each visit earned
+    /// `reduced_profit`. Keeps at most `listed_max` pairs per node and bucket; of the others, only the highest profit.
     pub(super) fn new(
         network: &Network,
         labels: &[Label],

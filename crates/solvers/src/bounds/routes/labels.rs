@@ -98,7 +98,7 @@ impl Labelling<'_> {
     /// Returns the best route above the cutoff; `None` if labels or units did not suffice.
     pub(super) fn run(&self, until: u64, budget: &mut dyn Budget) -> Option<LabellingResult> {
         let mut made = vec![Label { value: 0.0, memory: 0, time: 0, node: START, from: 0 }];
-        // Indices of labels that were dominated before any label followed them.
+        // Indices of labels that were dominated before any label followed them: their slots are used again.
         let mut free: Vec<u32> = Vec::new();
         let mut settled: Vec<u32> = Vec::new();
         let mut fronts = vec![ParetoFront::default(); self.network.nodes.len()];

@@ -14,7 +14,7 @@ pub(super) fn bit_of(target: u32) -> Targets {
     Targets::from(1_u8).checked_shl(target).unwrap_or(0)
 }
 
-/// For each target the set of itself and its nearest targets, `size` in all.
+/// Returns for each target the set of itself and its nearest targets, `size` in all.
 pub(super) fn nearest(network: &Network, size: usize) -> Vec<Targets> {
     let mut away = vec![vec![i32::MAX; network.targets]; network.targets];
     for from in network.visits() {

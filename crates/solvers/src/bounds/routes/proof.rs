@@ -63,7 +63,7 @@ const FINE_PASSES: [ProofPass; 3] = [
     ProofPass { share: 0.5, least: 0.05, patience: 6, near: 24, of_left: 0.7 },
     ProofPass { share: 0.5, least: 0.05, patience: 6, near: 64, of_left: 1.0 },
 ];
-/// Time buckets of the whole flight for completion bounds of walks: of labels, of the steps of a fast pass, and at most.
+/// Time buckets of the whole flight for completion bounds of walks: for labels, for the steps of a fast pass, and their maximum.
 const BUCKETS: i32 = 500;
 const COARSE_BUCKETS: i32 = 70;
 const BUCKETS_MAX: i32 = 20_000;
@@ -90,13 +90,13 @@ pub(super) struct ProofSearch<'n> {
     /// Profit of the best known route.
     incumbent: f64,
     known: Proven,
-    /// Whether passes are fine; the current pass; whether its multipliers are found.
+    /// True if passes are fine; the index of the current pass; true if its multipliers are found.
     is_fine_pass: bool,
     pass: usize,
     priced: bool,
 }
 
-/// Buckets so short that every leg takes at least one; `None` if these are more than [`BUCKETS_MAX`].
+/// Returns buckets so short that every leg takes at least one; `None` if these are more than [`BUCKETS_MAX`].
 fn layout(network: &Network, buckets: i32) -> Option<Layout> {
     let legs = network.visits().flat_map(|from| network.visits().map(move |to| (from, to)));
     let shortest = legs.filter(|(from, to)| from != to).map(|(from, to)| network.leg(from, to)).min()?;
@@ -104,7 +104,7 @@ fn layout(network: &Network, buckets: i32) -> Option<Layout> {
     (shortest > 0 && network.limit() / bucket <= BUCKETS_MAX).then(|| Layout::new(network, bucket))
 }
 
-/// For each node the visits that are in time after its earliest time.
+/// Returns for each node the visits that are in time after its earliest time.
 pub(super) fn successors(network: &Network) -> Vec<Vec<u32>> {
     let follows = |node: u32, next: u32| {
         let (here, there) = (network.node(node), network.node(next));
@@ -273,7 +273,8 @@ impl<'n> ProofSearch<'n> {
             }
             let next = self.rest(end, &found, &reduced_profit, budget);
             if stuck && !better {
-                // Either this ends soon, or other multipliers help more.
+                // Except in the last fine pass, this run may take as much work as those before it: if it needs more, other
+                // multipliers help more.
                 let last = self.pass + 1 == FINE_PASSES.len() && self.is_fine_pass;
                 let until = if last { until } else { until.min(budget.used() + (budget.used() - began)) };
                 return self.finish(1 - end, &next, until, budget);

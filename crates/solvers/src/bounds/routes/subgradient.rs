@@ -114,7 +114,7 @@ impl SubgradientAscent<'_> {
     }
 }
 
-/// For each node the about `targets` nearest of its successors; for the start, all.
+/// Returns for each node about the `targets` nearest of its successors; for the start, all of them.
 fn near(network: &Network, successors: &[Vec<u32>], targets: usize) -> Vec<Vec<u32>> {
     let most = targets * network.visits().len().div_ceil(network.targets.max(1));
     let of = |(node, others): (u32, &Vec<u32>)| {

@@ -316,7 +316,7 @@ fn between_multiples_there_is_no_route() {
 #[test]
 fn values_whose_sums_cannot_be_told_have_no_grain() {
     assert_eq!(valued(&[1.0; 1_000]).below(2.5), 2.0);
-    assert!(valued(&[1.0; 1_001]).below(2.5) > 2.4, "of more targets rests may add up");
-    assert!(valued(&[2e9, 4e9]).below(3e9) > 2.9e9, "large values have no last places");
+    assert!(valued(&[1.0; 1_001]).below(2.5) > 2.4, "remainders of more targets may add up");
+    assert!(valued(&[2e9, 4e9]).below(3e9) > 2.9e9, "large values lose their last decimals");
     assert!(valued(&[-1.0, 2.0]).below(1.5) > 1.4 && valued(&[]).below(1.5) > 1.4);
 }

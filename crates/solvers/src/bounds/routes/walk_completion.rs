@@ -10,7 +10,7 @@ struct Onward {
     next: u32,
 }
 
-/// The flight ends.
+/// Next node of a continuation that ends the flight.
 const HOME: u32 = END;
 const NO_WAY_ON: Onward = Onward { value: f64::NEG_INFINITY, next: HOME };
 
@@ -77,8 +77,8 @@ impl WalkCompletion {
         two
     }
 
-    /// Upper bound on the profit after a visit of `node` that begins at `time`, if `may` admits the next node. The better of two
-    /// continuations suffices for a bound.
+    /// Returns an upper bound on the profit after a visit of `node` that begins at `time`, over the next nodes that `may` admits. The
+    /// better of two continuations suffices for a bound.
     pub(super) fn after(&self, node: u32, time: i32, may: impl Fn(u32) -> bool) -> f64 {
         let ways = self.layout.state(node, time.div_euclid(self.layout.bucket)).and_then(|state| self.ways.get(state));
         let Some([first, second]) = ways else { return f64::NEG_INFINITY };

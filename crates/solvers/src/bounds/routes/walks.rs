@@ -6,7 +6,7 @@ use crate::routing::network::{END, Network, START};
 const STATES_MAX: usize = 1_500_000;
 /// Minimum number of buckets of the whole flight; with fewer, the bound is too weak for its time.
 const BUCKETS_MIN: i32 = 60;
-/// No node.
+/// Index that means no node and no state.
 const NONE: u32 = u32::MAX;
 
 /// State of the dynamic program at a node and a bucket: its profit, and its predecessor.
@@ -21,14 +21,14 @@ struct WalkState {
 
 const NO_WALK: WalkState = WalkState { value: f64::NEG_INFINITY, node: NONE, state: NONE, second: false };
 
-/// States of nodes and buckets of time, side by side.
+/// Layout of the states of all nodes and time buckets in one array.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// Length of a bucket in ticks.
     pub(super) bucket: i32,
     /// For each node its first state, its first bucket, and the number of its states.
     first: Vec<(usize, i32, i32)>,
-    /// All states.
+    /// Number of states.
     pub(super) count: usize,
 }
 
@@ -82,7 +82,7 @@ impl Walks {
         Some(Walks { layout, states, counts: vec![0; network.targets] })
     }
 
-    /// Visits of each target by the last best walk.
+    /// Returns the number of visits of each target by the last best walk.
     pub(super) fn counts(&self) -> &[u32] {
         &self.counts
     }
@@ -99,7 +99,8 @@ impl Walks {
         let mut home = NO_WALK;
         let start = WalkState { value: 0.0, node: NONE, state: NONE, second: false };
         self.leave(network, (START, NONE, 0), [start, NO_WALK], &reduced_profit, &mut home);
-        // An earlier state is at least as good: a state must exceed it to be extended.
+        // A state is extended only if it exceeds the second walks of all earlier states of its node: of the two walks of a state, at
+        // least one can continue to any node.
         let mut beaten = vec![f64::NEG_INFINITY; network.nodes.len()];
         for bucket in 0..=network.limit() / self.layout.bucket {
             for node in network.visits() {

@@ -110,7 +110,7 @@ fn target_of(problem: &SingleVisitProblem, number: usize, name: &str, manoeuvre:
     Ok(found)
 }
 
-/// Reasons for all targets that no visit has: the bringer's, where there are some.
+/// Returns the targets that are not visited, each with the reason in the given plan or, without one, [`NOT_WANTED`].
 fn left_out<'a>(
     names: impl Iterator<Item = &'a str>,
     is_visited: impl Fn(&str) -> bool,
@@ -167,7 +167,7 @@ fn visited(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Result<Si
     Ok(single_visit::scored(problem, plan))
 }
 
-/// Returns the worth of all targets at their best: no plan gathers more.
+/// Returns the sum of the highest value of each target, which no plan exceeds.
 fn most(problem: &SingleVisitProblem) -> f64 {
     let of = |target: &SingleVisitTarget| {
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
@@ -201,7 +201,7 @@ mod tests {
     fn of(plan: Plan) -> SurveillancePlan {
         match plan {
             Plan::Surveillance(plan) => plan,
-            Plan::SingleVisit(_) => panic!("of another kind"),
+            Plan::SingleVisit(_) => panic!("the plan is of another kind"),
         }
     }
 
@@ -227,7 +227,7 @@ mod tests {
                     (Plan::SingleVisit(brought), Plan::SingleVisit(plan)) => {
                         assert!(brought.score > plan.score - 1e-6, "{} {}", brought.score, plan.score);
                     }
-                    _ => panic!("of another kind"),
+                    _ => panic!("the plan is of another kind"),
                 }
             }
         }
@@ -282,7 +282,9 @@ mod tests {
     fn a_manoeuvre_that_somebody_chose_is_flown() {
         let problem = fires::western_states(40_000.0);
         let asked = Problem::SingleVisit(problem.clone());
-        let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else { panic!("of another kind") };
+        let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else {
+            panic!("the plan is of another kind")
+        };
         // Visits that take longer in another manoeuvre still fit.
         edited.visits.truncate(4);
         let ways = |name: &str| problem.targets.iter().find(|target| target.name == name).unwrap().manoeuvres.len();

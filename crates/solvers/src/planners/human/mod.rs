@@ -20,7 +20,7 @@ const NAME: &str = "human";
 pub struct Human {
     /// Names of targets in the order of visits.
     pub visits: Vec<String>,
-    /// The order is flown again and again.
+    /// True to repeat the order until the mission ends.
     pub repeat: bool,
 }
 
@@ -104,7 +104,7 @@ mod tests {
         let asked = Problem::Surveillance(problem.clone());
         let of = |order: &[&str], repeat| match solve(&human(order, repeat), &asked).unwrap() {
             Plan::Surveillance(plan) => plan,
-            Plan::SingleVisit(_) => panic!("of another kind"),
+            Plan::SingleVisit(_) => panic!("the plan is of another kind"),
         };
         let (round, once) = (of(&names, true), of(&names, false));
         assert_eq!((round.solver.as_str(), round.cycle.len(), once.visits.len()), ("human", 4, 4));

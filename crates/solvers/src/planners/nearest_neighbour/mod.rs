@@ -1,6 +1,6 @@
 //! Nearest neighbour: a cycle through every reachable target; each visit is followed by the nearest target not in the cycle yet.
 //!
-//! The simplest planner and the yardstick of the others. Bound: O(n^2).
+//! The simplest planner and the baseline of the others. Bound: O(n^2).
 
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Environment, Solver};

@@ -3,8 +3,8 @@
 use super::explain::Troubles;
 use crate::routing::schedule::{Choice, Schedule};
 
-/// Returns the targets that are reached only after others: those that cannot be visited alone, and those that must
-/// follow a worthless target, directly or through others.
+/// Returns the targets that a plan visits only together with others: those that cannot be the only visit, and those that must
+/// follow a target without value, directly or through others.
 pub(super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<usize> {
     let mut led = troubles.with_others();
     let worthless = |target: usize| {

@@ -3,7 +3,7 @@
 //! Great-circle times alone decide which target is inserted next, and into which gap; only the chosen insertion is computed with wind and
 //! around zones. So the work is two legs for each target, however many manoeuvres and start times exist, and the search can improve a
 //! complete plan from the beginning.
-//! Bound: O(n^2) estimates and n judgements for n targets; does not end with the budget, so that the smallest has a plan.
+//! Bound: O(n^2) estimates and n judgements for n targets; does not end with the budget, so that every budget yields a plan.
 
 use super::search::{Candidate, LocalSearch, inserted};
 use crate::routing::schedule::Choice;
@@ -61,7 +61,7 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// Returns a target by the manoeuvre that is worth most after the price of its time.
+    /// Returns a target with the manoeuvre whose value less the price of its time is greatest.
     fn opened(&self, target: usize) -> Option<Open> {
         let problem = self.schedule.problem;
         let data = problem.targets.get(target)?;

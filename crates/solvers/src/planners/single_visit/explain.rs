@@ -116,7 +116,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
         .map(|trouble| if trouble.contains("window") { window_trouble(schedule, target, trouble) } else { trouble })
 }
 
-/// Returns the reason of a visit that ends `over_s` after what the flight's limit allows.
+/// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
 fn late(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
     Obstacle::Late { over_s, limit: TimeLimit::Flight(schedule.limit_name.to_string()), alone }.to_string()
 }
@@ -157,7 +157,7 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     if end_s > schedule.limit_s { Err(Infeasibility::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 
-/// Returns the sentence for a plan without visits: the commonest reason first.
+/// Returns the summary of a plan without visits: the most frequent reason first.
 pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     let mut reasons: Vec<(&String, Vec<&str>)> = Vec::new();
     for LeftOut { target, reason } in left_out {
@@ -257,7 +257,7 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
     trouble
 }
 
-/// Returns the places in `order` where `target` adds the shortest detour as the crow flies.
+/// Returns the positions in `order` where `target` adds the shortest detour by least travel times, the shortest first.
 fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
     let (entry, exit) = (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre));
     let travel = &schedule.travel;

@@ -19,7 +19,7 @@ const REFILL_NOISE: f64 = 0.3;
 
 /// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
 const EXACT_TARGETS_MAX: usize = 6;
-/// Orders tried by the exact search: a tenth of a second.
+/// Maximum number of orders that the exact search tries: a tenth of a second.
 const EXACT_NODES_MAX: u32 = 50_000;
 
 /// An order with its judgement.
@@ -33,7 +33,7 @@ pub(super) struct LocalSearch<'s, 'p, 'b> {
     pub(super) schedule: &'s mut Schedule<'p>,
     pub(super) usable: Vec<usize>,
     troubles: &'s Troubles,
-    /// Targets that can be visited only with others: after those on the way to them, or after those that must precede them.
+    /// Targets that a plan visits only together with others: see [`companions::companions`].
     pub(super) companions: Vec<usize>,
     pub(super) budget: &'b mut dyn Budget,
     pub(super) random: Generator,
@@ -254,8 +254,8 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// Returns `best` without a few visits: a run of neighbours, or random ones; sometimes instead a single visit anywhere, so that a
-    /// plan grows from every region. In half of the calls the removed targets are excluded from the next filling.
+    /// Returns `best` without a few visits, consecutive or random ones; sometimes instead a plan of a single random visit, so that plans
+    /// grow from every region. In half of the calls the removed targets are excluded from the next filling.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
         let take = 1 + self.random.below(count.div_ceil(3).max(1));

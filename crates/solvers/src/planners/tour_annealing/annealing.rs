@@ -73,7 +73,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
         Annealing { scenario, near: near.collect(), random: Generator::new(seed) }
     }
 
-    /// Returns a round from `start`; returns the best tour seen.
+    /// Runs one round from `start`; returns the best tour found in it.
     pub(super) fn round(&mut self, start: &[usize], round: Round, budget: &mut dyn Budget) -> CostedTour {
         let mut flight = TourEvaluation::new(self.scenario, self.with_spares(start), budget);
         let mut best: CostedTour = (flight.cost(), start.to_vec());

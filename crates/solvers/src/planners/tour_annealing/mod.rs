@@ -135,7 +135,7 @@ mod tests {
             let mut environment = Environment { seed: 3, budget: &mut budget, report: &mut |_| {}, previous };
             match TourAnnealing.solve(&problem, &mut environment).unwrap() {
                 Plan::Surveillance(plan) => plan,
-                Plan::SingleVisit(_) => panic!("of another kind"),
+                Plan::SingleVisit(_) => panic!("the plan is of another kind"),
             }
         };
         let (quick, long) = (plan(1, None), plan(300_000, None));

@@ -13,7 +13,7 @@ pub(super) struct Rows<T> {
 }
 
 impl<T: Copy> Rows<T> {
-    /// Returns no rows; each row will have this number of lanes, which are `fresh` at first.
+    /// Returns an empty list of rows; each row will have `width` lanes, which are `fresh` at first.
     pub(super) fn new(width: usize, fresh: T) -> Rows<T> {
         Rows { width, order: Vec::new(), free: Vec::new(), lanes: Vec::new(), fresh }
     }
@@ -55,7 +55,7 @@ impl<T: Copy> Rows<T> {
     pub(super) fn splice(&mut self, from: usize, until: usize, count: usize) {
         let from = from.min(self.order.len());
         let until = until.clamp(from, self.order.len());
-        // Freed rows are the first to be used again: their numbers are overwritten.
+        // As many replaced rows as possible keep their memory: the caller overwrites their lanes.
         let both = count.min(until - from);
         let more = count - both;
         while self.free.len() < more {

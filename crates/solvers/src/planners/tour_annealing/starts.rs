@@ -24,14 +24,14 @@ const ALONE_UNITS: u64 = 20_000;
 const START_UNITS_MIN: u64 = 4_000;
 /// Moves of the first round from a start.
 const TRIAL_MOVES: u64 = 8_000;
-/// Greatest ratio at which a longer round counts as near.
+/// A start is improved by a longer round if its cost is below this multiple of the least known cost.
 const NEAR: f64 = 1.01;
 /// Groups with fewer targets are not halved.
 const GROUP_MIN: usize = 3;
 /// Number of halvings of groups.
 const HALVINGS: usize = 2;
 
-/// Returns the best of the plan before, the best cycle and WAM's tour with little work for both.
+/// Returns the best of the previous plan, the best cycle and WAM's tour, the latter two found with little work.
 pub(super) fn first(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
     let cycle = best_cycle(scenario, QUICK_UNITS, budget);
     let until = budget.used().saturating_add(QUICK_UNITS);
@@ -42,7 +42,7 @@ pub(super) fn first(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &m
     previous::better(scenario, previous, quick_cost, budget).map_or(quick, |(_, tour)| tour)
 }
 
-/// Returns the best cycle of all targets, flown, within that much work.
+/// Returns the tour that flies the best cycle found with `units` of work.
 fn best_cycle(scenario: &Scenario<'_>, units: u64, budget: &mut dyn Budget) -> Vec<usize> {
     let until = budget.used().saturating_add(units);
     let cycle = two_opt::best_cycle(scenario, None, &mut Share { whole: budget, until }, &mut |_, _| {}).1;
@@ -64,7 +64,7 @@ enum StartHeuristic {
 #[derive(Debug)]
 pub(super) struct Starts {
     ways: VecDeque<StartHeuristic>,
-    /// Work that any start takes at least.
+    /// Least allowed work for which a start is tried.
     least_units: u64,
     /// Work of a pass of WAM per unit of its weight, as far as is known; zero before the first.
     wam_units: f64,

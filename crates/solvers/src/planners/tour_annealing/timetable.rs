@@ -12,7 +12,7 @@ use apex_model::problem::UNREACHABLE_S;
 use apex_planning::surveillance::scenario::Scenario;
 use wide::f64x4;
 
-/// Numbers that the rows of one tour may have: 64 MB in all.
+/// Maximum number of row entries of one tour: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
 /// Work in nanoseconds: of computing the cost of a change, for each inserted visit and for each four targets; of applying a change, for
@@ -24,7 +24,7 @@ const CHANGE_NS: u64 = 300;
 const ROW_NS: u64 = 12;
 const ROW_LANE_NS: u64 = 3;
 
-/// See the module documentation. A position is the number of visits before it.
+/// The tour with two rows per position. A position is a gap before, between or after visits; its number is that of the visits before it.
 #[derive(Clone, Debug)]
 pub(super) struct Timetable<'s, 'p> {
     scenario: &'s Scenario<'p>,
@@ -38,9 +38,9 @@ pub(super) struct Timetable<'s, 'p> {
     closed: Vec<f64>,
     /// Number of flown visits; the others come too late.
     flown: usize,
-    /// By place: time from each target's last end to the end of the visit before the place.
+    /// By position: time from the end of each target's last observation to the end of the visit before the position.
     since_s: Rows<f64x4>,
-    /// By place: the first visit of each target from there on.
+    /// By position: the first visit of each target from the position on.
     ahead: Rows<Ahead>,
     scratch: Vec<f64x4>,
     /// Marks of targets: the number of the sweep that set them.
@@ -88,7 +88,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         &self.tour
     }
 
-    /// Visits that are flown.
+    /// Returns the number of flown visits.
     pub(super) fn flown(&self) -> usize {
         self.flown
     }
@@ -155,7 +155,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.scenario.problem().targets.get(target).map_or(0.0, |target| target.dwell_s)
     }
 
-    /// Returns the time that a visit needs after its end.
+    /// Returns the time from a target to the base; 0 if the flight may end anywhere.
     fn home_s(&self, target: usize) -> f64 {
         if self.scenario.problem().return_to_base { self.scenario.problem().travel.to_base(target) } else { 0.0 }
     }
@@ -164,7 +164,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         place.checked_sub(1).and_then(|last| self.ends_s.get(last)).copied().unwrap_or(0.0)
     }
 
-    /// Times of the visits from `from` on, and which are flown.
+    /// Computes the times of the visits from `from` on, and how many are flown.
     fn fly(&mut self, from: usize) {
         let mut place = from.checked_sub(1).and_then(|last| self.tour.get(last)).copied();
         let mut time_s = self.end_before(from);
@@ -185,8 +185,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         }
     }
 
-    /// Updates the visits before each position after `from` that differ from those before a change whose letters end before `until`: up
-    /// to where every target has been visited again. Returns the first unchanged position.
+    /// Updates the times since the last observations for the positions after `from`, where a change begins whose visits end before
+    /// `until`. Ends at the position before which every target has been visited since `until`: later rows do not change. Returns it.
     fn look_back(&mut self, from: usize, until: usize) -> usize {
         self.sweep += 1;
         let (mut missing, mut before_s) = (self.marks.len(), self.end_before(from));
@@ -222,13 +222,13 @@ impl<'s, 'p> Timetable<'s, 'p> {
         settled
     }
 
-    /// Returns true when this sweep sees the target for the first time.
+    /// Returns true if this sweep had not marked the target yet, and marks it.
     fn mark(&mut self, target: usize) -> bool {
         let sweep = self.sweep;
         self.marks.get_mut(target).is_some_and(|mark| std::mem::replace(mark, sweep) != sweep)
     }
 
-    /// Updates the visits that follow each position before `settled`, back to where every target is visited between the position and a
+    /// Updates the next visits for the positions before `settled`, back to the position from which every target is visited before a
     /// change at `from`. Returns that position.
     fn look_ahead(&mut self, from: usize, settled: usize) -> usize {
         self.sweep += 1;
@@ -367,12 +367,12 @@ impl<'s, 'p> Timetable<'s, 'p> {
     }
 }
 
-/// The first visits of [`LANES`] targets from a place on.
+/// The first visits of [`LANES`] targets from a position on.
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
-    /// Time from the end of the visit at the place to their ends.
+    /// Time from the end of the first visit after the position to their ends.
     until_s: f64x4,
-    /// Time from the position to the next visits; infinite if there is none.
+    /// Number of visits between the position and them; infinite without a further visit.
     visits: f64x4,
     /// Cost of the intervals that they close.
     cost: f64x4,
@@ -392,15 +392,15 @@ fn set(lanes: &mut f64x4, target: usize, number: f64) {
     }
 }
 
-/// Sequel of a change.
+/// The visits that follow a change.
 struct After {
-    /// The first visit that stays.
+    /// Index of the first visit after the change, counted as before the change.
     place: usize,
     /// Visits that are flown, counted as before the change.
     flown: usize,
-    /// Time from the change's base to the end of the first visit that stays.
+    /// Time from `base_s` to the end of the first visit after the change.
     next_s: f64,
-    /// By how much the visits after the change are later.
+    /// Delay of the visits after the change.
     shift_s: f64,
     /// End of the visit before the change.
     base_s: f64,

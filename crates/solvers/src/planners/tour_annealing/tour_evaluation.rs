@@ -10,14 +10,14 @@ use apex_planning::surveillance::scenario::Scenario;
 pub(super) enum TourEvaluation<'s, 'p> {
     /// Changes are priced without flying the tour.
     Quick(Box<Timetable<'s, 'p>>),
-    /// Changes are evaluated by flying: for rates or travel times that change with time, steps, tables, very long tours, and ways home
-    /// over other targets.
+    /// Changes are evaluated by flying: for rates or travel times that change with time, costs that are neither linear nor saturating,
+    /// very long tours, and ways home over other targets.
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,
         /// The tour with its spare visits.
         tour: Vec<usize>,
-        /// Visits that are flown.
+        /// Number of flown visits.
         flown: usize,
         /// Cost of the tour.
         cost: f64,
@@ -53,7 +53,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Visits that are flown.
+    /// Returns the number of flown visits.
     pub(super) fn flown(&self) -> usize {
         match self {
             TourEvaluation::Quick(table) => table.flown(),
@@ -61,7 +61,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Returns its cost.
+    /// Returns the cost of the tour.
     pub(super) fn cost(&self) -> f64 {
         match self {
             TourEvaluation::Quick(table) => table.cost(),
@@ -69,7 +69,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Returns its cost with `change`.
+    /// Returns the cost of the tour with `change`.
     pub(super) fn cost_with(&mut self, change: &Change, budget: &mut dyn Budget) -> f64 {
         match self {
             TourEvaluation::Quick(table) => {

@@ -36,7 +36,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
         better
     }
 
-    /// Drops, adds and exchanges targets of the best cycle until nothing helps.
+    /// Drops, adds and exchanges targets of the best cycle until no change lowers its cost.
     pub(super) fn descend(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) {
         while !budget.exhausted() && self.step(budget, report) {}
     }

@@ -1,10 +1,10 @@
 //! WAM (paper, section V.C): best-first search with replacement that builds the full plan visit by visit.
 //!
 //! From the vehicle's position a window of time is searched. Open nodes are partial tours, each expanded to the targets with the highest
-//! `importance x obsolescence / transit`. A node's cost is the expected cost of ignorance over the whole window, so that all nodes are
-//! compared over the same span. The list of open nodes is bounded, and better nodes replace worse ones. The first visit of the best tour
-//! is committed, and the search starts again from there. Windows and list sizes are tried from small to large while the budget lasts; the
-//! best full plan wins.
+//! `importance x obsolescence / transit`. A node's cost is the change that its visits make to the expected cost of ignorance up to the end
+//! of the window, so that all nodes are compared over the same span. The list of open nodes is bounded, and better nodes replace worse
+//! ones. The first visit of the best tour is committed, and the search starts again from there. Windows and list sizes are tried from small
+//! to large while the budget lasts; the best full plan wins.
 //! Bound: O(visits x depth x open x children) per pass.
 
 use apex_metrics::eci;
@@ -18,7 +18,7 @@ const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
 /// Maximum number of visits in one window.
 const DEPTH_MAX: usize = 64;
-/// Work of the priority of a visit in nanoseconds, and in addition of the copy for a node of the search.
+/// Work, in nanoseconds, of computing the priority of a visit, and of copying a state into a node of the search.
 const PRIORITY_NS: u64 = 30;
 const CHILD_NS: u64 = 230;
 
@@ -95,7 +95,7 @@ fn best_of_passes(
     best
 }
 
-/// State between two visits: position of the vehicle and age of its knowledge.
+/// State between two visits: the last visited target, the time, and the end of the last observation of each target.
 #[derive(Clone, Debug)]
 struct TourState {
     place: Option<usize>,

@@ -16,9 +16,8 @@ use super::search::{Candidate, LocalSearch};
 use crate::routing::schedule::{Choice, UNITS_PER_LEG};
 use crate::routing::travel::PointKey;
 
-/// An estimate may be wrong by this where winds and zones change with the time of day.
+/// Greatest error of an estimate if wind and zones change with time: a constant part, and a share of the remaining flight.
 const ESTIMATE_SLACK_S: f64 = 60.0;
-/// And by this share of the flight that is left.
 const ESTIMATE_SLACK_SHARE: f64 = 0.01;
 
 impl LocalSearch<'_, '_, '_> {

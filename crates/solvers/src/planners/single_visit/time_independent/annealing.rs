@@ -21,7 +21,7 @@ const SAME_SHARE: f64 = 1e-10;
 const STEP: u64 = 32;
 /// Number of missing nodes above which only those near the removed ones are inserted again.
 pub(super) const ALL_MISSING_MAX: usize = 160;
-/// Runs that are reversed for each ruin, with few targets and with many.
+/// Number of reversals that are tried for each ruin, with few targets and with many.
 const TURNS: u32 = 1;
 const TURNS_OF_MANY: u32 = 6;
 /// Neighbours of each visit taken out that are tried.
@@ -73,12 +73,12 @@ impl<'n> Annealing<'n> {
         }
     }
 
-    /// Benefits minus costs.
+    /// Returns benefits minus costs.
     pub(super) fn score(&self, route: &Route) -> f64 {
         route.value - self.network.cost_per_tick * f64::from(route.end())
     }
 
-    /// Returns true if `route` has more value than `other`, or the same value and is shorter.
+    /// Returns true if `route` has a higher score than `other`, or the same score and is shorter.
     pub(super) fn is_better(&self, route: &Route, other: &Route) -> bool {
         let more = self.score(route) - self.score(other);
         more > self.same || more > -self.same && route.length() < other.length()
@@ -118,7 +118,7 @@ impl<'n> Annealing<'n> {
         if visits.len() <= ALL_MISSING_MAX {
             let mut bits = 1;
             for node in visits {
-                // One random bit per neighbour; a leading bit marks when all bits are used.
+                // One random bit per node; a leading bit marks when all bits are used.
                 if bits == 1 {
                     bits = self.rng.bits() | 1 << 63;
                 }

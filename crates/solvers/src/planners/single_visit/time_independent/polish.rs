@@ -12,14 +12,14 @@ use std::collections::VecDeque;
 
 /// Inspected legs and moved visits per unit of work.
 const LOOKS_PER_UNIT: u64 = 150;
-/// Fixed work of an iteration, in looks, and for each visit of the route, which is copied.
+/// Fixed work of an iteration, in inspected legs, and the visits of the copied route that count as one inspected leg.
 const LOOKS_PER_ITERATION: u64 = 120;
 const VISITS_PER_LOOK: u64 = 8;
 /// Neighbours of a visit that are tried.
 const NEAR: usize = 10;
-/// Visits of a moved run.
+/// Maximum number of visits of a moved run.
 const RUN_MAX: usize = 3;
-/// Visits of each of the two runs that are exchanged at random.
+/// Maximum number of visits of each of the two runs that are exchanged at random.
 const EXCHANGED_MAX: usize = 30;
 /// Routes of fewer visits are left to other moves.
 const VISITS_MIN: usize = 8;
@@ -101,7 +101,7 @@ impl<'n> Path<'n> {
         (place > 0 && place + 1 < self.order.len()).then_some(place)
     }
 
-    /// The length of a leg in both directions together.
+    /// Returns the sum of a leg's lengths in both directions, in ticks.
     fn leg(&mut self, from: u32, to: u32) -> i64 {
         self.looked += 2;
         let leg = |from: u32, to: u32| i64::from(self.network.leg(from, to));
@@ -231,7 +231,7 @@ impl<'n> Path<'n> {
         changed
     }
 
-    /// Notes the new places, the shorter length, and the nodes around which to look again.
+    /// Updates places and length, and opens the nodes around which another improvement may exist.
     fn settle(&mut self, changed: std::ops::Range<usize>, gain: i64, touched: [u32; 4]) {
         self.looked += changed.len() as u64;
         self.length -= gain;

@@ -26,8 +26,8 @@ pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)>
     found.into_iter().map(|(target, over)| (target, told(over))).collect()
 }
 
-/// Returns the least delay beyond what the following stops allow, over all positions; `None` if the window is over
-/// everywhere.
+/// Returns the least delay, in ticks, beyond what the following stops allow, over all positions; `None` if the node's window is over
+/// at every position.
 fn over(network: &Network, route: &Route, node: u32) -> Option<i32> {
     let data = network.node(node);
     let pairs = route.stops.iter().zip(route.stops.iter().skip(1));

@@ -20,24 +20,25 @@ const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 /// Order of insertion of missing nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InsertionOrder {
-    /// Any.
+    /// Random.
     Chance,
     /// The most valuable first.
     Value,
-    /// The most value for the way from the neighbourhood first.
+    /// The most value per path from the nearest nodes first.
     Worth,
     /// Nodes whose window closes first.
     Closing,
 }
 
-/// Nodes that may be inserted, with their keys: memory used again and again.
+/// Nodes that may be inserted, with their keys; the memory is reused for each call.
 #[derive(Default)]
 pub(super) struct Recreation {
     keys: Vec<(f64, u32)>,
 }
 
 impl Recreation {
-    /// Inserts those of `missing` that fit and, unless `generous`, are worthwhile; returns the number of examined positions.
+    /// Inserts those of `missing` that fit and are worthwhile; if `may_be_generous`, half of the calls insert the others that fit, too.
+    /// Returns the number of examined positions.
     pub(super) fn run(
         &mut self,
         network: &Network,
@@ -70,7 +71,7 @@ impl Recreation {
         // Some positions are skipped at random, so that results differ.
         let blind = rng.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(rng.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
-        // Of two visits that pay together neither may pay alone.
+        // Two visits may be worthwhile together although neither is alone.
         let generous = may_be_generous && network.cost_per_tick > 0.0 && rng.below(2) == 0;
         let mut looked = 0;
         for index in 0..self.keys.len() {
@@ -89,8 +90,8 @@ impl Recreation {
     }
 }
 
-/// Returns the position at which `node` takes least time, and the number of examined positions. `None` if it fits nowhere or, unless
-/// `generous`, costs more than its value.
+/// Returns the position at which `node` takes least time (its legs, and `weight` times the delay of the next stop), and the number of
+/// examined positions. `None` if the node fits nowhere or, unless `generous`, costs more than its value.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,

@@ -35,9 +35,9 @@ pub(super) struct Route {
 pub(super) struct InsertionPoint {
     /// After the stop of this index.
     pub(super) after: usize,
-    /// By how much the next stop begins later.
+    /// Delay of the next stop's beginning, in ticks.
     pub(super) shift: i32,
-    /// By how much the legs get longer, the visit included.
+    /// Growth of the legs, the visit included, in ticks.
     pub(super) longer: i32,
     /// End of the route.
     pub(super) end: i32,
@@ -73,7 +73,7 @@ impl Route {
         self.stops.iter().skip(1).take(count).map(|stop| stop.node)
     }
 
-    /// Visits.
+    /// Returns the number of visits.
     pub(super) fn count(&self) -> usize {
         self.stops.len().saturating_sub(2)
     }
@@ -83,7 +83,7 @@ impl Route {
         self.stops.last().map_or(0, |stop| stop.begin)
     }
 
-    /// Returns all legs with their visits, without waiting.
+    /// Returns the time of all legs and visits without waiting, in ticks.
     pub(super) fn length(&self) -> i32 {
         self.stops.first().map_or(0, |stop| stop.rest)
     }
@@ -217,7 +217,7 @@ impl Route {
         self.backward(network, self.stops.len() - 1);
     }
 
-    /// Beginnings from stop `at` on.
+    /// Computes the beginnings of the stops from `at` on.
     fn forward(&mut self, network: &Network, at: usize) {
         let mut before = match at.checked_sub(1).and_then(|before| self.stops.get(before)) {
             Some(before) => *before,

@@ -4,7 +4,7 @@ use super::route::Route;
 use crate::routing::network::Network;
 use apex_planning::random::Generator;
 
-/// Visits taken out at most.
+/// Maximum number of removed visits.
 const GONE_MAX: usize = 10;
 
 /// Removes some visits from `route` and adds them to `gone`.
@@ -31,7 +31,7 @@ pub(super) fn ruin(network: &Network, route: &mut Route, gone: &mut Vec<u32>, rn
     }
 }
 
-/// Visits that follow each other.
+/// Removes visits that follow each other.
 fn run(network: &Network, route: &mut Route, take: usize, gone: &mut Vec<u32>, rng: &mut Generator) {
     let count = route.count();
     if take == 0 || count < take {
@@ -42,7 +42,7 @@ fn run(network: &Network, route: &mut Route, take: usize, gone: &mut Vec<u32>, r
     route.remove(network, from, from + take);
 }
 
-/// Visits near a node, which need not be visited itself.
+/// Removes visits near a node, which need not be visited itself.
 fn around(network: &Network, route: &mut Route, take: usize, gone: &mut Vec<u32>, rng: &mut Generator) {
     let visits = network.visits();
     let centre = visits.start + rng.below(visits.len()) as u32;

@@ -52,7 +52,7 @@ const STAGED_UNITS_OF_FEW: u64 = 100_000;
 const TOUR_SHARE: f64 = 0.7;
 
 /// Units of work at which the first stage ends, counted from the planner's start, and the growth factor of stages: usual budgets end with
-/// a stage. Up to [`ROUNDS_NODES_MAX`] nodes a stage contains several cooling runs; above, a single one, which is of little use before
+/// a stage. Up to [`ROUNDS_NODES_MAX`] nodes a stage contains several annealing runs; above, a single one, which is of little use before
 /// its end, so intermediate stages exist. A stage is skipped if less than the given part of it remains.
 const FIRST_STAGE: u64 = 1_000;
 const STAGE_STEP: u64 = 10;
@@ -79,7 +79,7 @@ pub(super) struct SearchDriver<'n> {
     best: Route,
     question: Option<BoundSearch<'n>>,
     bound: Option<f64>,
-    /// Random choices of the shortening of whole tours.
+    /// Generator of the random choices in [`SearchDriver::shorten`].
     chance: Generator,
 }
 
@@ -112,7 +112,7 @@ impl<'n> SearchDriver<'n> {
 
     /// Returns the best route within the budget, and an upper bound on the benefits, if one was found.
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
-        // Cooling needs a known number of units; an unlimited budget is searched like one that a clock ends.
+        // Annealing needs a known number of units; an unlimited budget is searched like one that a clock ends.
         match budget.left().filter(|left| *left < u64::MAX >> 8) {
             Some(left) if self.network.targets <= FEW => self.stages_of_few(budget.used().saturating_add(left), budget),
             Some(_) => self.stages(u64::MAX >> 8, budget),
@@ -124,9 +124,9 @@ impl<'n> SearchDriver<'n> {
         (self.best, self.bound)
     }
 
-    /// With few targets: stages up to [`STAGED_UNITS_OF_FEW`], then annealing runs of fixed lengths, as many as fit into `whole` units,
-    /// and one proof with all remaining units, because an interrupted proof must start again. A smaller budget makes the same runs and
-    /// ends earlier.
+    /// Runs the search for few targets: stages up to [`STAGED_UNITS_OF_FEW`], then as many annealing runs of fixed lengths as fit into
+    /// `whole` units, and one proof with all remaining units, because an interrupted proof must start again. A smaller budget makes the
+    /// same runs and ends earlier.
     fn stages_of_few(&mut self, whole: u64, budget: &mut dyn Budget) {
         self.stages(STAGED_UNITS_OF_FEW, budget);
         let mut end = STAGED_UNITS_OF_FEW * STAGE_STEP;
@@ -170,7 +170,7 @@ impl<'n> SearchDriver<'n> {
         self.ask_finally(spare, budget);
     }
 
-    /// Returns true if the best route visits all of many targets, and none of them opens later: only its length is left to improve.
+    /// Returns true if the best route visits all of many targets, all open from the start: only its length can be improved.
     fn is_tour(&self) -> bool {
         let all = self.best.seen.iter().all(|seen| *seen);
         all && self.network.targets > FEW && self.network.is_always_open()

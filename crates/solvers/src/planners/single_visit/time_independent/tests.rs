@@ -214,7 +214,7 @@ proptest! {
         let (flown, mut budget) = (Plan::SingleVisit(plan.clone()), WorkBudget::new(9_000));
         let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: Some(&flown) };
         let again = super::super::SingleVisit.solve(&Problem::SingleVisit(problem), &mut environment).unwrap();
-        let Plan::SingleVisit(again) = again else { panic!("of another kind") };
+        let Plan::SingleVisit(again) = again else { panic!("the plan is of another kind") };
         prop_assert!(again.score > plan.score - 1e-6 * values, "{} after {}", again.score, plan.score);
     }
 }
@@ -234,7 +234,7 @@ fn a_proof_of_benefits_ends_the_search_where_flight_costs_nothing() {
     for seed in 0..6 {
         let problem = small(seed, 10);
         assert!(units_used(&problem, 0.0) < 15_000, "seed {seed}");
-        assert!(units_used(&problem, 1.0) >= 20_000, "seed {seed}: of what it costs nothing is proven");
+        assert!(units_used(&problem, 1.0) >= 20_000, "seed {seed}: a bound on benefits proves nothing about costs");
     }
 }
 
@@ -381,7 +381,7 @@ proptest! {
         let given = apex_model::problem::Problem::SingleVisit(problem.clone());
         let plan = crate::planners::single_visit::SingleVisit.solve(&given, &mut environment).unwrap();
         prop_assert_eq!(apex_planning::checker::violations(&given, &plan), Vec::<String>::new());
-        let apex_model::problem::Plan::SingleVisit(plan) = plan else { panic!("of another kind") };
+        let apex_model::problem::Plan::SingleVisit(plan) = plan else { panic!("the plan is of another kind") };
         prop_assert!((plan.benefits - most).abs() < 1e-6, "{} {most}", plan.benefits);
         let bound = plan.benefits_bound.unwrap();
         prop_assert!(bound >= most - 1e-6 && bound <= most + 1e-6 * most, "{bound} {most}");

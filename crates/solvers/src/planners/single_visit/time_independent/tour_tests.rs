@@ -11,7 +11,7 @@ use apex_portfolio::formats;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// Random places on a square, as a file of TSPLIB.
+/// Returns a problem of random places on a square, read from a file in the format of TSPLIB.
 fn tour(count: usize, seed: u64) -> SingleVisitProblem {
     let mut rng = Generator::new(seed);
     let mut text = format!("NAME: t\nTYPE: TSP\nDIMENSION: {count}\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n");
@@ -34,7 +34,7 @@ fn both_ways(network: &Network, visits: &[u32]) -> i64 {
     sum
 }
 
-/// Reverses runs, the first one that helps, until no reversal shortens the order.
+/// Applies the first reversal of a run that shortens the order, until none does.
 fn without_crossings(network: &Network, mut visits: Vec<u32>) -> Vec<u32> {
     let mut improved = true;
     while std::mem::take(&mut improved) {

@@ -27,17 +27,17 @@ pub(super) struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    /// Returns a visit that is flown.
+    /// Returns the index of a random flown visit.
     fn place(&mut self) -> usize {
         self.random.below(self.flown)
     }
 
-    /// Returns the target at `place`.
+    /// Returns the target of the visit at `place`.
     fn at(&self, place: usize) -> Option<usize> {
         self.tour.get(place).copied()
     }
 
-    /// Returns a target for `place`: with equal chances any target, or one near to its neighbours there.
+    /// Returns a random target for `place`: with equal probability any target, or one near to the target of the preceding visit.
     fn letter(&mut self, place: usize) -> Option<usize> {
         let beside = place.checked_sub(1).and_then(|before| self.at(before)).or_else(|| self.at(place));
         let near = beside.and_then(|beside| self.near.get(beside)).filter(|near| !near.is_empty());
