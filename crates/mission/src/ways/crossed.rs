@@ -36,7 +36,7 @@ impl Limits {
         let mut names: Vec<String> = Vec::new();
         for outline in &restricted {
             let is_entered = samples.iter().any(|(place, from_s, until_s)| {
-                holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, -clearance_at_m(*place))
+                holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, clearance_at_m(*place))
             });
             if is_entered && !names.contains(&outline.zone.name) {
                 names.push(outline.zone.name.clone());
@@ -97,4 +97,74 @@ fn samples(request: &Request, way: &Way, true_airspeed_mps: f64) -> Vec<(Positio
         flown_m += length_m;
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mission;
+    use apex_model::problem::TimeWindow;
+
+    /// Distance of the zone's southern edge from a path to the east, m.
+    const OFF_M: f64 = 2_000.0;
+
+    /// Returns the zones that are named for a path of 100 km whose whole length, or one of whose ends, is [`OFF_M`] from a zone.
+    fn named(kind: ZoneKind, near_an_end: bool, clearance_m: f64, has_turns: bool) -> Vec<String> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+        let mut limits = Limits::of(&Mission::load(&folder).unwrap());
+        let from = Position::new(40.0, -120.0);
+        let to = geodesy::destination(from, 90.0, 100_000.0);
+        let (begin_m, width_m) = if near_an_end { (-2_000.0, 4_000.0) } else { (40_000.0, 20_000.0) };
+        let corner = |east_m: f64, north_m: f64| {
+            geodesy::destination(geodesy::interpolate(from, to, east_m / 100_000.0), 0.0, north_m)
+        };
+        let north_m = if kind == ZoneKind::Permitted { -100_000.0 } else { OFF_M };
+        let until_m = if kind == ZoneKind::Permitted { OFF_M } else { 50_000.0 };
+        let (west_m, east_m) =
+            if kind == ZoneKind::Permitted { (-200_000.0, 300_000.0) } else { (begin_m, begin_m + width_m) };
+        limits.zones = vec![AirspaceZone {
+            name: "Z".to_string(),
+            kind,
+            corners: vec![
+                corner(west_m, north_m),
+                corner(east_m, north_m),
+                corner(east_m, until_m),
+                corner(west_m, until_m),
+            ],
+            altitude_m_min: 0.0,
+            altitude_m_max: 20_000.0,
+            active: TimeWindow { from_s: 0.0, until_s: 1e9 },
+        }];
+        let request = Request {
+            from,
+            from_altitude_m: 7_000.0,
+            from_track_rad: None,
+            at_s: 0.0,
+            to,
+            to_altitude_m: 7_000.0,
+            to_track_rad: None,
+            circle_radius_m: 0.0,
+            stay_s: 0.0,
+        };
+        let way =
+            Way { via: Vec::new(), altitude_m: 7_000.0, hold_s: 0.0, hold_around: None, time_s: 1_000.0, broken: None };
+        limits.crossed(&request, &way, (clearance_m, has_turns))
+    }
+
+    #[test]
+    fn a_zone_within_the_clearance_counts_where_the_vehicle_chooses_its_turns() {
+        let none: [&str; 0] = [];
+        let restricted =
+            |near_an_end, clearance_m, has_turns| named(ZoneKind::Restricted, near_an_end, clearance_m, has_turns);
+        // Without turns of its own the path is flown with those of the vehicle: everywhere.
+        assert_eq!(restricted(false, 3_000.0, false), ["Z"]);
+        assert_eq!(restricted(false, 1_000.0, false), none);
+        // A path with its turns keeps to them away from its ends.
+        assert_eq!(restricted(false, 3_000.0, true), none);
+        assert_eq!(restricted(true, 3_000.0, true), ["Z"]);
+        assert_eq!(restricted(true, 1_000.0, true), none);
+        // A permitted area is left where its edge is within the clearance.
+        assert_eq!(named(ZoneKind::Permitted, false, 3_000.0, false), ["permitted area"]);
+        assert_eq!(named(ZoneKind::Permitted, false, 1_000.0, false), none);
+    }
 }

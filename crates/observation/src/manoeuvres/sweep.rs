@@ -37,6 +37,10 @@ impl Sweep {
     pub const NAME: &'static str = "sweep";
     /// Number of candidate directions in addition to those of the edges.
     const DIRECTIONS: u32 = 18;
+    /// Difference of two directions that are both tried, degrees, at least.
+    const APART_DEG: f64 = 0.5;
+    /// Number of directions that are tried, at most.
+    const DIRECTIONS_MAX: usize = 60;
 
     /// Returns the number of lines over a width across the track: `ceil((D - S) / S_p) + 1`; one if the swath is at least as wide.
     pub fn line_count(width_m: f64, swath_m: f64, spacing_m: f64) -> usize {
@@ -91,9 +95,12 @@ impl Sweep {
         let mut all: Vec<f64> = edges.flat_map(|edge| [edge, edge + 90.0]).map(|deg| deg.rem_euclid(180.0)).collect();
         all.extend((0..Self::DIRECTIONS).map(|index| f64::from(index) * 180.0 / f64::from(Self::DIRECTIONS)));
         all.sort_by(f64::total_cmp);
-        all.dedup_by(|next, before| *next - *before < 0.5);
-        // For areas with many corners: the directions of the longest edges are within 5 degrees of the others.
-        all.truncate(60);
+        all.dedup_by(|next, before| *next - *before < Self::APART_DEG);
+        // Areas with many corners: directions from all around, so that each one left out is close to one that is tried.
+        if all.len() > Self::DIRECTIONS_MAX {
+            let apart_deg = 180.0 / Self::DIRECTIONS_MAX as f64;
+            all.dedup_by(|next, before| *next - *before < apart_deg);
+        }
         all
     }
 

@@ -90,6 +90,22 @@ fn lines_across_the_wind_are_quicker_than_along_it() {
 }
 
 #[test]
+fn the_direction_along_a_long_area_is_found_whatever_its_number_of_corners() {
+    // An ellipse of 10 km by 1 km with its length towards 120 degrees.
+    let (sine, cosine) = (libm::sin(120_f64.to_radians()), libm::cos(120_f64.to_radians()));
+    let corner = |place: u32| {
+        let angle = std::f64::consts::TAU * f64::from(place) / 200.0;
+        let (along, across) = (5_000.0 * libm::cos(angle), 500.0 * libm::sin(angle));
+        (along * sine + across * cosine, along * cosine - across * sine)
+    };
+    let path = Sweep { corners: (0..200).map(corner).collect(), ..sweep(1.0, 1.0, 120.0, 149.4, 0.0, None) };
+    let lines = path.best_lines(13.0, &mapper(), &still()).unwrap();
+    let step = lines[0].1.minus(lines[0].0);
+    let track_deg = libm::atan2(step.x, step.y).to_degrees().rem_euclid(180.0);
+    near(track_deg, 120.0, 3.0);
+}
+
+#[test]
 fn the_zaca_fire_takes_4_wide_or_8_narrow_lines() {
     let side_m = libm::sqrt(240_207.0 * 4_046.856_4);
     assert_eq!(Sweep::line_count(side_m, 11_190.0, 0.85 * 11_190.0), 4);
