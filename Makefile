@@ -344,8 +344,8 @@ pictures: $(CI_APEX) web/node_modules/.installed chromium ## Take the pictures o
 	[ -f $(FLIGHTS)/western-states.apex ] || $(MAKE) flights
 	cd web && APEX_BINARY=$(abspath $(CI_APEX)) node scripts/picture.mjs $(abspath $(FLIGHTS)/western-states.apex) ../docs/pictures
 
-bench-page: web/node_modules/.installed chromium ## Measure the time to the next paint of Sherpa at URL while the record plays.
-	cd web && node scripts/paint.mjs $(URL)
+bench-page: build chromium ## Measure the time to the next paint of Sherpa while a record of 200 targets and 1,000 tasks plays.
+	cd web && node scripts/paint.mjs $(abspath $(APEX)) $(abspath $(TARGET))/paint.apex
 
 bench-record: build ## Measure the server on a record of a million lives of tasks with ten clients; the record is made first, in minutes.
 	cd web && node scripts/load.mjs $(abspath $(APEX)) $(abspath $(TARGET))/load.apex

@@ -199,3 +199,48 @@ for (const [name, recordOf, targets] of RECORDS) {
     }
   });
 }
+
+/** Mission times at which the scanner is off, drawn from a flight's commands: seconds. */
+function instantsWithoutScanning(record: string, count: number): number[] {
+  const commands = traceOf(record, 'command').filter(line => /^\(scanner (on|off)\)$/.test(line.form ?? ''));
+  const off = commands.flatMap((line, place) =>
+    line.form === '(scanner off)' ? [[line.t, commands[place + 1]?.t ?? line.t + 3600] as const] : [],
+  );
+  const next = numbers(SEED * 6007);
+  return Array.from({ length: count }, () => {
+    const [from, to] = off[Math.floor(next() * off.length)] ?? [0, 0];
+    return Math.floor(from + 1 + next() * (to - from - 2));
+  });
+}
+
+test('P1: the score so far is that of a flight which ends at the instant', async ({ page }) => {
+  test.setTimeout(240_000);
+  const record = flight('day-and-night');
+  const missions = new URL('../../missions/', import.meta.url).pathname;
+  const server = await startServer(record);
+  try {
+    for (const atS of instantsWithoutScanning(record, 2)) {
+      const where = `day-and-night at ${atS} s, SHERPA_SEED=${SEED}`;
+      const short = made('short.apex', file => [
+        'fly',
+        join(missions, 'day-and-night'),
+        '--until',
+        `${atS}s`,
+        '--record',
+        file,
+        '--no-progress',
+      ]);
+      const said = execFileSync(apexProgram(), ['score', short]).toString();
+      const score = Number(/^Mission score (-?[\d.]+) = /m.exec(said)?.[1]);
+      expect(score, where).toBeGreaterThan(0);
+      await page.goto(`${server.url}/?t=${atS}`);
+      const shown = page.getByTestId('score-so-far');
+      await expect(shown, where).toBeVisible();
+      const text = (await shown.textContent())?.replaceAll(',', '');
+      // The page rounds to whole points, `apex score` to tenths.
+      expect(Math.abs(Number(text) - score), `${text} and ${score}, ${where}`).toBeLessThanOrEqual(0.55);
+    }
+  } finally {
+    server.stop();
+  }
+});

@@ -55,9 +55,9 @@ export interface Witness {
 
 const KINDS = 'created,transition,selected,plan,ask,withdraw-question,trouble,event'; // english: allow
 
-/** All lines of a record that the witness reads. */
-export function traceOf(record: string): Line[] {
-  const text = execFileSync(apexProgram(), ['trace', record, '--json', '--type', KINDS], {
+/** All lines of some kinds in a record: by default those that the witness reads. */
+export function traceOf(record: string, kinds = KINDS): Line[] {
+  const text = execFileSync(apexProgram(), ['trace', record, '--json', '--type', kinds], {
     maxBuffer: 1 << 29,
     stdio: ['ignore', 'pipe', 'ignore'],
   });
