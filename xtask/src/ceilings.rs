@@ -33,7 +33,7 @@ pub(crate) fn check(
     above.collect()
 }
 
-/// Which counts may rise when a table is lowered.
+/// The counts that may rise when a table is lowered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keys {
     /// Each count may only fall.

@@ -154,7 +154,7 @@ fn no_rows(file: &str, why: &std::io::Error) -> String {
     String::new()
 }
 
-/// Reads `FROM..TO`, or a number, which stands for as many from 0.
+/// Reads `FROM..TO`, or a number, which means so many from 0.
 fn range(text: &str) -> Option<Range<u64>> {
     let (from, to) = text.split_once("..").unwrap_or(("0", text));
     Some(from.parse().ok()?..to.parse().ok()?)

@@ -8,7 +8,7 @@ use crate::vehicle::Airframe;
 use apex_model::problem::{AirspaceZone, ZoneKind};
 use serde_json::{Value, json};
 
-/// Shortest wait that gets an item of its own, s.
+/// Shortest wait that gets a separate item, s.
 const WAIT_S_MIN: f64 = 1.0;
 /// Commands of MAVLink (`MAV_CMD`).
 const WAYPOINT: u16 = 16;

@@ -35,7 +35,7 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// Returns pictures from vantage points and along lines and, if the program uses library "manoeuvres", its paths around and beside the
+/// Returns pictures from vantage points and along lines and, if the program uses library "manoeuvres", its paths around and next to the
 /// target.
 fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let simple = camera::ways(wish);

@@ -160,7 +160,7 @@ fn earlier((from, to): (Position, Position), (ahead_m, start_m): (f64, f64)) -> 
     (geodesy::destination(from, begin_deg, ahead_m + start_m), geodesy::destination(to, end_deg, ahead_m))
 }
 
-/// Returns the drafts that are worth a prediction: no other draft with at least as many lines has more estimated value in no more time,
+/// Returns the drafts for which a prediction may pay: no other draft with at least as many lines has more estimated value in no more time,
 /// or as much in less time.
 fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
     let beaten = |draft: &SweepDraft| {

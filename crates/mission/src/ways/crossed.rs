@@ -156,7 +156,7 @@ mod tests {
         let none: [&str; 0] = [];
         let restricted =
             |near_an_end, clearance_m, has_turns| named(ZoneKind::Restricted, near_an_end, clearance_m, has_turns);
-        // Without turns of its own the path is flown with those of the vehicle: everywhere.
+        // A path without turns is flown with those of the vehicle: everywhere.
         assert_eq!(restricted(false, 3_000.0, false), ["Z"]);
         assert_eq!(restricted(false, 1_000.0, false), none);
         // A path with its turns keeps to them away from its ends.

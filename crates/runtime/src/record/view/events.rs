@@ -16,7 +16,7 @@ const LIMIT_MAX: usize = 5_000;
 
 /// Most effects that one answer reads in search of a text. A text that is nowhere would otherwise read the whole log: the answer states
 /// where the search continues.
-const SEARCHED_MAX: usize = 6_144;
+const SEARCHED_MAX: usize = 4_096;
 
 /// Number of blocks that a query takes from the index at once.
 const BLOCKS_TURN: usize = 32;
@@ -41,7 +41,7 @@ pub struct EventsQuery {
     pub limit: Option<usize>,
     /// Only effects with lower numbers: continues a search at its [`Events::next`].
     pub before: Option<i64>,
-    /// Most effects that are read in search of a text; default 6,144.
+    /// Most effects that are read in search of a text; default 4,096.
     pub searched_max: Option<usize>,
 }
 
