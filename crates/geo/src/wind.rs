@@ -167,19 +167,27 @@ impl LegProfile {
         if field.layers.is_empty() {
             return Some(self.length_m() / true_airspeed_mps);
         }
-        self.time_through_s(true_airspeed_mps, start_s, |position, at_s| at(field, position, altitude_m, at_s))
+        self.time_through_s(self.middles(), true_airspeed_mps, start_s, |position, at_s| {
+            at(field, position, altitude_m, at_s)
+        })
     }
 
-    /// Like [`LegProfile::time_s`], through the wind that a function of place and time states.
+    /// Returns the middle of each sub-step.
+    fn middles(&self) -> impl Iterator<Item = Position> {
+        self.steps.iter().map(|step| step.middle.position())
+    }
+
+    /// Like [`LegProfile::time_s`], through the wind that a function of place and time states; `middles` as of [`LegProfile::middles`].
     fn time_through_s(
         &self,
+        middles: impl Iterator<Item = Position>,
         true_airspeed_mps: f64,
         start_s: f64,
         wind: impl Fn(Position, f64) -> Wind,
     ) -> Option<f64> {
         let still_s = self.step_m / true_airspeed_mps;
-        self.steps.iter().try_fold(0.0, |elapsed_s, step| {
-            let wind = wind(step.middle.position(), start_s + elapsed_s + 0.5 * still_s);
+        self.steps.iter().zip(middles).try_fold(0.0, |elapsed_s, (step, middle)| {
+            let wind = wind(middle, start_s + elapsed_s + 0.5 * still_s);
             let speed_mps = ground_speed_mps(step.track, true_airspeed_mps, wind)?;
             Some(elapsed_s + self.step_m / speed_mps)
         })
@@ -211,7 +219,8 @@ pub fn leg_times_s<const N: usize>(
     winds: [WindAt<'_>; N],
 ) -> [Option<f64>; N] {
     let profile = LegProfile::new(from, to).filter(|_| true_airspeed_mps > 0.0);
-    winds.map(|wind| profile.as_ref()?.time_through_s(true_airspeed_mps, start_s, wind))
+    let middles: Vec<Position> = profile.iter().flat_map(LegProfile::middles).collect();
+    winds.map(|wind| profile.as_ref()?.time_through_s(middles.iter().copied(), true_airspeed_mps, start_s, wind))
 }
 
 #[cfg(test)]

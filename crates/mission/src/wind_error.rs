@@ -72,6 +72,25 @@ impl Relation {
     }
 }
 
+/// Correction of forecast winds: a factor, and the wind that is added to the product, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Correction {
+    factor: f64,
+    east_mps: f64,
+    north_mps: f64,
+}
+
+impl Correction {
+    /// Returns a forecast wind as corrected.
+    pub(crate) fn of(&self, forecast: Wind) -> Wind {
+        Wind {
+            east_mps: self.factor * forecast.east_mps + self.east_mps,
+            north_mps: self.factor * forecast.north_mps + self.north_mps,
+            ..forecast
+        }
+    }
+}
+
 impl WindError {
     /// Takes a measurement at `now_s` where `forecast` was expected.
     pub(crate) fn take(&mut self, measured: Wind, forecast: Wind, now_s: f64) {
@@ -90,27 +109,20 @@ impl WindError {
         self.at_s = Some(now_s);
     }
 
-    /// Returns a forecast wind as corrected.
-    pub(crate) fn corrected(&self, forecast: Wind) -> Wind {
-        let (factor, [east_mps, north_mps]) = self.correction();
-        Wind {
-            east_mps: factor * forecast.east_mps + east_mps,
-            north_mps: factor * forecast.north_mps + north_mps,
-            ..forecast
-        }
-    }
-
-    /// Returns the factor of a forecast, and the wind that is added to the product, east and north, m/s.
-    fn correction(&self) -> (f64, [f64; 2]) {
+    /// Returns the correction of forecast winds.
+    pub(crate) fn correction(&self) -> Correction {
         let slope = self.relation.slope();
-        let added = [self.east_mps - slope * self.expected_east_mps, self.north_mps - slope * self.expected_north_mps];
-        (1.0 + slope, added)
+        Correction {
+            factor: 1.0 + slope,
+            east_mps: self.east_mps - slope * self.expected_east_mps,
+            north_mps: self.north_mps - slope * self.expected_north_mps,
+        }
     }
 
     /// Returns the forecast for a plan made at `now_s`: corrected for six hours, then unchanged. `None` if nothing was measured.
     pub(crate) fn field(&self, forecast: &WindField, now_s: f64) -> Option<WindField> {
         self.at_s?;
-        let (factor, [east_mps, north_mps]) = self.correction();
+        let Correction { factor, east_mps, north_mps } = self.correction();
         let until_s = now_s + LASTING_S;
         let still = WindLayer {
             area: None,
@@ -156,7 +168,7 @@ mod tests {
     fn a_gust_counts_little_and_a_wrong_forecast_counts_after_minutes() {
         let mut error = WindError::default();
         error.take(blowing(12.0, 0.0), blowing(10.0, 0.0), 0.0);
-        assert_eq!(error.corrected(blowing(10.0, 1.0)), blowing(12.0, 1.0), "the first measurement counts");
+        assert_eq!(error.correction().of(blowing(10.0, 1.0)), blowing(12.0, 1.0), "the first measurement counts");
         error.take(blowing(40.0, 0.0), blowing(10.0, 0.0), 5.0);
         assert!((error.east_mps - 3.1).abs() < 0.1, "{error:?}");
         for second in 1..=600 {
@@ -175,7 +187,7 @@ mod tests {
                 let forecast = forecasts[usize::from(second >= 7_200)];
                 error.take(blowing(winds(forecast), 0.0), blowing(forecast, 0.0), f64::from(second));
             }
-            error.corrected(blowing(10.0, 0.0)).east_mps
+            error.correction().of(blowing(10.0, 0.0)).east_mps
         };
         let twice = fly(&|forecast| 2.0 * forecast, [5.0, 25.0]);
         assert!((20.0..23.0).contains(&twice), "{twice}");

@@ -112,7 +112,8 @@ impl<'a> Scene<'a> {
     /// takes longer. `None` if the vehicle makes no progress at its fastest.
     fn way_s(&self, from: Position, to: Position, altitude_m: f64, after_s: f64) -> Option<f64> {
         let forecast = |at: Position, at_s: f64| wind::at(self.forecast, at, altitude_m, at_s);
-        let believed = |at: Position, at_s: f64| self.flown.wind_error.corrected(forecast(at, at_s));
+        let correction = self.flown.wind_error.correction();
+        let believed = |at: Position, at_s: f64| correction.of(forecast(at, at_s));
         let winds: [WindAt<'_>; 2] = [&forecast, &believed];
         let model = &self.mission.model;
         [model.true_airspeed_m_s_cruise, model.true_airspeed_m_s_max].into_iter().find_map(|airspeed_mps| {

@@ -7,6 +7,7 @@ use crate::target::{ObservedTarget, Polygon, TargetArea};
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_geo::plane::{doubled_area, edges, point_to_segment};
 use std::fmt;
+use std::ops::Range;
 
 /// Number of cells aimed at in a grid on which flights are scored.
 pub const SCORING_CELLS: usize = 20_000;
@@ -173,26 +174,67 @@ fn area(
         x: 0.5 * (low.x + high.x) - 0.5 * columns as f64 * cell_m,
         y: 0.5 * (low.y + high.y) - 0.5 * rows as f64 * cell_m,
     };
-    let mut areas = vec![0.0; rows * columns];
-    for outer in &rings.outer {
-        add_areas(outer, origin, cell_m, columns, &mut areas, 1.0);
+    let lattice = Lattice { origin, cell_m, rows, columns };
+    let mut kept = KeptCells::default();
+    match band {
+        None => {
+            let mut areas_m2 = areas_m2(&rings, &lattice);
+            gather_inside(&middles_inside(&rings, &lattice), columns, &mut areas_m2);
+            for (row, weights) in areas_m2.chunks(columns).enumerate() {
+                kept.push_row(&lattice, row, weights);
+            }
+        }
+        Some(band) => keep_band(&rings, &lattice, band, &mut kept),
     }
-    for hole in &rings.holes {
-        add_areas(hole, origin, cell_m, columns, &mut areas, -1.0);
+    Ok(finish(target, plane, cell_m, kept.rows, kept.cells))
+}
+
+/// Square cells in rows from the south-west corner.
+struct Lattice {
+    origin: Point,
+    cell_m: f64,
+    rows: usize,
+    columns: usize,
+}
+
+impl Lattice {
+    fn middle(&self, row: usize, column: usize) -> Point {
+        let middle = |from: f64, index: usize| from + (index as f64 + 0.5) * self.cell_m;
+        Point { x: middle(self.origin.x, column), y: middle(self.origin.y, row) }
     }
-    let cell_m2 = cell_m * cell_m;
-    areas.iter_mut().for_each(|area_m2| *area_m2 = area_m2.clamp(0.0, cell_m2));
-    if band.is_none() {
-        gather_inside(&middles_inside(&rings, origin, cell_m, (rows, columns)), columns, &mut areas);
-    }
-    if let Some((half_m, interior)) = band {
-        let distances_m = edge_distances_m(&rings, origin, cell_m, (rows, columns), half_m);
-        for (area_m2, distance_m) in areas.iter_mut().zip(distances_m) {
-            let share = ((half_m - distance_m) / cell_m + 0.5).clamp(0.0, 1.0);
-            *area_m2 = share * cell_m2 + (1.0 - share) * interior * *area_m2;
+}
+
+/// Cells of a lattice with a weight above 0.
+#[derive(Default)]
+struct KeptCells {
+    rows: Vec<CellRow>,
+    cells: Vec<(Point, f64)>,
+}
+
+impl KeptCells {
+    /// Adds a row; rows come from south to north, each once.
+    fn push_row(&mut self, lattice: &Lattice, row: usize, weights: &[f64]) {
+        let first = self.cells.len();
+        let wanted = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        self.cells.extend(wanted.map(|(column, weight)| (lattice.middle(row, column), *weight)));
+        if let Some((Point { x: west, y }, _)) = self.cells.get(first) {
+            self.rows.push(CellRow { y: *y, first, count: self.cells.len() - first, west: *west });
         }
     }
-    Ok(from_dense(target, plane, origin, cell_m, columns, &areas))
+}
+
+/// Returns the area of the rings in each cell, row by row.
+fn areas_m2(rings: &Rings, lattice: &Lattice) -> Vec<f64> {
+    let mut areas = vec![0.0; lattice.rows * lattice.columns];
+    for outer in &rings.outer {
+        add_areas(outer, lattice.origin, lattice.cell_m, lattice.columns, &mut areas, 1.0);
+    }
+    for hole in &rings.holes {
+        add_areas(hole, lattice.origin, lattice.cell_m, lattice.columns, &mut areas, -1.0);
+    }
+    let cell_m2 = lattice.cell_m * lattice.cell_m;
+    areas.iter_mut().for_each(|area_m2| *area_m2 = area_m2.clamp(0.0, cell_m2));
+    areas
 }
 
 /// Returns the cell size `min(W_use / 30, max(g_want, sqrt(area / cells)))`, with the finest wanted resolution.
@@ -215,10 +257,10 @@ fn bounds<'a>(points: impl Iterator<Item = &'a Point>, margin_m: f64) -> (Point,
 }
 
 /// Returns for each cell true if its middle is inside the rings (even-odd rule).
-fn middles_inside(rings: &Rings, origin: Point, cell_m: f64, (rows, columns): (usize, usize)) -> Vec<bool> {
-    let mut inside = vec![false; rows * columns];
-    for (row, cells) in inside.chunks_mut(columns).enumerate() {
-        let y = origin.y + (row as f64 + 0.5) * cell_m;
+fn middles_inside(rings: &Rings, lattice: &Lattice) -> Vec<bool> {
+    let mut inside = vec![false; lattice.rows * lattice.columns];
+    for (row, cells) in inside.chunks_mut(lattice.columns).enumerate() {
+        let y = lattice.middle(row, 0).y;
         let crossing = |(a, b): (Point, Point)| {
             let spans = (a.y > y) != (b.y > y);
             spans.then(|| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y))
@@ -226,7 +268,7 @@ fn middles_inside(rings: &Rings, origin: Point, cell_m: f64, (rows, columns): (u
         let mut crossings: Vec<f64> = rings.all().flat_map(|ring| edges(ring)).filter_map(crossing).collect();
         crossings.sort_by(f64::total_cmp);
         for (column, cell) in cells.iter_mut().enumerate() {
-            let x = origin.x + (column as f64 + 0.5) * cell_m;
+            let x = lattice.middle(row, column).x;
             *cell = crossings.partition_point(|crossing| *crossing < x) % 2 == 1;
         }
     }
@@ -267,27 +309,62 @@ fn gather_inside(inside: &[bool], columns: usize, areas: &mut [f64]) {
     }
 }
 
-/// Returns the distance of each cell's centre from the nearest edge, if it is less than `half_m` plus a cell; infinite otherwise.
-fn edge_distances_m(rings: &Rings, origin: Point, cell_m: f64, size: (usize, usize), half_m: f64) -> Vec<f64> {
-    let (rows, columns) = size;
-    let mut distances_m = vec![f64::INFINITY; rows * columns];
-    let reach_m = half_m + cell_m;
-    for (a, b) in rings.all().flat_map(|ring| edges(ring)) {
+/// An edge of a ring, with the rows and columns whose centres may be in the band around it.
+struct BandEdge {
+    ends: (Point, Point),
+    rows: Range<usize>,
+    columns: Range<usize>,
+}
+
+impl BandEdge {
+    fn new((a, b): (Point, Point), lattice: &Lattice, reach_m: f64) -> BandEdge {
         let (low, high) = bounds([a, b].iter(), reach_m);
-        let index = |value: f64, count: usize| (libm::floor(value / cell_m).max(0.0) as usize).min(count);
-        let from_column = index(low.x - origin.x, columns);
-        let to_column = index(high.x - origin.x, columns.saturating_sub(1)) + 1;
-        let (from_row, to_row) = (index(low.y - origin.y, rows), index(high.y - origin.y, rows.saturating_sub(1)) + 1);
-        let touched = distances_m.chunks_mut(columns).enumerate().take(to_row).skip(from_row);
-        for (row, cells) in touched {
-            for (column, distance_m) in cells.iter_mut().enumerate().take(to_column).skip(from_column) {
-                let middle =
-                    Point { x: origin.x + (column as f64 + 0.5) * cell_m, y: origin.y + (row as f64 + 0.5) * cell_m };
-                *distance_m = distance_m.min(point_to_segment(middle, a, b));
-            }
+        let index = |metres: f64, most: usize| (libm::floor(metres / lattice.cell_m).max(0.0) as usize).min(most);
+        let range =
+            |low_m: f64, high_m: f64, count: usize| index(low_m, count)..index(high_m, count.saturating_sub(1)) + 1;
+        BandEdge {
+            ends: (a, b),
+            rows: range(low.y - lattice.origin.y, high.y - lattice.origin.y, lattice.rows),
+            columns: range(low.x - lattice.origin.x, high.x - lattice.origin.x, lattice.columns),
         }
     }
-    distances_m
+
+    /// Lowers the distances of a row's centres from the nearest edge to those from this edge.
+    fn lower(&self, lattice: &Lattice, row: usize, distances_m: &mut [f64]) {
+        let (a, b) = self.ends;
+        for (column, distance_m) in distances_m.iter_mut().enumerate().take(self.columns.end).skip(self.columns.start) {
+            *distance_m = distance_m.min(point_to_segment(lattice.middle(row, column), a, b));
+        }
+    }
+}
+
+/// Keeps the cells of the band along the rings' edges, and those of their interior if it has a weight. Row by row: the box around a thin
+/// band has many more cells than the band. Bound: O(cells of the box + cells near edges).
+fn keep_band(rings: &Rings, lattice: &Lattice, (half_m, interior): (f64, f64), kept: &mut KeptCells) {
+    let (columns, cell_m, cell_m2) = (lattice.columns, lattice.cell_m, lattice.cell_m * lattice.cell_m);
+    let areas_m2 = if interior > 0.0 { areas_m2(rings, lattice) } else { Vec::new() };
+    let all = rings.all().flat_map(|ring| edges(ring));
+    let mut waiting: Vec<BandEdge> = all.map(|ends| BandEdge::new(ends, lattice, half_m + cell_m)).collect();
+    // The edge whose rows begin first is the last one.
+    waiting.sort_by_key(|edge| std::cmp::Reverse(edge.rows.start));
+    let mut near: Vec<BandEdge> = Vec::new();
+    let (mut distances_m, mut weights) = (vec![f64::INFINITY; columns], vec![0.0; columns]);
+    for row in 0..lattice.rows {
+        near.retain(|edge| edge.rows.end > row);
+        while let Some(edge) = waiting.pop_if(|edge| edge.rows.start <= row) {
+            near.push(edge);
+        }
+        distances_m.fill(f64::INFINITY);
+        for edge in near.iter().filter(|edge| edge.rows.contains(&row)) {
+            edge.lower(lattice, row, &mut distances_m);
+        }
+        let inside = areas_m2.iter().skip(row * columns).copied().chain(std::iter::repeat(0.0));
+        for ((weight, distance_m), area_m2) in weights.iter_mut().zip(&distances_m).zip(inside) {
+            let share = ((half_m - distance_m) / cell_m + 0.5).clamp(0.0, 1.0);
+            *weight = share * cell_m2 + (1.0 - share) * interior * area_m2;
+        }
+        kept.push_row(lattice, row, &weights);
+    }
 }
 
 fn line(target: &ObservedTarget, positions: &[Position], settings: GridSettings) -> Result<TargetGrid, String> {
@@ -327,27 +404,6 @@ fn points(target: &ObservedTarget, cells: &[(Position, f64)], cell_m: f64) -> Re
         .collect();
     let grid = placed.iter().map(|(point, weight)| (*point, *weight)).collect();
     Ok(finish(target, plane, cell_m, rows, grid))
-}
-
-fn from_dense(
-    target: &ObservedTarget,
-    plane: EqualAreaPlane,
-    origin: Point,
-    cell_m: f64,
-    columns: usize,
-    areas: &[f64],
-) -> TargetGrid {
-    let (mut rows, mut cells) = (Vec::new(), Vec::new());
-    for (row, weights) in areas.chunks(columns).enumerate() {
-        let (y, first) = (origin.y + (row as f64 + 0.5) * cell_m, cells.len());
-        for (column, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-            cells.push((Point { x: origin.x + (column as f64 + 0.5) * cell_m, y }, *weight));
-        }
-        if let Some((Point { x: west, .. }, _)) = cells.get(first) {
-            rows.push(CellRow { y, first, count: cells.len() - first, west: *west });
-        }
-    }
-    finish(target, plane, cell_m, rows, cells)
 }
 
 /// Returns the unit normal of the ellipsoid at a position, in Earth-fixed axes: towards (0, 0), towards (0, 90 E), to the north pole.
