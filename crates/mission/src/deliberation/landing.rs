@@ -81,7 +81,8 @@ fn landing_s(mission: &Mission, problem: &Problem, plan: &Plan) -> Option<f64> {
     let planned_s = plan.end_s - plan.return_depart_s;
     let down_s = (altitude_m - cruise_m).max(0.0) / model.descent_rate_m_s_max;
     let home_s = home_s.map_or(planned_s, |home_s| home_s.max(down_s).min(planned_s));
-    Some(plan.return_depart_s + home_s + Descent::to_base(mission).time_s)
+    let over_base_s = plan.return_depart_s + home_s;
+    Some(over_base_s + Descent::to_base_at(mission, over_base_s).time_s)
 }
 
 fn posed(mission: &Mission, problem: &Problem, arrival: &dyn Fn(&str) -> GroundArrival) -> Problem {
