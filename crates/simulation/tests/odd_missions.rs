@@ -20,6 +20,8 @@ mod images;
 mod low_sun;
 #[path = "odd/low_zone.rs"]
 mod low_zone;
+#[path = "odd/measured_wind.rs"]
+mod measured_wind;
 #[path = "odd/still_air.rs"]
 mod still_air;
 #[path = "odd/strong_wind.rs"]

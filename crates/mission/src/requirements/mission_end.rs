@@ -5,6 +5,7 @@ use super::commanded_route::chart_distance_m;
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
 use crate::descent::Descent;
+use crate::vehicle::way_altitude_m_max;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{Plane, inside};
 use apex_geo::wind::{self, Wind, WindAt, leg_times_s};
@@ -110,13 +111,15 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Returns the time from a position to a place, leaving after `after_s`: in the forecast wind or in the wind as measured, whichever
-    /// takes longer. `None` if the vehicle makes no progress at its fastest.
+    /// Returns the time from a position to a place, leaving after `after_s`, in the forecast wind or in the wind as measured, whichever
+    /// takes longer. The way is flown at the present altitude, but no higher than cruise, as by the response and in plans. `None` if the
+    /// vehicle makes no progress at its fastest.
     fn way_s(&self, from: Position, to: Position, altitude_m: f64, after_s: f64) -> Option<f64> {
+        let model = &self.mission.model;
+        let altitude_m = altitude_m.min(way_altitude_m_max(model));
         let forecast = |at: Position, at_s: f64| wind::at(self.forecast, at, altitude_m, at_s);
         let believed = |at: Position, at_s: f64| self.flown.wind_error.corrected(forecast(at, at_s));
         let winds: [WindAt<'_>; 2] = [&forecast, &believed];
-        let model = &self.mission.model;
         [model.true_airspeed_m_s_cruise, model.true_airspeed_m_s_max].into_iter().find_map(|airspeed_mps| {
             let [forecast_s, believed_s] = leg_times_s(from, to, airspeed_mps, self.now_s + after_s, winds);
             Some(forecast_s?.max(believed_s?))
