@@ -48,7 +48,9 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
     } else {
-        surveillance(mission, situation, at).map(Problem::Surveillance)
+        // The sites are near one another, and the plan is short: the wind that was measured blows at all of them.
+        let measured = situation.in_measured_wind(mission.clone(), at.seconds());
+        surveillance(&measured, situation, at).map(Problem::Surveillance)
     }
 }
 
