@@ -2,10 +2,10 @@
 
 mod timing;
 
-pub(crate) use timing::GroundArrival;
+pub(crate) use timing::{GroundArrival, interval_windows, is_bound_to_seen};
 
 use super::situation::Situation;
-use super::{Mission, Site, TargetKind};
+use super::{Fire, Mission, Site, TargetKind};
 use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
@@ -167,7 +167,7 @@ fn wanted(
             position: target.position,
             value: (look.value - seen).max(0.0),
             manoeuvres,
-            windows: timing::begins(look),
+            windows: timing::begins_after(look, &seen_s(situation, fire, &name)),
             light: timing::hard_light(look),
             timing: timing::table(
                 mission,
@@ -196,6 +196,13 @@ fn wanted(
     };
     let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
     Ok((targets, precedence))
+}
+
+/// Returns begin and end of the observations of a fire's other looks.
+fn seen_s(situation: &Situation, fire: &Fire, name: &str) -> Vec<(f64, f64)> {
+    let is_sibling = |target: &str| target != name && fire.looks().any(|(other, _)| other == target);
+    let visits = situation.observed().filter(|visit| is_sibling(&visit.target));
+    visits.filter_map(|visit| Some((visit.begin.seconds(), visit.end?.seconds()))).collect()
 }
 
 /// Returns the time of the shortest manoeuvre, and of one of its lines: pictures are sent one by one, a scanner's lines as a whole.

@@ -16,6 +16,8 @@ mod growth;
 mod harness;
 #[path = "odd/images.rs"]
 mod images;
+#[path = "odd/looks.rs"]
+mod looks;
 #[path = "odd/low_sun.rs"]
 mod low_sun;
 #[path = "odd/low_zone.rs"]
