@@ -2,10 +2,10 @@
 
 mod timing;
 
-pub(crate) use timing::GroundArrival;
+pub(crate) use timing::{GroundArrival, interval_windows, is_bound_to_seen};
 
 use super::situation::Situation;
-use super::{Mission, Site, TargetKind};
+use super::{Fire, Mission, Site, TargetKind};
 use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
@@ -48,7 +48,9 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
     } else {
-        surveillance(mission, situation, at).map(Problem::Surveillance)
+        // The sites are near one another, and the plan is short: the wind that was measured blows at all of them.
+        let measured = situation.in_measured_wind(mission.clone(), at.seconds());
+        surveillance(&measured, situation, at).map(Problem::Surveillance)
     }
 }
 
@@ -165,7 +167,7 @@ fn wanted(
             position: target.position,
             value: (look.value - seen).max(0.0),
             manoeuvres,
-            windows: timing::begins(look),
+            windows: timing::begins_after(look, &seen_s(situation, fire, &name)),
             light: timing::hard_light(look),
             timing: timing::table(
                 mission,
@@ -194,6 +196,13 @@ fn wanted(
     };
     let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
     Ok((targets, precedence))
+}
+
+/// Returns begin and end of the observations of a fire's other looks.
+fn seen_s(situation: &Situation, fire: &Fire, name: &str) -> Vec<(f64, f64)> {
+    let is_sibling = |target: &str| target != name && fire.looks().any(|(other, _)| other == target);
+    let visits = situation.observed().filter(|visit| is_sibling(&visit.target));
+    visits.filter_map(|visit| Some((visit.begin.seconds(), visit.end?.seconds()))).collect()
 }
 
 /// Returns the time of the shortest manoeuvre, and of one of its lines: a scanner's lines are sent as a whole, pictures one by one (0).

@@ -159,6 +159,7 @@ pub fn figures(model: &VehicleModel) -> String {
         CruiseLevel::Altitude(altitude_m) => ("cruise-altitude", altitude_m, "m"),
         CruiseLevel::Height(height_m) => ("cruise-height", height_m, "m"),
     };
+    let way_m = way_altitude_m_max(model);
     let circle_m = (model.turns.circle_width * turn_radius_m(model)).round();
     let reserve_share = (model.reserve() / model.stored_full() * 1e4).round() / 1e4;
     let constants = [
@@ -172,6 +173,7 @@ pub fn figures(model: &VehicleModel) -> String {
         ("circle-radius", circle_m, "m"),
         ("wind-max", model.wind_m_s_max, "m/s"),
         cruise,
+        ("way-altitude-max", way_m, "m"),
         ("fuel-capacity", capacity_kg, "kg"),
         ("low-fuel", low_kg, "kg"),
         ("low-charge", low_share, ""),
@@ -189,6 +191,15 @@ pub fn figures(model: &VehicleModel) -> String {
         let _ = writeln!(text, "(defconstant +vehicle-{name}+ {value}{unit})");
     }
     text
+}
+
+/// Returns the greatest altitude of a way to a landing place: cruise altitude, where plans fly home; a vehicle that cruises at a height
+/// keeps its altitude.
+pub(crate) fn way_altitude_m_max(model: &VehicleModel) -> f64 {
+    match model.planning.cruise {
+        CruiseLevel::Altitude(altitude_m) => altitude_m,
+        CruiseLevel::Height(_) => model.ceiling_m,
+    }
 }
 
 /// Returns the turn radius that plans assume; 0 for a vehicle that turns on the spot.

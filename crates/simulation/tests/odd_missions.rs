@@ -16,10 +16,14 @@ mod growth;
 mod harness;
 #[path = "odd/images.rs"]
 mod images;
+#[path = "odd/looks.rs"]
+mod looks;
 #[path = "odd/low_sun.rs"]
 mod low_sun;
 #[path = "odd/low_zone.rs"]
 mod low_zone;
+#[path = "odd/measured_wind.rs"]
+mod measured_wind;
 #[path = "odd/still_air.rs"]
 mod still_air;
 #[path = "odd/strong_wind.rs"]

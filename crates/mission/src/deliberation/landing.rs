@@ -3,6 +3,7 @@
 //! Planners assume that an image arrives after the direct way home from its target, which is true for the last target only. The plan that
 //! they make, and the same visits in the opposite order, are therefore scored with their own landing; the better one is used.
 
+use super::intervals::solve_with_intervals;
 use super::operator_plan::{self, HUMAN};
 use super::solve::{Deliberation, SolveOptions, solve};
 use crate::descent::Descent;
@@ -27,11 +28,11 @@ pub fn solve_for_landing(
     cancel: &CancelToken,
 ) -> Result<Deliberation, NoPlan> {
     let Some(mission) = mission.filter(|mission| counts(mission, &problem)) else {
-        return solve(problem, wish, invocations, cancel);
+        return solve_with_intervals(mission, problem, wish, invocations, cancel);
     };
     let SolveOptions { means, solver, budget, seed, .. } = &wish;
     let (means, solver, budget, seed) = (*means, *solver, *budget, *seed);
-    let first = judged(mission, solve(problem.clone(), wish, invocations, cancel)?);
+    let first = judged(mission, solve_with_intervals(Some(mission), problem.clone(), wish, invocations, cancel)?);
     let visits: Vec<String> = first.plan.targets().iter().rev().map(ToString::to_string).collect();
     // The order that an operator states is kept.
     if visits.len() < 2 || solver == Some(HUMAN) {
@@ -41,7 +42,9 @@ pub fn solve_for_landing(
         return Ok(first);
     };
     let wish = SolveOptions { means: &means, solver: Some(HUMAN), budget, seed, previous: None };
-    let Ok(second) = solve(problem, wish, invocations, cancel) else { return Ok(first) };
+    let Ok(second) = solve(with_windows_of(problem, &first.problem), wish, invocations, cancel) else {
+        return Ok(first);
+    };
     let second = judged(mission, second);
     let work = first.work + second.work;
     match (&first.plan, second.plan) {
@@ -52,6 +55,22 @@ pub fn solve_for_landing(
         }
         _ => Ok(Deliberation { work, ..first }),
     }
+}
+
+/// Returns a problem with the targets and windows of the solved one, which follow from intervals between looks.
+fn with_windows_of(problem: Problem, solved: &Problem) -> Problem {
+    let (Problem::SingleVisit(mut problem), Problem::SingleVisit(solved)) = (problem.clone(), solved) else {
+        return problem;
+    };
+    let of = |name: &str| solved.targets.iter().find(|target| target.name == name);
+    problem.targets.retain(|target| of(&target.name).is_some());
+    problem.precedence.clone_from(&solved.precedence);
+    for target in &mut problem.targets {
+        if let Some(solved) = of(&target.name) {
+            target.windows.clone_from(&solved.windows);
+        }
+    }
+    Problem::SingleVisit(problem)
 }
 
 /// Returns true if the worth of an observation depends on the instant of the landing.
@@ -81,7 +100,8 @@ fn landing_s(mission: &Mission, problem: &Problem, plan: &Plan) -> Option<f64> {
     let planned_s = plan.end_s - plan.return_depart_s;
     let down_s = (altitude_m - cruise_m).max(0.0) / model.descent_rate_m_s_max;
     let home_s = home_s.map_or(planned_s, |home_s| home_s.max(down_s).min(planned_s));
-    Some(plan.return_depart_s + home_s + Descent::to_base(mission).time_s)
+    let over_base_s = plan.return_depart_s + home_s;
+    Some(over_base_s + Descent::to_base_at(mission, over_base_s).time_s)
 }
 
 fn posed(mission: &Mission, problem: &Problem, arrival: &dyn Fn(&str) -> GroundArrival) -> Problem {

@@ -9,11 +9,12 @@ use super::solve::{Deliberation, PLAN_VISITS_MAX, SolveOptions};
 use crate::Mission;
 use crate::descent::Descent;
 use crate::problem::NoPlan;
-use apex_model::problem::{Light, Plan, Problem, SingleVisitProblem, WindField};
+use apex_model::problem::{Light, Plan, Problem, SingleVisitProblem, SingleVisitVehicle, WindField};
 use apex_planning::solver::{Environment, WorkBudget, units_in};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::brought;
+use apex_vehicle::EnergyModel;
 
 /// Share of the margin for delays that plans by the measured wind keep.
 const REST_SHARE: f64 = 0.1;
@@ -36,8 +37,10 @@ pub(super) fn solve_for_wind(
     let by_wind = measured.zip(single_visits(&problem).cloned()).filter(|_| solver != Some(HUMAN));
     let first = solve_for_landing(Some(mission), problem, wish, invocations, cancel);
     let Some((wind, posed)) = by_wind else { return first };
-    let latest_s = latest_s(mission, &posed);
-    let windy = SingleVisitProblem { wind, end_s: Some(end_with_rest_s(mission, &posed, latest_s)), ..posed };
+    let believed = Mission { forecast: wind.clone(), ..mission.clone() };
+    let latest_s = latest_s(&believed, &posed);
+    let vehicle = with_landing_reserve(posed.vehicle.clone(), mission, &believed);
+    let windy = SingleVisitProblem { wind, vehicle, end_s: Some(end_with_rest_s(mission, &posed, latest_s)), ..posed };
     match &first {
         Err(NoPlan::Fault(_)) => return first,
         // The measured wind may permit visits: it may be better than the forecast, and it needs a smaller margin.
@@ -51,7 +54,6 @@ pub(super) fn solve_for_wind(
             }
         }
     }
-    let believed = Mission { forecast: windy.wind.clone(), ..mission.clone() };
     let wish = SolveOptions { means, solver, budget, seed, previous };
     let second = solve_for_landing(Some(&believed), Problem::SingleVisit(windy), wish, invocations, cancel);
     match (first, second) {
@@ -71,6 +73,16 @@ pub(super) fn solve_for_wind(
 fn end_with_rest_s(mission: &Mission, problem: &SingleVisitProblem, latest_s: f64) -> f64 {
     let by_forecast_s = problem.end_s.unwrap_or(latest_s);
     latest_s - REST_SHARE * (latest_s - by_forecast_s).clamp(0.0, mission.settings.end_margin.seconds())
+}
+
+/// Returns the vehicle with the reserve over the base for a landing in the wind as measured.
+fn with_landing_reserve(mut vehicle: SingleVisitVehicle, mission: &Mission, believed: &Mission) -> SingleVisitVehicle {
+    let more = Descent::to_base(believed).energy - Descent::to_base(mission).energy;
+    vehicle.endurance_reserve_s += more / mission.model.drain_planned_per_s(mission.cruise_altitude_m());
+    if matches!(mission.model.energy, EnergyModel::Fuel(_)) {
+        vehicle.fuel_reserve_kg += more;
+    }
+    vehicle
 }
 
 /// Returns the problem without windows, light, timing factors and precedence: only travel and manoeuvres take time.

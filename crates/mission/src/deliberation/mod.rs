@@ -2,6 +2,7 @@
 
 mod current_plan;
 mod draft;
+mod intervals;
 mod landing;
 mod measured_wind;
 mod operator_plan;

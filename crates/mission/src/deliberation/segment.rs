@@ -204,11 +204,13 @@ fn trade(
         line_end: lost.line_end.position,
         altitude_m,
     };
-    let again = Limits::of(&believed).segment_again(&request, &segment);
+    // The segment is flown within minutes, in the wind that blows here; the rest of the plan is compared in the wind of the plan.
+    let measured = situation.in_measured_wind(believed.clone(), at.seconds());
+    let again = Limits::of(&measured).segment_again(&request, &segment);
     let again = again.ok_or("no way back to it keeps the requirements")?;
     let rest = rest_of_lines(situation, lost, here);
-    let leaves_s = at.seconds() + lines_s(&believed, &rest, altitude_m, at.seconds());
-    let gain_points = gain((&believed, target, fire), situation, flown, (lost, &rest), at.seconds() + again.total_s)?;
+    let leaves_s = at.seconds() + lines_s(&measured, &rest, altitude_m, at.seconds());
+    let gain_points = gain((&measured, target, fire), situation, flown, (lost, &rest), at.seconds() + again.total_s)?;
     let from = rest.last().map_or(here, |(_, to)| *to);
     let (price_points, dropped) = match &situation.plan {
         Some(made) => match &made.plan {

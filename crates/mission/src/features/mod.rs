@@ -283,8 +283,10 @@ impl NamedFeature {
         if let Some(polygon) = self.polygons()?.into_iter().next() {
             let count = polygon.len() as f64;
             let latitude_deg = polygon.iter().map(|corner| corner.latitude_deg).sum::<f64>() / count;
-            let longitude_deg = polygon.iter().map(|corner| corner.longitude_deg).sum::<f64>() / count;
-            return Ok(Position::new(latitude_deg, longitude_deg));
+            let first_deg = polygon.first().map_or(0.0, |corner| corner.longitude_deg);
+            let longitude_deg =
+                polygon.iter().map(|corner| beside(first_deg, corner.longitude_deg)).sum::<f64>() / count;
+            return Ok(Position::new(latitude_deg, beside(0.0, longitude_deg)));
         }
         match self.geometry() {
             Some(GeometryValue::Point { coordinates }) => self.checked(coordinates.as_slice()),
@@ -403,6 +405,12 @@ fn middle(line: &[Position]) -> Position {
     line.last().copied().unwrap_or_default()
 }
 
+/// Returns a longitude within half a turn of another one: beyond 180 degrees where both lie across the 180th meridian.
+fn beside(other_deg: f64, longitude_deg: f64) -> f64 {
+    let turn_deg = longitude_deg - other_deg;
+    if turn_deg.abs() > 180.0 { longitude_deg - 360.0_f64.copysign(turn_deg) } else { longitude_deg }
+}
+
 /// Returns the name in lower case, with a hyphen for each run of characters that are not letters or digits, and none at its ends.
 fn hyphenated(name: &str) -> String {
     let mut id = String::new();
@@ -423,7 +431,7 @@ pub(crate) fn area_m2(ring: &[Position]) -> f64 {
     let shrink = libm::cos(first.latitude_deg.to_radians());
     let flat = |corner: &Position| {
         (
-            (corner.longitude_deg - first.longitude_deg) * metres_per_degree * shrink,
+            (beside(first.longitude_deg, corner.longitude_deg) - first.longitude_deg) * metres_per_degree * shrink,
             (corner.latitude_deg - first.latitude_deg) * metres_per_degree,
         )
     };

@@ -3,8 +3,8 @@
 
 use crate::{Mission, Target};
 use apex_geo::geodesy;
-use apex_model::problem::{Light, TimeWindow};
-use apex_observation::target::WantedLook;
+use apex_model::problem::{FOREVER_S, Light, TimeWindow};
+use apex_observation::target::{IntervalNeed, WantedLook};
 use apex_observation::timing::sun::solar_position;
 use apex_observation::timing::{LightNeed, windows_factor};
 
@@ -20,6 +20,46 @@ pub(super) fn begins(look: &WantedLook) -> Vec<TimeWindow> {
         .iter()
         .map(|window| TimeWindow { from_s: window.from_s - window.ramp_s, until_s: window.until_s + window.ramp_s });
     with_ramp.collect()
+}
+
+/// Like [`begins`], for a look of which other looks of the target were observed, from one time to another each.
+pub(super) fn begins_after(look: &WantedLook, seen_s: &[(f64, f64)]) -> Vec<TimeWindow> {
+    let begins = begins(look);
+    let Some((need, last)) = look.interval.zip(seen_s.iter().max_by(|a, b| a.1.total_cmp(&b.1))) else { return begins };
+    let after = interval_windows(&[*last], &need, f64::INFINITY);
+    if begins.is_empty() {
+        return after;
+    }
+    let both = begins.iter().flat_map(|window| {
+        after.iter().map(move |after| TimeWindow {
+            from_s: window.from_s.max(after.from_s),
+            until_s: window.until_s.min(after.until_s),
+        })
+    });
+    let both: Vec<TimeWindow> = both.filter(|window| window.from_s <= window.until_s).collect();
+    // No window would mean any time.
+    if both.is_empty() { vec![TimeWindow { from_s: 0.0, until_s: 0.0 }] } else { both }
+}
+
+/// Returns true if the windows of a look in a problem follow from an observation of another look.
+pub(crate) fn is_bound_to_seen(look: &WantedLook, windows: &[TimeWindow]) -> bool {
+    look.interval.is_some() && begins(look) != windows
+}
+
+/// Returns when a look of `duration_s` may begin so that the intervals to the other looks, which are seen from one time to another each and
+/// in order, are as wanted.
+pub(crate) fn interval_windows(others_s: &[(f64, f64)], need: &IntervalNeed, duration_s: f64) -> Vec<TimeWindow> {
+    let gap = |index: usize| {
+        let before = index.checked_sub(1).and_then(|index| others_s.get(index));
+        let after = others_s.get(index);
+        let from_s = before.map_or(f64::NEG_INFINITY, |(_, end_s)| end_s + need.min_s);
+        let until_s = before.map_or(f64::INFINITY, |(begin_s, _)| begin_s + need.max_s);
+        let from_s = after.map_or(from_s, |(_, end_s)| from_s.max(end_s - need.max_s));
+        let until_s = after.map_or(until_s, |(begin_s, _)| until_s.min(begin_s - need.min_s - duration_s));
+        let window = TimeWindow { from_s: from_s.max(0.0), until_s: until_s.min(FOREVER_S) };
+        (window.from_s <= window.until_s).then_some(window)
+    };
+    (0..=others_s.len()).filter_map(gap).collect()
 }
 
 /// Returns the first instant from `from_s` on at which the look may begin; `from_s` itself without windows, or after the last one.

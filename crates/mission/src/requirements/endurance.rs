@@ -22,7 +22,7 @@ impl<'a> Scene<'a> {
         let endurance_s = self.flown.endurance_s?;
         let left_s = |position: Position, altitude_m: f64, after_s: f64| {
             let (site, way) = self.way_to_site(position);
-            self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, site.elevation_m))
+            self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, &site))
         };
         let mut margin = left_s(self.here, self.flown.altitude_m, 0.0);
         let mut site = self.nearest_site(self.here).0;
@@ -63,7 +63,7 @@ impl<'a> Scene<'a> {
         &self,
         (endurance_s, reserve_s): (f64, f64),
         (distance_m, track_deg): (f64, f64),
-        (from_altitude_m, to_altitude_m): (f64, f64),
+        (from_altitude_m, site): (f64, &LandingSite<'_>),
     ) -> f64 {
         let model = &self.mission.model;
         let cruise_mps = model.true_airspeed_m_s_cruise;
@@ -73,22 +73,28 @@ impl<'a> Scene<'a> {
             at(cruise_mps).or_else(|| at(model.true_airspeed_m_s_max)).unwrap_or(0.0)
         });
         let home_mps = measured_mps.map_or(forecast_mps, |measured_mps| measured_mps.min(forecast_mps));
-        let landing_s = self.landing_endurance_s(from_altitude_m, to_altitude_m);
+        let arrives_s = self.now_s + if home_mps > 0.0 { DETOUR * distance_m / home_mps } else { 0.0 };
+        let landing_s = self.landing_endurance_s(from_altitude_m, site, arrives_s);
         energy::energy(endurance_s - landing_s, reserve_s, 1.0, DETOUR * distance_m, home_mps).max(-NO_WAY_S)
     }
 
     /// Returns the energy of a descent as the time of level flight for which it lasts, as the vehicle counts its endurance.
-    fn landing_endurance_s(&self, from_altitude_m: f64, to_altitude_m: f64) -> f64 {
+    /// A vehicle that lands already has most of the turns behind it.
+    fn landing_endurance_s(&self, from_altitude_m: f64, site: &LandingSite<'_>, arrives_s: f64) -> f64 {
         let model = &self.mission.model;
         let airspeed_mps = self.flown.true_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
         let level = model.drain_per_s(airspeed_mps, self.flown.altitude_m, 0.0);
-        Descent::new(model, from_altitude_m, to_altitude_m).energy / level
+        let altitudes_m = (from_altitude_m, site.elevation_m);
+        if matches!(self.order, Some(FlightOrder::Land(_))) {
+            return Descent::straight(model, altitudes_m).energy / level;
+        }
+        let wind_mps = |altitude_m: f64| self.wind_over_mps(site.position, altitude_m, arrives_s);
+        Descent::new(model, altitudes_m, &wind_mps).energy / level
     }
 
     /// Returns the endurance that is left at a landing site, beyond the reserve.
     fn site_left_s(&self, energy_s: (f64, f64), site: &LandingSite<'_>) -> f64 {
-        let altitudes_m = (self.flown.altitude_m, site.elevation_m);
-        self.energy_left_s(energy_s, geodesy::inverse(self.here, site.position), altitudes_m)
+        self.energy_left_s(energy_s, geodesy::inverse(self.here, site.position), (self.flown.altitude_m, site))
     }
 
     /// Returns the landing site that leaves most endurance, where the nearest one leaves too little: it may lie against the wind.

@@ -5,9 +5,10 @@ use super::commanded_route::chart_distance_m;
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
 use crate::descent::Descent;
+use crate::vehicle::way_altitude_m_max;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{Plane, inside};
-use apex_geo::wind::{self, WindAt, leg_times_s};
+use apex_geo::wind::{self, Wind, WindAt, leg_times_s};
 use apex_model::problem::ZoneKind;
 use apex_model::quantity::Dimension;
 use apex_requirements::Concern;
@@ -86,7 +87,9 @@ impl<'a> Scene<'a> {
         detour: f64,
     ) -> f64 {
         let way_s = self.way_s(from, site.position, altitude_m, after_s).map(|way_s| detour * way_s);
-        let descent_s = Descent::new(&self.mission.model, altitude_m, site.elevation_m).time_s;
+        let arrives_s = self.now_s + after_s + way_s.unwrap_or_default();
+        let wind_mps = |altitude_m: f64| self.wind_over_mps(site.position, altitude_m, arrives_s);
+        let descent_s = Descent::new(&self.mission.model, (altitude_m, site.elevation_m), &wind_mps).time_s;
         mission_end(left_s - after_s, way_s, descent_s).max(-NO_WAY_S)
     }
 
@@ -108,18 +111,28 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Returns the time from a position to a place, leaving after `after_s`: in the forecast wind or in the wind as measured, whichever
-    /// takes longer. `None` if the vehicle makes no progress at its fastest.
+    /// Returns the time from a position to a place, leaving after `after_s`, in the forecast wind or in the wind as measured, whichever
+    /// takes longer. The way is flown at the present altitude, but no higher than cruise, as by the response and in plans. `None` if the
+    /// vehicle makes no progress at its fastest.
     fn way_s(&self, from: Position, to: Position, altitude_m: f64, after_s: f64) -> Option<f64> {
+        let model = &self.mission.model;
+        let altitude_m = altitude_m.min(way_altitude_m_max(model));
         let forecast = |at: Position, at_s: f64| wind::at(self.forecast, at, altitude_m, at_s);
         let correction = self.flown.wind_error.correction();
         let believed = |at: Position, at_s: f64| correction.of(forecast(at, at_s));
         let winds: [WindAt<'_>; 2] = [&forecast, &believed];
-        let model = &self.mission.model;
         [model.true_airspeed_m_s_cruise, model.true_airspeed_m_s_max].into_iter().find_map(|airspeed_mps| {
             let [forecast_s, believed_s] = leg_times_s(from, to, airspeed_mps, self.now_s + after_s, winds);
             Some(forecast_s?.max(believed_s?))
         })
+    }
+
+    /// Returns the speed of the wind over a place: as forecast or as measured, whichever is stronger.
+    pub(super) fn wind_over_mps(&self, place: Position, altitude_m: f64, at_s: f64) -> f64 {
+        let forecast = wind::at(self.forecast, place, altitude_m, at_s);
+        let believed = self.flown.wind_error.corrected(forecast);
+        let speed_mps = |wind: Wind| libm::hypot(wind.east_mps, wind.north_mps);
+        speed_mps(forecast).max(speed_mps(believed))
     }
 
     /// Returns the length of the commanded way if it leads to the base.

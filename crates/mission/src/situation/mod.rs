@@ -172,6 +172,14 @@ impl Situation {
         self.watch.edr()
     }
 
+    /// Returns the mission with the forecast of the wind as corrected by measurements.
+    pub(crate) fn in_measured_wind(&self, mission: Mission, now_s: f64) -> Mission {
+        match self.wind_error().field(&mission.forecast, now_s) {
+            Some(forecast) => Mission { forecast, ..mission },
+            None => mission,
+        }
+    }
+
     /// Returns the error of the forecast of the wind as measured.
     pub(crate) fn wind_error(&self) -> &WindError {
         self.watch.wind_error()

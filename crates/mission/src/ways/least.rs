@@ -83,9 +83,21 @@ impl Limits {
         if let Some(way) = changed.next() {
             return way;
         }
+        if let Some(way) = self.way_to_a_line_at_the_present_altitude(request) {
+            return way;
+        }
         let why = first.unwrap_or(TravelError::Shut).to_string();
         let way = self.way_between_permitted_ends(request).or_else(|| self.through_zones(request, &why));
         way.unwrap_or_else(|| self.straight_anyway(request, why))
+    }
+
+    /// Returns the path of a vehicle over or under a zone to a line at another altitude, which it reaches in circles before the line.
+    fn way_to_a_line_at_the_present_altitude(&self, request: &Request) -> Option<Way> {
+        request.to_track_rad?;
+        let shares = MARGIN_SHARES.iter().filter(|share| **share > 0.0);
+        let mut ways =
+            shares.filter_map(|share| self.way_at(request, request.from_altitude_m, &Strictness::all(*share)).ok());
+        ways.next()
     }
 
     /// Returns the path with its violations: the requirement that the search ignored, and every zone that the path crosses. Where the

@@ -136,7 +136,7 @@ impl Limits {
         }
     }
 
-    fn way_at(&self, request: &Request, altitude_m: f64, strict: &Strictness) -> Result<Way, TravelError> {
+    pub(super) fn way_at(&self, request: &Request, altitude_m: f64, strict: &Strictness) -> Result<Way, TravelError> {
         let low_m = request.from_altitude_m.min(altitude_m);
         let high_m = request.from_altitude_m.max(altitude_m);
         let mut network = self.network(request, (low_m, high_m, altitude_m), strict)?;

@@ -111,6 +111,17 @@ impl Flown {
         self.events().into_iter().filter_map(message).collect()
     }
 
+    /// Returns for each plan of a surveillance its instant, the target of its first visit, and the planned time until the arrival.
+    pub(crate) fn first_planned_visits(&self) -> Vec<(f64, String, f64)> {
+        let problems = RecordReader::open(&self.record).unwrap().problems().unwrap();
+        let first = |plan: &str, at_s: f64| {
+            let visit = plan.split_once("\"visits\":[")?.1;
+            let after = |key: &str| Some(visit.split_once(key)?.1.split([',', '}', '"']).next()?.to_string());
+            Some((at_s, after("\"target\":\"")?, after("\"arrive_s\":")?.parse().ok()?))
+        };
+        problems.iter().filter_map(|row| first(row.plan.as_ref()?, row.at.seconds())).collect()
+    }
+
     /// Returns the end of the visit of a target, in seconds; none if it was not observed.
     pub(crate) fn observed_s(&self, target: &str) -> Option<f64> {
         let visit = self.outcome.report.visits.iter().find(|visit| visit.target == target)?;

@@ -101,8 +101,9 @@ fn a_small_margin_leads_to_a_new_plan_before_it_leads_home() {
 }
 
 /// The wind rises when the aircraft is far downwind: the base cannot be reached before the mission ends, and a field behind it can. The
-/// aircraft is on its way home when the field is the last one in reach; the landing there must outrank the landing in progress at the base.
-/// The descent in the wind takes some of the minutes before the end.
+/// aircraft is on its way home when the field is the last one in reach; it flew on to the base before, because a landing in progress was not
+/// outranked. The landing in this wind takes 19 minutes, ten more than the rate of descent tells: it ended 86 s after the instant
+/// that is required.
 #[test]
 fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
     let fire = r#""id": "farther", "kind": "fire", "acres": 4000, "value": 20"#;
@@ -115,7 +116,7 @@ fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
     };
     assert!(alarms.iter().any(|(_, alarm)| is_elsewhere(alarm)), "{alarms:?}\n{}", flown.text());
     let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{}", flown.text())).0;
-    assert!(landed_s < 220.0 * 60.0, "{landed_s}\n{}", flown.text());
+    assert!(landed_s < 212.0 * 60.0, "{landed_s}\n{}", flown.text());
     let (_, latitude, longitude, _) = *flown.track().last().unwrap();
     assert!(
         (latitude - 37.3).abs() < 0.05 && (longitude + 118.0).abs() < 0.05,

@@ -1,0 +1,173 @@
+//! Looks that are wanted some time after, or before, another look of the same target.
+//!
+//! Planners know windows, not intervals. The looks without an interval are planned first; then the others, round by round, with windows that
+//! follow from the looks planned so far, which keep their instants within a tolerance.
+
+use super::operator_plan::HUMAN;
+use super::solve::{Deliberation, SolveOptions, solve};
+use crate::problem::{NoPlan, interval_windows, is_bound_to_seen};
+use crate::{Mission, TargetKind};
+use apex_model::problem::{LeftOut, Plan, PlannedVisit, Problem, SingleVisitPlan, SingleVisitProblem, TimeWindow};
+use apex_observation::target::IntervalNeed;
+use apex_runtime::invocation::Invocations;
+use apex_runtime::ports::CancelToken;
+
+/// Greatest tolerance for looks that are planned already, s.
+const TOLERANCE_S: f64 = 600.0;
+/// The tolerance as a share of the width of the interval.
+const TOLERANCE_SHARE: f64 = 0.25;
+/// Reason of a look for which no plan has time.
+const NO_TIME: &str = "no time is left at the wanted interval to the other looks of its target";
+
+/// A look that is planned after other looks of its target.
+struct LaterLook {
+    name: String,
+    siblings: Vec<String>,
+    need: IntervalNeed,
+}
+
+/// Like [`solve`], with the intervals between looks of the mission.
+///
+/// # Errors
+/// Like [`solve`].
+pub(super) fn solve_with_intervals(
+    mission: Option<&Mission>,
+    problem: Problem,
+    wish: SolveOptions<'_>,
+    invocations: &mut Invocations,
+    cancel: &CancelToken,
+) -> Result<Deliberation, NoPlan> {
+    let rounds = match (mission, &problem) {
+        (Some(mission), Problem::SingleVisit(problem)) if wish.solver != Some(HUMAN) => later_looks(mission, problem),
+        _ => Vec::new(),
+    };
+    let Problem::SingleVisit(whole) = &problem else { return solve(problem, wish, invocations, cancel) };
+    if rounds.is_empty() {
+        return solve(problem, wish, invocations, cancel);
+    }
+    let whole = whole.clone();
+    let SolveOptions { means, solver, budget, seed, .. } = &wish;
+    let (means, solver, budget, seed) = (*means, *solver, *budget, *seed);
+    let is_later = |name: &str| rounds.iter().flatten().any(|look| look.name == name);
+    let first = without(&whole, &is_later);
+    let mut best = solve(Problem::SingleVisit(first), wish, invocations, cancel)?;
+    for looks in &rounds {
+        let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&best.problem, &best.plan) else { break };
+        let Some(next) = with_looks(&whole, problem, plan, looks) else { continue };
+        let wish = SolveOptions { means, solver, budget, seed, previous: Some(best.plan.clone()) };
+        if let Ok(found) = solve(Problem::SingleVisit(next), wish, invocations, cancel) {
+            let work = best.work + found.work;
+            best = if score(&found.plan) > score(&best.plan) { found } else { best };
+            best.work = work;
+        }
+    }
+    name_missing(&rounds, &mut best);
+    Ok(best)
+}
+
+/// Returns the looks with intervals that are planned after others of their target, by rounds. A look for which another one was already
+/// observed has its window, and is planned with the rest; so is the first of a target whose looks all have intervals.
+fn later_looks(mission: &Mission, problem: &SingleVisitProblem) -> Vec<Vec<LaterLook>> {
+    let mut rounds: Vec<Vec<LaterLook>> = Vec::new();
+    for target in &mission.targets {
+        let TargetKind::Fire(fire) = &target.kind else { continue };
+        let posed = |name: &str| problem.targets.iter().find(|posed| posed.name == name);
+        let open: Vec<_> = fire.looks().filter_map(|(name, look)| Some((posed(&name)?, name, look))).collect();
+        let (mut later, mut now) = (Vec::new(), 0);
+        for (posed, name, look) in &open {
+            match look.interval.filter(|_| !is_bound_to_seen(look, &posed.windows)) {
+                Some(need) => later.push((name, need)),
+                None => now += 1,
+            }
+        }
+        let first = usize::from(now == 0);
+        for (round, (name, need)) in later.into_iter().skip(first).enumerate() {
+            let siblings = open.iter().map(|(_, other, _)| other.clone()).filter(|other| other != name).collect();
+            if rounds.len() <= round {
+                rounds.push(Vec::new());
+            }
+            if let Some(looks) = rounds.get_mut(round) {
+                looks.push(LaterLook { name: name.clone(), siblings, need });
+            }
+        }
+    }
+    rounds
+}
+
+/// Returns the problem without some targets.
+fn without(problem: &SingleVisitProblem, is_left_out: &dyn Fn(&str) -> bool) -> SingleVisitProblem {
+    let mut problem = problem.clone();
+    problem.targets.retain(|target| !is_left_out(&target.name));
+    problem.precedence.retain(|(earlier, later)| !is_left_out(earlier) && !is_left_out(later));
+    problem
+}
+
+/// Returns the problem of a plan with further looks in their windows; `None` if no look can be added.
+fn with_looks(
+    whole: &SingleVisitProblem,
+    problem: &SingleVisitProblem,
+    plan: &SingleVisitPlan,
+    looks: &[LaterLook],
+) -> Option<SingleVisitProblem> {
+    let mut next = problem.clone();
+    let mut is_any = false;
+    for look in looks {
+        let is_sibling = |visit: &&PlannedVisit| look.siblings.contains(&visit.target);
+        let siblings: Vec<&PlannedVisit> = plan.visits.iter().filter(is_sibling).collect();
+        let Some(mut target) = whole.targets.iter().find(|target| target.name == look.name).cloned() else { continue };
+        if !siblings.is_empty() {
+            let tolerance_s = (TOLERANCE_SHARE * (look.need.max_s - look.need.min_s)).min(TOLERANCE_S);
+            let times_s: Vec<(f64, f64)> =
+                siblings.iter().map(|visit| (visit.begin_s - tolerance_s, visit.end_s + tolerance_s)).collect();
+            let duration_s = target.manoeuvres.iter().map(|way| way.duration_s).fold(0.0, f64::max);
+            target.windows = clipped(&target.windows, &interval_windows(&times_s, &look.need, duration_s));
+            if target.windows.is_empty() {
+                continue;
+            }
+            for visit in siblings {
+                let Some(sibling) = next.targets.iter_mut().find(|target| target.name == visit.target) else {
+                    continue;
+                };
+                let (from_s, until_s) = (visit.begin_s - tolerance_s, visit.begin_s + tolerance_s);
+                sibling.windows = clipped(&sibling.windows, &[TimeWindow { from_s, until_s }]);
+            }
+        }
+        is_any = true;
+        next.targets.push(target);
+    }
+    let is_in = |name: &str| next.targets.iter().any(|target| target.name == name);
+    let pairs = whole.precedence.iter().filter(|(earlier, later)| is_in(earlier) && is_in(later));
+    next.precedence = pairs.cloned().collect();
+    is_any.then_some(next)
+}
+
+/// Returns the times that lie in one of `windows` (none: any time) and in one of `others`.
+fn clipped(windows: &[TimeWindow], others: &[TimeWindow]) -> Vec<TimeWindow> {
+    if windows.is_empty() {
+        return others.to_vec();
+    }
+    let both = windows.iter().flat_map(|one| {
+        others.iter().map(move |other| TimeWindow {
+            from_s: one.from_s.max(other.from_s),
+            until_s: one.until_s.min(other.until_s),
+        })
+    });
+    both.filter(|window| window.from_s <= window.until_s).collect()
+}
+
+fn score(plan: &Plan) -> f64 {
+    match plan {
+        Plan::SingleVisit(plan) => plan.score,
+        Plan::Surveillance(_) => 0.0,
+    }
+}
+
+/// Lists the looks that the last problem does not contain.
+fn name_missing(rounds: &[Vec<LaterLook>], solved: &mut Deliberation) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    for look in rounds.iter().flatten() {
+        if !problem.targets.iter().any(|target| target.name == look.name) {
+            plan.left_out.push(LeftOut { target: look.name.clone(), reason: NO_TIME.to_string() });
+        }
+    }
+}

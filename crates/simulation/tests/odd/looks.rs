@@ -1,0 +1,28 @@
+//! Several looks of one target, with intervals between them.
+
+use crate::harness::{collection, feature, fly, home, point, program};
+
+/// The second look is wanted one to two hours after the first one, and must be made. It was planned six minutes after it, for its full value,
+/// and cost 30 instead.
+#[test]
+fn a_look_is_planned_at_its_interval_to_the_look_before() {
+    let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [
+        {"id": "first", "value": 20, "resolution_m": 15},
+        {"id": "second", "value": 15, "resolution_m": 15, "interval_h": [1, 2], "must": true, "must_cost": 30}]"#;
+    let b = r#""id": "b", "kind": "fire", "acres": 4000, "looks": [
+        {"id": "one", "value": 10, "resolution_m": 15}, {"id": "two", "value": 10, "resolution_m": 15, "interval_h": [0.5, 3]}]"#;
+    let targets = collection(&[home(), feature(a, &point(-120.5, 37.8)), feature(b, &point(-120.0, 38.0))]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 6h :end-margin 20min \
+                   :targets \"t.geojson\" :scenario \"s.jsonl\"";
+    // The second plan is made when some looks are over.
+    let again = "{\"t\": 2400, \"event\": \"(violated wind-as-forecast)\"}\n";
+    let flown = fly(&program(options, "4000m"), &[("t.geojson", &targets), ("s.jsonl", again)]);
+    let at = |name: &str| {
+        let visit = flown.outcome.report.visits.iter().find(|visit| visit.target == name);
+        visit.unwrap_or_else(|| panic!("{name} was not observed:\n{}", flown.text())).begin.seconds() / 3_600.0
+    };
+    let (apart_a, apart_b) = (at("a/second") - at("a/first"), at("b/two") - at("b/one"));
+    assert!((1.0..2.0).contains(&apart_a), "{apart_a} h\n{}", flown.text());
+    assert!((0.5..3.0).contains(&apart_b), "{apart_b} h\n{}", flown.text());
+    assert!(!flown.text().contains("missed"), "{}", flown.text());
+}
