@@ -72,11 +72,12 @@ impl Search {
 
     fn atom(&mut self, text: &str, at: usize) {
         let mut part_of_word = false;
+        let last_close = text.rfind([']', '}']);
         for (offset, character) in text.char_indices() {
             let place = at + offset;
             match character {
                 '[' | '{' => {
-                    let ends_here = text.get(offset..).is_some_and(|rest| rest.contains([']', '}']));
+                    let ends_here = last_close.is_some_and(|last| last > offset);
                     part_of_word = offset > 0 && ends_here && !text.starts_with(['[', '{']);
                     if !part_of_word {
                         self.stack.push(Some(place));
@@ -117,6 +118,13 @@ mod tests {
         assert_eq!(mended("(a \u{e9}[b ?\u{e9}])"), "(a \u{e9}(b ?\u{e9}))");
         assert_eq!(brackets("(a] ]").len(), 2);
         assert_eq!(brackets("[a"), [Bracketed { open: Some(0), close: None }]);
+    }
+
+    #[test]
+    fn a_long_word_of_brackets_takes_linear_time() {
+        let started = std::time::Instant::now();
+        assert_eq!(brackets(&"[".repeat(1_000_000)).len(), BRACKETS_MAX);
+        assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
     }
 
     #[test]
