@@ -92,6 +92,15 @@ fn a_table_that_lacks_results_is_a_failure() {
 }
 
 #[test]
+fn a_long_word_of_brackets_is_checked_in_linear_time() {
+    let desk = Desk::new();
+    desk.write("brackets.pdl", &"[".repeat(400_000));
+    let began = std::time::Instant::now();
+    assert_eq!(desk.apex(&["check", "brackets.pdl"]).code, Some(2));
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
+}
+
+#[test]
 fn keys_given_twice_are_refused() {
     let desk = Desk::with_greetings();
     desk.write("twice.jsonl", "{\"t\": 7, \"event\": \"(stop)\", \"event\": \"(go)\"}\n");
