@@ -12,12 +12,13 @@ fn sources() -> (LiveSources, LineReader) {
     (LiveSources::new(|| ()), LineReader { open: OpenQuestions::default(), read_value, note: |_| () })
 }
 
+/// Returns the inputs that are taken, as text, without reports about sources.
 fn taken(sources: &LiveSources) -> Vec<String> {
     let events = sources.take().into_iter().filter_map(|input| match input {
         LiveInput::Event(_, EventKind::Occurrence(form)) => Some(form.to_string()),
         _ => None,
     });
-    events.collect()
+    events.filter(|form| !form.starts_with("(live-source ")).collect()
 }
 
 #[test]
