@@ -6,6 +6,9 @@ use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Maximum number of characters of a line of an error.
+const LINE_CHARS_MAX: usize = 2_000;
+
 /// A failure of a command, ready to be printed.
 #[derive(Debug)]
 pub struct CliError {
@@ -55,15 +58,29 @@ impl CliError {
 
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.message)?;
-        if let Some(reason) = &self.reason {
-            write!(f, "\n  why: {reason}")?;
-        }
-        if let Some(help) = &self.help {
-            write!(f, "\n  help: {help}")?;
+        write_part(f, "error: ", &self.message)?;
+        for (label, part) in [("\n  why: ", &self.reason), ("\n  help: ", &self.help)] {
+            if let Some(part) = part {
+                write_part(f, label, part)?;
+            }
         }
         Ok(())
     }
+}
+
+/// Writes a part of a message. Long lines are cut: a message may quote a line of a file of any kind.
+fn write_part(f: &mut fmt::Formatter<'_>, label: &str, text: &str) -> fmt::Result {
+    f.write_str(label)?;
+    for (index, line) in text.split('\n').enumerate() {
+        if index > 0 {
+            f.write_str("\n")?;
+        }
+        match line.char_indices().nth(LINE_CHARS_MAX).and_then(|(end, _)| line.get(..end)) {
+            Some(part) => write!(f, "{part} ..")?,
+            None => f.write_str(line)?,
+        }
+    }
+    Ok(())
 }
 
 /// Result of a command.

@@ -33,6 +33,8 @@ fn impossible_paces_and_times_leave_an_older_record_alone() {
     fly(&["--until", "-20s"]).complained(2, &["`--until -20s` is before the start"]);
     fly(&["--seed", "-3"]).complained(2, &["--seed"]);
     fly(&["--port", "70000"]).complained(2, &["70000", "--port"]);
+    fly(&["--port", "8041"]).complained(2, &["--serve"]);
+    fly(&["--runs", "2", "--paused"]).complained(2, &["--runs", "--paused"]);
     assert_eq!(std::fs::read(desk.path("flight.apex")).unwrap(), before);
 }
 

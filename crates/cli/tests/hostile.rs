@@ -26,6 +26,81 @@ fn control_characters_of_names_are_escaped() {
 }
 
 #[test]
+fn messages_have_no_control_characters_and_no_endless_lines() {
+    let desk = Desk::new();
+    desk.write("escape.pdl", "(procedure (index (do-domain)) (st\u{1b}]0;x\u{7}ep a (b)))\n");
+    let said = desk.apex(&["check", "escape.pdl"]);
+    assert!(!said.out.contains('\u{1b}') && !said.out.contains('\u{7}'), "{:?}", said.out);
+    desk.write("long", &"a".repeat(1_000_000));
+    for command in [
+        &["monitor", "--condition-file", "long"][..],
+        &["run", "long"],
+        &["diagnose", "long"],
+        &["plan", "small-fixed-fixed-8-uniform", "--table", "long"],
+        &["plan", "long"],
+    ] {
+        let said = desk.apex(command);
+        assert_eq!(said.code, Some(2), "{command:?}: {said:?}");
+        assert!(
+            said.err.len() + said.out.len() < 20_000,
+            "{command:?} prints {} bytes",
+            said.err.len() + said.out.len()
+        );
+    }
+}
+
+#[test]
+fn a_table_of_planners_that_is_something_else_is_refused() {
+    let desk = Desk::new();
+    for text in ["", "{}", "nonsense\n", "# cell,budget_units,best,verdict,next,effect_percent\n"] {
+        desk.write("table.csv", text);
+        desk.apex(&["plan", "small-fixed-fixed-8-uniform", "--table", "table.csv", "--budget", "1"])
+            .complained(2, &["table.csv:1:1: this is not the heading of a profile table", "cell,budget_units"]);
+    }
+}
+
+#[test]
+fn nothing_is_expected_of_no_condition() {
+    let desk = Desk::new();
+    desk.write("none.pdl", "; (altitude uav > 5m)\n");
+    desk.write("i.jsonl", "{\"t\": 1, \"event\": \"(go)\"}\n");
+    for conditions in [&[""][..], &["; nothing"], &["--condition-file", "none.pdl"]] {
+        let mut command = vec!["monitor", "--inputs", "i.jsonl", "--expect", "satisfied"];
+        command.extend(conditions);
+        desk.apex(&command).complained(2, &["there is no condition to watch", "hold none"]);
+    }
+}
+
+/// The reader of the printed results ends at once; the table must not look complete.
+#[test]
+fn a_table_that_lacks_results_is_a_failure() {
+    let desk = Desk::new();
+    let lines = |second: u32| {
+        let altitude = if second.is_multiple_of(2) { 9 } else { 1 };
+        format!("{{\"t\": {second}, \"measurement\": \"(altitude uav)\", \"value\": {altitude}}}\n")
+    };
+    desk.write("i.jsonl", &(0..20_000).map(lines).collect::<String>());
+    for name in ["results.csv", "results.parquet"] {
+        let watch = ["monitor", "(altitude uav > 5)", "--inputs", "i.jsonl", "--json", "--results", name];
+        let mut child = desk.command(&watch).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{err}");
+        assert!(err.contains(&format!("{name} is incomplete")), "{err}");
+    }
+}
+
+#[test]
+fn a_long_word_of_brackets_is_checked_in_linear_time() {
+    let desk = Desk::new();
+    desk.write("brackets.pdl", &"[".repeat(400_000));
+    let began = std::time::Instant::now();
+    assert_eq!(desk.apex(&["check", "brackets.pdl"]).code, Some(2));
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
+}
+
+#[test]
 fn keys_given_twice_are_refused() {
     let desk = Desk::with_greetings();
     desk.write("twice.jsonl", "{\"t\": 7, \"event\": \"(stop)\", \"event\": \"(go)\"}\n");

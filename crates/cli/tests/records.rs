@@ -219,6 +219,9 @@ fn a_flight_outlives_a_full_disk_and_leaves_nothing_that_passes_for_whole() {
     drop(small);
     let tiny = Small::mount(&desk, "8k");
     desk.apex(&fly).complained(1, &["cannot be begun", "the disk is full", "no record is left"]);
+    desk.apex(&["fly", &*mission, "--no-progress", "--record", "whole.apex"]).well();
+    let recover = ["recover", "whole.apex", "--out", "small/r.apex"];
+    desk.apex(&recover).complained(1, &["the disk is full", "small/r.apex"]);
     assert_eq!(fs::read_dir(desk.path("small")).unwrap().count(), 0);
     drop(tiny);
 }

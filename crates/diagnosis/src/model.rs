@@ -34,7 +34,7 @@ pub struct Component {
 /// One way in which a component fails.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureMode {
-    /// The mode's name: the component's name if it has only one mode, otherwise `component/mode`.
+    /// The mode's name: `component/mode` if the file lists modes, otherwise the component's name.
     pub name: String,
     /// Title for reports.
     pub title: String,

@@ -212,6 +212,8 @@ pub fn read(error: RecordError) -> MissionError {
                 .because(found)
                 .help("give a file that `apex fly` or `apex run --record` has written")
         }
+        // A copy for reading, or a new record that is made of another one.
+        RecordError::DiskFull { .. } | RecordError::Unwritable { .. } => MissionError::output(error.to_string()),
         other => MissionError::record_file(other.to_string()),
     }
 }

@@ -1,5 +1,8 @@
 //! Questions of agents, shown to an operator while a run continues.
 
+use crate::escaping::shortened;
+use crate::limits::INPUT_MESSAGES_MAX;
+use crate::live::RateLimit;
 use crate::live_lines::OpenQuestions;
 use crate::ports::{Deliberator, Observer};
 use apex_executive::Agent;
@@ -8,6 +11,10 @@ use apex_model::event::{Batch, EventKind};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use std::time::Instant;
+
+/// Printed refusals of answers per second, after the first ones: a flood of lines may all be taken for answers.
+const REFUSALS_PER_SECOND: f64 = 2.0;
 
 /// Shows the operator the questions of agents, and the outcome of answers.
 pub struct Asker {
@@ -15,12 +22,17 @@ pub struct Asker {
     names: Vec<Symbol>,
     turn: usize,
     print: fn(&str),
+    refusals: RateLimit,
+    began: Instant,
+    /// Number of refusals since the last printed one.
+    hidden: u64,
 }
 
 impl Asker {
     /// Returns an asker for agents with these names; `print` shows a line to the operator.
     pub fn new(open: OpenQuestions, names: Vec<Symbol>, print: fn(&str)) -> Asker {
-        Asker { open, names, turn: 0, print }
+        let refusals = RateLimit::with_burst(REFUSALS_PER_SECOND, INPUT_MESSAGES_MAX as f64);
+        Asker { open, names, turn: 0, print, refusals, began: Instant::now(), hidden: 0 }
     }
 
     fn asked(&self, question: QuestionId, text: &str, options: &[Value], end: Option<String>) {
@@ -31,6 +43,23 @@ impl Asker {
         // The question is registered before it is shown, because its reader may answer at once.
         self.open.opened(agent, question, text);
         (self.print)(&format!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
+    }
+
+    /// Shows why an answer is refused; of many refusals some, and the number of the others.
+    fn refuse(&mut self, message: &str) {
+        if !self.refusals.admits(self.began.elapsed()) {
+            self.hidden += 1;
+            return;
+        }
+        self.print_hidden();
+        (self.print)(&format!("  {}", shortened(message)));
+    }
+
+    fn print_hidden(&mut self) {
+        let hidden = std::mem::take(&mut self.hidden);
+        if hidden > 0 {
+            (self.print)(&format!("  {hidden} more answers were refused"));
+        }
     }
 
     /// Returns the number of a question as text: `2`, or `pilot/2` if several agents ask.
@@ -64,7 +93,7 @@ impl Observer for Asker {
                 }
                 Effect::Decided(decision) if answered => {
                     if let DecisionKind::Trouble { message } = &decision.kind {
-                        (self.print)(&format!("  {message}"));
+                        self.refuse(&message.to_string());
                     }
                 }
                 _ => {}
@@ -76,5 +105,34 @@ impl Observer for Asker {
     fn inspect(&mut self, agent: &Agent, _: &dyn Deliberator, _: Time) -> Result<(), String> {
         self.open.keep_those_of(agent);
         Ok(())
+    }
+}
+
+impl Drop for Asker {
+    fn drop(&mut self) {
+        self.print_hidden();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    static PRINTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+    #[test]
+    fn a_flood_of_answers_is_counted() {
+        let print = |line: &str| PRINTED.lock().unwrap().push(line.to_owned());
+        let mut asker = Asker::new(OpenQuestions::default(), Vec::new(), print);
+        asker.refuse(&"é".repeat(1_000_000));
+        for _ in 0..10_000 {
+            asker.refuse("the answer no came too late");
+        }
+        drop(asker);
+        let printed = PRINTED.lock().unwrap();
+        assert!(printed[0].ends_with("é ..") && printed[0].len() < 1_000, "{}", printed[0].len());
+        assert!((INPUT_MESSAGES_MAX..100).contains(&printed.len()), "{printed:?}");
+        assert!(printed.last().unwrap().ends_with("more answers were refused"), "{printed:?}");
     }
 }

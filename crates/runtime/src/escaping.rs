@@ -1,6 +1,18 @@
 //! Escapes control characters in output to a terminal as `\\u{1b}`; line ends and tabs remain.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
+
+/// Maximum number of characters of a message that quotes input.
+const MESSAGE_CHARS_MAX: usize = 300;
+
+/// Returns a message that quotes input in a length that an operator reads.
+pub(crate) fn shortened(message: &str) -> Cow<'_, str> {
+    match message.char_indices().nth(MESSAGE_CHARS_MAX).and_then(|(end, _)| message.get(..end)) {
+        Some(part) => Cow::Owned(format!("{part} ..")),
+        None => Cow::Borrowed(message),
+    }
+}
 
 /// First byte of the second set of control characters (U+0080 to U+009F) in UTF-8.
 const SECOND_SET: u8 = 0xC2;

@@ -1,6 +1,8 @@
 //! Replay: executes the recorded inputs again and compares every effect byte for byte, and every row that is derived from
 //! inputs and effects. With the mission's deliberator it also poses every planning problem again. Solvers never run again; their
-//! answers are inputs.
+//! answers are inputs, which must be those that the record states.
+
+mod answers;
 
 use crate::agent_group::Numbering;
 use crate::effect_describer::{EffectDescriber, EffectRow};
@@ -12,6 +14,7 @@ use crate::record::{
     Derivable, LoadProgram, ProblemRow, RecordGap, RecordReader, RecordedStep, Recorder, RowDifference,
     SITUATION_LAYOUT, twin_recorder,
 };
+use answers::{OtherAnswer, RecordedAnswers};
 use apex_executive::step;
 use apex_model::effect::{Effect, SolveRequestId};
 use apex_model::event::{Batch, SolverReport};
@@ -61,6 +64,8 @@ pub enum Differing {
     Effect(usize),
     /// The planning problem of this request.
     Problem(SolveRequestId),
+    /// The answer to this request.
+    Answer(SolveRequestId),
     /// The mission's situation after the step.
     Situation,
     /// A row that is derived from inputs and effects: its table and number, and the column that differs (empty: the whole row).
@@ -74,6 +79,7 @@ impl fmt::Display for Differing {
         match self {
             Differing::Effect(position) => write!(f, "effect {position}"),
             Differing::Problem(request) => write!(f, "planning problem of request {}", request.0),
+            Differing::Answer(request) => write!(f, "answer to request {}", request.0),
             Differing::Situation => f.write_str("situation of the mission"),
             Differing::Row(row, "") => write!(f, "row {row}"),
             Differing::Row(row, column) => write!(f, "column `{column}` of row {row}"),
@@ -165,6 +171,8 @@ fn replay_steps(
     let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), situations, snapshots })?;
     let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None, gap: None };
     let gaps = reader.gaps()?;
+    let answers = reader.answers()?;
+    let recorded_answers = RecordedAnswers::new(&answers);
     for (expected, recorded) in (1..).zip(reader.steps_of_all(Time::END)?) {
         let recorded = recorded?;
         if recorded.batch_number != expected {
@@ -184,9 +192,11 @@ fn replay_steps(
         report.batches += 1;
         report.effects += effects.len() as u64;
         report.end = recorded.batch.now;
-        report.difference = compare(&recorded, &effects, describer);
+        let numbering = Numbering::new(recorded.agent, count);
+        report.difference = compare(&recorded, &effects, describer)
+            .or_else(|| recorded_answers.check(&recorded.batch, numbering).map(|other| of_answer(other, &recorded)));
         if let (None, Some(witness)) = (&report.difference, &mut witness) {
-            report.difference = witness.check(&recorded, &effects, Numbering::new(recorded.agent, count), &mut twin);
+            report.difference = witness.check(&recorded, &effects, numbering, &mut twin);
             report.problems = witness.posed;
         }
         if report.difference.is_none() {
@@ -203,18 +213,35 @@ fn replay_steps(
     }
     report.difference = witness.and_then(Witness::left_over);
     if report.difference.is_none() {
-        for (request, due, answer) in reader.answers()? {
-            let result = match answer {
-                SolverReport::Plan(plan) => Ok(plan),
-                SolverReport::Failed(reason) => Err(reason),
-            };
-            let answered = twin.answered(request, due, &SolverAnswer { result, charged: Duration::ZERO });
-            answered.map_err(|message| reader.garbled(message))?;
-        }
+        store_answers(&mut twin, reader, answers)?;
         twin.finish(report.end, "")?;
         report.difference = twin.difference().map(|row| of_row(row, report.end, 0));
     }
     Ok(report)
+}
+
+/// Lets the twin compare the rows of answers with what follows from their reports.
+fn store_answers(
+    twin: &mut Recorder,
+    reader: &RecordReader,
+    answers: Vec<(SolveRequestId, Time, SolverReport)>,
+) -> Result<(), RecordError> {
+    for (request, due, answer) in answers {
+        let result = match answer {
+            SolverReport::Plan(plan) => Ok(plan),
+            SolverReport::Failed(reason) => Err(reason),
+        };
+        let answered = twin.answered(request, due, &SolverAnswer { result, charged: Duration::ZERO });
+        answered.map_err(|message| reader.garbled(message))?;
+    }
+    Ok(())
+}
+
+/// Returns an answer that differs, in the step in which the agent received it.
+fn of_answer(other: OtherAnswer, step: &RecordedStep) -> Difference {
+    let OtherAnswer { request, recorded, received } = other;
+    let what = Differing::Answer(request);
+    Difference { at: step.batch.now, batch: step.batch_number, what, recorded, replayed: Some(received) }
 }
 
 /// Returns a row that differs, found after a step.

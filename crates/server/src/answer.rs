@@ -46,6 +46,9 @@ impl ApiError {
 
 impl From<RecordError> for ApiError {
     fn from(error: RecordError) -> ApiError {
+        if let RecordError::Question(error) = error {
+            return ApiError::bad_request(error, "`/api/mission` states the first and the last instant of the record");
+        }
         ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
             error: error.to_string(),
@@ -62,5 +65,18 @@ impl IntoResponse for ApiError {
             response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
         }
         response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_question_that_has_no_answer_is_no_fault_of_the_server() {
+        let question = RecordError::Question("The flight begins at 0s; nothing was decided by -5s.".into());
+        assert_eq!(ApiError::from(question).status, StatusCode::BAD_REQUEST);
+        let damage = RecordError::Damaged { path: "f.apex".into(), what: "its schema cannot be read".into() };
+        assert_eq!(ApiError::from(damage).status, StatusCode::INTERNAL_SERVER_ERROR);
     }
 }

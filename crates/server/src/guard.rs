@@ -23,10 +23,11 @@ pub(crate) async fn own_site_only(State(state): Shared, request: Request, next: 
     let endpoint = request.extensions().get::<Endpoint>().map(|endpoint| endpoint.0);
     let headers = request.headers();
     let named = request.uri().authority().map(|authority| authority.as_str());
-    let hosts = [text(headers, &HOST), named];
-    let strange = match hosts.into_iter().flatten().find(|host| !is_ours(host, endpoint, &state.names)) {
+    // A proxy could take another of several hosts than this server.
+    let hosts: Vec<&str> = texts(headers, &HOST).chain(named).collect();
+    let strange = match hosts.iter().find(|host| !is_ours(host, endpoint, &state.names)) {
         Some(host) => Some(format!("this server does not answer to the name {}", host.escape_debug())),
-        None if hosts == [None, None] => Some("this server does not answer to a request without Host".into()),
+        None if hosts.is_empty() => Some("this server does not answer to a request without Host".into()),
         None => None,
     };
     if let Some(error) = strange {
@@ -55,7 +56,11 @@ fn same_origin(headers: &HeaderMap) -> bool {
 }
 
 fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
-    headers.get(name).map(|value| value.to_str().unwrap_or("?"))
+    texts(headers, name).next()
+}
+
+fn texts<'h>(headers: &'h HeaderMap, name: &HeaderName) -> impl Iterator<Item = &'h str> {
+    headers.get_all(name).into_iter().map(|value| value.to_str().unwrap_or("?"))
 }
 
 /// Returns true if `host` names this server on a connection to `endpoint`, or is one of `names`.

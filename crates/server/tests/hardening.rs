@@ -110,6 +110,7 @@ fn other_sites_are_refused_on_every_address() {
         assert_eq!(status(path, &format!("Host: {server}\r\nOrigin: null\r\n")), 403, "{path}");
     }
     assert_eq!(status("http://evil.example/api/mission", &format!("Host: {server}\r\n")), 403);
+    assert_eq!(status("/api/mission", &format!("Host: {server}\r\nHost: evil.example\r\n")), 403);
     assert_eq!(status("/api/mission", &format!("Host: {server}\r\nSec-Fetch-Site: cross-site\r\n")), 403);
     for headers in [
         format!("Host: {server}\r\nOrigin: http://{server}\r\nSec-Fetch-Site: same-origin\r\n"),

@@ -96,12 +96,20 @@ fn watch(
     let watched = watch.run(source);
     // A reader such as `head` has closed the output.
     if gone.get() {
-        return Ok(None);
+        let unfinished = options.results.as_deref().or(options.plot.as_deref());
+        return unfinished.map_or(Ok(None), |path| Err(unfinished_output(path)));
     }
     if let (Some(path), true) = (&options.plot, watch.has_begun()) {
         draw(path, &watch)?;
     }
     Ok(watched.map(Some)?)
+}
+
+/// Returns the error for a file that lacks the results after the one at which the reader of the output was gone.
+fn unfinished_output(path: &Path) -> CliError {
+    CliError::failure(format!("{} is incomplete", path.display()))
+        .because("the reader of the printed results has ended before the last one")
+        .help("send them to /dev/null if only the file is needed")
 }
 
 /// Prints a note about the input to standard error.
@@ -172,8 +180,7 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<Checke
         texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
     }
     if texts.is_empty() {
-        return Err(CliError::user("there is no condition to watch")
-            .help("give one, such as '(roll-angle aircraft-1 > 15deg)', or `--condition-file FILE`; `--fields` lists what a log holds"));
+        return Err(without_condition());
     }
     let mut library_texts: Vec<SourceText> = Vec::new();
     for (index, text) in options.declare.iter().enumerate() {
@@ -194,5 +201,14 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<Checke
     if read.checked.has_errors() {
         return Err(CliError::already_reported());
     }
+    if read.conditions.is_empty() {
+        return Err(without_condition().because("the given texts and files hold none"));
+    }
     Ok(read)
+}
+
+/// Without a condition, every verdict of `--expect` would be met.
+fn without_condition() -> CliError {
+    CliError::user("there is no condition to watch")
+        .help("give one, such as '(roll-angle aircraft-1 > 15deg)', or `--condition-file FILE`; `--fields` lists what a log holds")
 }

@@ -24,7 +24,11 @@ pub fn run(options: &ReplayOptions) -> CliResult {
                 "batch": difference.batch,
                 "effect": match &difference.what {
                     Differing::Effect(position) => Some(*position),
-                    Differing::Problem(_) | Differing::Situation | Differing::Derived | Differing::Row(..) => None,
+                    Differing::Problem(_)
+                    | Differing::Answer(_)
+                    | Differing::Situation
+                    | Differing::Derived
+                    | Differing::Row(..) => None,
                 },
                 "what": difference.what.to_string(),
                 "recorded": difference.recorded,

@@ -42,7 +42,7 @@ pub struct FlyOptions {
     #[command(flatten)]
     pub programs: SolverProgramOptions,
     /// Fly this many flights, each in a world with the next seed, and print a summary; no record is written.
-    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace"])]
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace", "paused"])]
     pub runs: Option<usize>,
     /// Flights at the same time; default is one for each processor. The results do not depend on it.
     #[arg(long, value_name = "NUMBER", requires = "runs")]
@@ -57,7 +57,7 @@ pub struct FlyOptions {
     #[arg(long)]
     pub paused: bool,
     /// Port of Sherpa.
-    #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
+    #[arg(long, default_value_t = 8040, value_name = "NUMBER", requires = "serve")]
     pub port: u16,
     /// No progress bar.
     #[arg(long)]

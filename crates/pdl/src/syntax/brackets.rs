@@ -72,11 +72,12 @@ impl Search {
 
     fn atom(&mut self, text: &str, at: usize) {
         let mut part_of_word = false;
+        let last_close = text.rfind([']', '}']);
         for (offset, character) in text.char_indices() {
             let place = at + offset;
             match character {
                 '[' | '{' => {
-                    let ends_here = text.get(offset..).is_some_and(|rest| rest.contains([']', '}']));
+                    let ends_here = last_close.is_some_and(|last| last > offset);
                     part_of_word = offset > 0 && ends_here && !text.starts_with(['[', '{']);
                     if !part_of_word {
                         self.stack.push(Some(place));

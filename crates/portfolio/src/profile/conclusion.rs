@@ -96,20 +96,20 @@ pub fn word(verdict: Verdict) -> &'static str {
 /// # Errors
 /// The line, and the error in it.
 pub fn read(text: &str) -> Result<Vec<Conclusion>, FormatError> {
-    let lines = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
-    lines
-        .skip(1)
-        .map(|(index, line)| {
-            conclusion_of(line).map_err(|message| FormatError {
-                line: index + 1,
-                column: 1,
-                text: line.to_string(),
-                message,
-                reason: format!("a line holds {HEADING}"),
-                help: "write it again with `apex profile build` or `apex profile update`".to_string(),
-            })
-        })
-        .collect()
+    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
+    let wrong = |index: usize, line: &str, message: String| FormatError {
+        line: index + 1,
+        column: 1,
+        text: line.to_string(),
+        message,
+        reason: format!("a line holds {HEADING}"),
+        help: "write it again with `apex profile build` or `apex profile update`".to_string(),
+    };
+    let (index, heading) = lines.next().unwrap_or_default();
+    if heading.trim_end() != HEADING {
+        return Err(wrong(index, heading, "this is not the heading of a profile table".into()));
+    }
+    lines.map(|(index, line)| conclusion_of(line).map_err(|message| wrong(index, line, message))).collect()
 }
 
 fn conclusion_of(line: &str) -> Result<Conclusion, String> {

@@ -80,6 +80,10 @@ impl Flight<'_, '_> {
 
     /// Processes a message from outside while the run waits for `instant`. Returns `Some` if the wait is over.
     fn follow(&mut self, control: Control, instant: Time) -> Result<Option<Waited>, RunError> {
+        if instant > self.now {
+            // No work is left at this instant: the steps that follow are not a loop without time, however many a paused run takes.
+            self.steps_at_now = 0;
+        }
         match control {
             Control::Stop => {
                 let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };

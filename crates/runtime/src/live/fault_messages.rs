@@ -1,6 +1,7 @@
 //! Messages about unreadable lines: the first ones, then as many as an operator can read, and the number of the others.
 
 use super::rate_limit::RateLimit;
+use crate::escaping::shortened;
 use crate::limits::INPUT_MESSAGES_MAX;
 use std::time::Instant;
 
@@ -34,7 +35,7 @@ impl FaultMessages {
     pub(super) fn print(&mut self, name: Option<&str>, fault: &str) {
         self.print_hidden(name);
         let of = name.map(|name| format!("source {name}: ")).unwrap_or_default();
-        (self.note)(&format!("  {of}{fault}"));
+        (self.note)(&format!("  {of}{}", shortened(fault)));
     }
 
     /// Prints the number of messages suppressed since the last one.

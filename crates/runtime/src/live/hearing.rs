@@ -13,9 +13,9 @@ use serde_json::json;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::sync::Arc;
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Maximum number of simultaneous connections, including those that are not admitted yet: each has a thread.
@@ -55,32 +55,53 @@ pub fn hear_lines(lines: impl Read, source: &LiveSource, reader: &LineReader) {
     hear(lines, &Hearing { source, reader, answers: None });
 }
 
-/// Hears every connection to `listener` on a separate thread, up to the limit.
+/// Connections that have not sent a line yet, by number. They have no class, so they may not keep out an operator.
+type SilentConnections = Arc<Mutex<BTreeMap<u64, TcpStream>>>;
+
+/// Hears every connection to `listener` on a separate thread, up to the limit. At the limit, the connection that has been silent longest
+/// since its beginning gives its place to a new one.
 pub fn hear_connections(listener: TcpListener, sources: &LiveSources, reader: &LineReader) {
     let (sources, reader, connections) = (sources.clone(), reader.clone(), Arc::new(AtomicUsize::new(0)));
+    let silent = SilentConnections::default();
     std::thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
+        for (number, stream) in (0..).zip(listener.incoming().flatten()) {
             let (sources, reader, connections) = (sources.clone(), reader.clone(), Arc::clone(&connections));
-            if connections.fetch_add(1, Ordering::AcqRel) >= CONNECTIONS_MAX {
-                connections.fetch_sub(1, Ordering::AcqRel);
-                refuse(&stream, &format!("{CONNECTIONS_MAX} connections are open, which is the limit"));
+            let all = format!("{CONNECTIONS_MAX} connections are open, which is the limit");
+            if connections.load(Ordering::Acquire) >= CONNECTIONS_MAX && !end_oldest(&silent, &all) {
+                refuse(&stream, &all);
                 continue;
             }
+            connections.fetch_add(1, Ordering::AcqRel);
+            let silent = Arc::clone(&silent);
+            if let Ok(handle) = stream.try_clone() {
+                silent.lock().unwrap_or_else(PoisonError::into_inner).insert(number, handle);
+            }
             std::thread::spawn(move || {
-                hear_connection(&stream, &sources, &reader);
+                hear_connection(&stream, &sources, &reader, || {
+                    silent.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
+                });
                 connections.fetch_sub(1, Ordering::AcqRel);
             });
         }
     });
 }
 
-/// Hears a connection to the port.
-fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReader) {
+/// Ends the oldest connection without a line; returns false if there is none.
+fn end_oldest(silent: &SilentConnections, reason: &str) -> bool {
+    let Some((_, stream)) = silent.lock().unwrap_or_else(PoisonError::into_inner).pop_first() else { return false };
+    refuse(&stream, reason);
+    stream.shutdown(Shutdown::Both).is_ok()
+}
+
+/// Hears a connection to the port; calls `heard` after its first line or its end.
+fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReader, heard: impl FnOnce()) {
     stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
-    let Ok(reading) = stream.try_clone() else { return };
-    let mut lines = BufReader::with_capacity(READ_BYTES, reading);
+    let reading = stream.try_clone();
+    let mut lines = reading.map(|reading| BufReader::with_capacity(READ_BYTES, reading));
     // The first line may introduce the source: operators and safing programs are always admitted.
-    let Some(first) = first_line(&mut lines) else { return };
+    let first = lines.as_mut().ok().and_then(first_line);
+    heard();
+    let (Some(first), Ok(lines)) = (first, lines) else { return };
     let class = match Introduction::read(&first) {
         Some(Ok(introduction)) => introduction.class,
         _ => SourceClass::Feed,
@@ -111,11 +132,24 @@ fn first_line(lines: &mut impl BufRead) -> Option<String> {
     }
 }
 
-/// Returns the next line without its end; `None` if there are no more.
+/// Returns the next line without its end; `None` if there are no more. A line that is too long ends after [`INPUT_LINE_BYTES_MAX`] + 1
+/// bytes, and its rest is skipped: the rest must not be taken for another line.
 fn next_line(lines: &mut impl BufRead) -> Option<String> {
     let mut bytes = Vec::new();
     let read = lines.by_ref().take(INPUT_LINE_BYTES_MAX as u64 + 1).read_until(b'\n', &mut bytes);
-    read.is_ok_and(|count| count > 0).then(|| String::from_utf8_lossy(&bytes).trim().to_string())
+    if !read.is_ok_and(|count| count > 0) {
+        return None;
+    }
+    let text = String::from_utf8_lossy(&bytes);
+    if is_too_long(&text) && !bytes.ends_with(b"\n") {
+        lines.skip_until(b'\n').ok()?;
+        return Some(text.into_owned());
+    }
+    Some(text.trim().to_string())
+}
+
+fn is_too_long(line: &str) -> bool {
+    line.len() > INPUT_LINE_BYTES_MAX
 }
 
 /// Reads a source until its lines end or the run is over.
@@ -155,6 +189,9 @@ fn hear(lines: impl Read, hearing: &Hearing<'_>) {
 
 /// Reads a line; returns none for an introduction.
 fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<Option<LiveInput>, String> {
+    if is_too_long(line) {
+        return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
+    }
     if let Some(introduction) = Introduction::read(line) {
         let introduction = introduction?;
         hearing.source.introduce(&introduction)?;
@@ -204,3 +241,7 @@ impl KnownTexts {
         Ok(value)
     }
 }
+
+#[cfg(test)]
+#[path = "hearing_tests.rs"]
+mod tests;

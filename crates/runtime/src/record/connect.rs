@@ -6,7 +6,7 @@ use crate::error::RecordError;
 use rusqlite::config::DbConfig;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -157,6 +157,8 @@ pub(super) struct Copied {
 
 /// Number of the next folder of this program.
 static COPIES: AtomicU64 = AtomicU64::new(0);
+/// Number from which on an existing folder is an error.
+const FOLDERS_MAX: u64 = 1_000_000;
 
 impl Copied {
     /// Creates an empty folder and returns the path of the copy in it.
@@ -166,10 +168,16 @@ impl Copied {
 
     /// As [`Copied::folder`], in `place`.
     pub(super) fn folder_in(place: &Path) -> std::io::Result<Copied> {
-        let number = COPIES.fetch_add(1, Ordering::Relaxed);
-        let folder = place.join(format!("apex-record-{}-{number}", std::process::id()));
-        // A folder that exists already belongs to another program.
-        fs::create_dir(&folder)?;
+        let folder = loop {
+            let number = COPIES.fetch_add(1, Ordering::Relaxed);
+            let folder = place.join(format!("apex-record-{}-{number}", std::process::id()));
+            match fs::create_dir(&folder) {
+                Ok(()) => break folder,
+                // It belongs to another program, or to one that was killed: in containers, process numbers repeat.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && number < FOLDERS_MAX => {}
+                Err(error) => return Err(error),
+            }
+        };
         Ok(Copied { record: folder.join("copy.apex"), folder })
     }
 
@@ -191,5 +199,22 @@ impl Copied {
 impl Drop for Copied {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_that_a_killed_program_left_are_passed_over() {
+        let place = tempfile::TempDir::new().unwrap();
+        let next = COPIES.load(Ordering::Relaxed);
+        for number in next..next + 100 {
+            fs::create_dir(place.path().join(format!("apex-record-{}-{number}", std::process::id()))).unwrap();
+        }
+        let copied = Copied::folder_in(place.path()).unwrap();
+        assert!(copied.folder.is_dir() && !copied.record.exists());
+        assert!(Copied::folder_in(&place.path().join("nowhere")).is_err());
     }
 }

@@ -15,7 +15,9 @@ impl fmt::Display for Integrity {
         }
         let file = match file {
             FileSeal::Intact => "the file is as it was closed",
-            FileSeal::None => "the file has no seal, as before the end of a flight",
+            FileSeal::None => {
+                "the file does not end with a seal: its flight continues, was cut off, or bytes were appended"
+            }
             FileSeal::Broken => "bytes of the file have changed since it was closed, but none of a row or index",
         };
         write!(out, "{steps} steps up to {until} in {groups} groups are as they were written; {file}")?;

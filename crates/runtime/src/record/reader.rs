@@ -245,7 +245,8 @@ impl RecordReader {
             };
             warnings.push(format!("The flight record {name} has a gap, because {reason}: {gap}."));
         }
-        let (version, ours) = (self.meta("apex_version")?.unwrap_or_default(), env!("CARGO_PKG_VERSION"));
+        let version = self.meta("apex_version")?.unwrap_or_else(|| "of unknown version".into());
+        let ours = env!("CARGO_PKG_VERSION");
         if version != ours {
             let version = version.escape_debug();
             warnings.push(format!(

@@ -30,20 +30,29 @@ pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
     make_room(path)?;
     let fail = |error| write_error(path, "making its tables", error);
     let connection = Connection::open(path).map_err(fail)?;
-    connection.busy_timeout(BUSY_PATIENCE).map_err(fail)?;
+    match make_tables(&connection) {
+        Ok(()) => Ok(connection),
+        Err(error) => {
+            // A file without tables, as on a full disk, is not a record.
+            drop(connection);
+            remove(path);
+            Err(fail(error))
+        }
+    }
+}
+
+fn make_tables(connection: &Connection) -> rusqlite::Result<()> {
+    connection.busy_timeout(BUSY_PATIENCE)?;
     let tables: Vec<&str> = SCHEMA.iter().map(|(_, _, sql)| *sql).collect();
     // The marks are written into the main file before the write-ahead log exists, for readers that read only the header. A program killed
     // here leaves no rollback journal; nothing is recorded yet.
-    connection
-        .execute_batch(&format!(
-            "PRAGMA journal_mode = MEMORY;
-             PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};
-             BEGIN; {}; COMMIT;
-             PRAGMA journal_mode = WAL;",
-            tables.join("; ")
-        ))
-        .map_err(fail)?;
-    Ok(connection)
+    connection.execute_batch(&format!(
+        "PRAGMA journal_mode = MEMORY;
+         PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};
+         BEGIN; {}; COMMIT;
+         PRAGMA journal_mode = WAL;",
+        tables.join("; ")
+    ))
 }
 
 /// Removes an older record; refuses to remove any other file.

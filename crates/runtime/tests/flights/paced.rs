@@ -1,7 +1,7 @@
 //! Flights by wall time with misbehaving solvers: the executive is never late, and the record states what the solvers did. The test's own
 //! clock advances by sleeping only, so a flight that waited for its solver would stop.
 
-use super::support::{altitude, load, record_with};
+use super::support::{CAMERA, altitude, event, load, record_with};
 use apex_model::effect::SolveRequest;
 use apex_model::event::{Batch, EventKind};
 use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
@@ -12,13 +12,16 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::solver::{Environment, Solver, time_of};
 use apex_runtime::invocation::{Invocations, SolverLimits};
-use apex_runtime::mission_loop::FlyOptions;
+use apex_runtime::limits::STEPS_PER_INSTANT_MAX;
+use apex_runtime::mission_loop::{Control, EndReason, FlyOptions};
 use apex_runtime::pacing::{Clock, ManualClock};
 use apex_runtime::ports::{Deliberator, Observer, Posed, SolverAnswer};
+use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::RecordReader;
 use apex_runtime::replay::replay;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
 
 /// Circles until the plan has arrived, or takes photographs without one.
 const TOUR: &str = r#"
@@ -237,4 +240,20 @@ fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
     // It never ends, because its budget is endless.
     let told = fly("obeys", false);
     assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");
+}
+
+#[test]
+fn any_number_of_messages_reaches_a_paused_flight() {
+    let (people, controls) = channel();
+    let count = 2 * STEPS_PER_INSTANT_MAX;
+    people.send(Control::Pace(Some(0.0))).unwrap();
+    for _ in 0..count {
+        people.send(Control::Input(event(0.0, "(hello)").kind)).unwrap();
+    }
+    people.send(Control::Stop).unwrap();
+    let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+    let flight = record_with(CAMERA, &mut NoDeliberator, &mut [], options);
+    assert_eq!(flight.end.reason, EndReason::Stopped);
+    assert!(flight.end.at < Time::from_seconds(1.0) && flight.end.steps > count, "{:?}", flight.end);
+    assert_eq!(replay(&flight.reader(), &load).unwrap().difference, None);
 }

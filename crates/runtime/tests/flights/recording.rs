@@ -2,6 +2,7 @@
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
 use apex_model::effect::SolveRequest;
+use apex_model::event::SolverReport;
 use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -250,4 +251,26 @@ fn plans_are_flown_named_and_never_made_again() {
     assert_eq!(visit.place.as_deref(), Some("<plan 1>:4:1"));
     let tour = tasks.iter().find(|task| task.goal == "(tour (a b))").unwrap();
     assert_eq!(tour.method.as_deref(), Some("procedure <plan 1>:1:1"));
+}
+
+/// An answer of a solver is in the record twice: as it arrived, for readers, and as the input of the agent.
+#[test]
+fn a_recorded_answer_that_the_agent_did_not_receive_is_a_difference() {
+    let refusal = postcard::to_stdvec(&SolverReport::Failed("no sites".into())).unwrap();
+    for (sql, what) in [
+        ("UPDATE answer SET due_ns = due_ns + 1", "answer to request 0"),
+        ("UPDATE answer SET request = 7", "answer to request 0"),
+        ("UPDATE answer SET report = ?1, detail = 'no sites'", "answer to request 0"),
+        ("INSERT INTO answer SELECT 2, request, due_ns, 'no sites', NULL, ?1 FROM answer", "answer to request 0"),
+        ("DELETE FROM answer", "answer to request 0"),
+        ("UPDATE answer SET plan = '{}'", "column `plan` of row answer 1"),
+    ] {
+        let flight = record(TOUR, Vec::new(), &mut Planner::default(), &mut []);
+        match sql.contains("?1") {
+            true => tamper(&flight.path, sql, Some(refusal.clone())),
+            false => tamper_plainly(&flight.path, sql),
+        }
+        let difference = replay(&flight.reader(), &load).unwrap().difference;
+        assert_eq!(difference.map(|difference| difference.what.to_string()).as_deref(), Some(what), "{sql}");
+    }
 }
