@@ -49,6 +49,8 @@ pub struct Fed {
     pub variables: Vec<StateVariable>,
     /// The wanted state variables that no field of the log gives, with the fields that the mapping names for them.
     pub absent: Vec<(StateVariable, Vec<String>)>,
+    /// Notes about entries of a mapping that the log contradicts or does not need.
+    pub doubts: Vec<String>,
 }
 
 impl LogFile {
@@ -159,7 +161,8 @@ impl LogFile {
             if !more {
                 let variables = sampler.variables().cloned().collect();
                 let (damages, absent) = (reader.damages().clone(), sampler.absent());
-                return if empty { Err(not_a_log(&damages)) } else { Ok(Fed { damages, variables, absent }) };
+                let doubts = sampler.doubts().to_vec();
+                return if empty { Err(not_a_log(&damages)) } else { Ok(Fed { damages, variables, absent, doubts }) };
             }
         }
     }

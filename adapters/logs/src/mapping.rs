@@ -1,8 +1,9 @@
 //! Turning fields of logs into state variables.
 
+use crate::mapping_doubts::{MappedField, WrittenEntry, other_unit, second_field, unit_of_label};
 use crate::{Cell, LogInterval, Message, Topic};
 use apex_model::event::StateVariable;
-use apex_model::quantity::{Dimension, Unit, unit_named};
+use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -50,6 +51,8 @@ pub enum Take {
 pub struct Mapping {
     /// Entries in order of preference: if several fields can give one variable, the first entry with a field in the log applies.
     pub entries: Vec<Entry>,
+    /// Places and units of the entries as written in a file.
+    pub written: Vec<WrittenEntry>,
 }
 
 /// A sample of a state variable.
@@ -86,6 +89,8 @@ pub struct Sampler {
     wanted: Vec<bool>,
     /// First and last instant of measurements by the other entries.
     unwanted: Option<LogInterval>,
+    /// Notes about entries that the log contradicts or does not need.
+    doubts: Vec<String>,
 }
 
 impl Sampler {
@@ -93,7 +98,7 @@ impl Sampler {
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
         let wanted = vec![true; mapping.entries.len()];
-        Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None }
+        Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None, doubts: Vec::new() }
     }
 
     /// Restricts the samples to these attributes.
@@ -125,6 +130,11 @@ impl Sampler {
             }
         }
         absent
+    }
+
+    /// Returns notes about wanted entries of a file that the log contradicts or does not need.
+    pub fn doubts(&self) -> &[String] {
+        &self.doubts
     }
 
     /// Returns the mapping.
@@ -179,9 +189,21 @@ impl Sampler {
             let same = |other: &Entry| other.variable == entry.variable;
             let first = self.mapping.entries.iter().position(same).unwrap_or(number);
             let Some(slot) = self.chosen.get_mut(first) else { continue };
-            if *slot.get_or_insert(number) == number {
+            let used = *slot.get_or_insert(number);
+            if used == number {
                 found.push(Source { entry: number, field, scale: entry.scale_in(topic, field) });
             }
+            let Some(written) = self.mapping.written.get(number).filter(|_| self.wanted.get(number) != Some(&false))
+            else {
+                continue;
+            };
+            let declared = entry.declared.map(|(_, dimension)| dimension);
+            let mapped = MappedField { field: &entry.field, variable: &entry.variable, declared };
+            let doubt = match self.mapping.entries.get(used).filter(|_| used != number) {
+                Some(used) => second_field(written, mapped, &used.field),
+                None => other_unit(written, mapped, topic.units.get(field).and_then(Option::as_ref)),
+            };
+            self.doubts.extend(doubt.filter(|doubt| !self.doubts.contains(doubt)));
         }
         found
     }
@@ -238,16 +260,6 @@ impl Entry {
             !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
         if one_word { Value::symbol(&text.to_ascii_lowercase().replace('_', "-")) } else { Value::text(text) }
     }
-}
-
-/// Returns the unit that a log means by a label.
-fn unit_of_label(label: &str) -> Option<&'static Unit> {
-    unit_named(match label {
-        "deglatitude" | "deglongitude" | "degheading" => "deg",
-        "m/s/s" => "m/s2",
-        "Watt" => "W",
-        other => other,
-    })
 }
 
 fn angle(take: Take, [w, x, y, z]: [f64; 4]) -> f64 {

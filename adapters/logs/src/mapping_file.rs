@@ -1,6 +1,7 @@
 //! Files that map fields of a log to state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and declarations of the state
 //! variables.
 
+use crate::mapping_doubts::{WrittenEntry, places_of_forms};
 use crate::{Entry, Format, Mapping, Take, TimeName, Topic};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
@@ -16,6 +17,8 @@ pub struct MappingFile {
     pub name: String,
     /// Fields, with the units that their numbers are in.
     pub entries: Vec<(Entry, Option<Symbol>)>,
+    /// File, line and column of each of these entries that this file contains; they are the first ones.
+    places: Vec<String>,
     /// The column of the time of a table.
     pub time: Option<TimeName>,
     /// Declarations of state variables by attribute, as text.
@@ -56,7 +59,8 @@ pub(crate) fn shipped(format: Format, read_form: ReadForm<'_>) -> Option<Result<
         Format::TelemetryLog => ("mavlink", include_str!("../mappings/mavlink.pdl")),
         Format::Mcap | Format::Csv => return None,
     };
-    Some(MappingFile::parse(&format!("the mapping `{name}`"), text, read_form))
+    let parsed = MappingFile::parse(&format!("the mapping `{name}`"), text, read_form);
+    Some(parsed.map(|file| MappingFile { places: Vec::new(), ..file }))
 }
 
 /// Maps every column of a table but `time` to a state variable with the column's name.
@@ -85,8 +89,13 @@ impl MappingFile {
     /// # Errors
     /// A form that is not part of a mapping.
     pub fn parse(name: &str, text: &str, read_form: ReadForm<'_>) -> Result<MappingFile, MappingError> {
-        let wrong = |form: &Value, why: String| {
-            let message = format!("{name}: `{}` is not a part of a mapping", shortened(form));
+        let places = places_of_forms(text);
+        let place_of = |index: usize| match places.get(index) {
+            Some((line, column)) => format!("{name}:{line}:{column}"),
+            None => name.to_string(),
+        };
+        let wrong = |index: usize, form: &Value, why: String| {
+            let message = format!("{}: `{}` is not a part of a mapping", place_of(index), shortened(form));
             let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:integer-scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
             MappingError { message, reason: Some(why), help: Some(help.to_string()) }
         };
@@ -97,16 +106,19 @@ impl MappingFile {
             help: None,
         })?;
         let mut file = MappingFile { name: name.to_string(), ..MappingFile::default() };
-        for form in whole.as_list().unwrap_or_default() {
+        for (index, form) in whole.as_list().unwrap_or_default().iter().enumerate() {
             let items = form.as_list().unwrap_or_default();
             let head = items.first().and_then(Value::as_symbol).map(Symbol::folded);
             let read = match head {
-                Some("map") => entry(items).map(|entry| file.entries.push(entry)),
+                Some("map") => entry(items).map(|entry| {
+                    file.entries.push(entry);
+                    file.places.push(place_of(index));
+                }),
                 Some("time") => time(items).map(|time| file.time = Some(time)),
                 Some("state-variable") => declaration(form, items).map(|known| file.declarations.push(known)),
                 _ => Err("it begins with neither `map` nor `time` nor `state-variable`".to_string()),
             };
-            read.map_err(|why| wrong(form, why))?;
+            read.map_err(|why| wrong(index, form, why))?;
         }
         Ok(file)
     }
@@ -174,8 +186,14 @@ impl MappingFile {
     /// # Errors
     /// A field has a unit of another dimension than the unit declared for its state variable.
     pub fn mapping(self, library: &Library) -> Result<Mapping, MappingError> {
-        let name = self.name;
-        let entries = self.entries.into_iter().map(|(mut entry, unit)| {
+        let MappingFile { name, places, .. } = self;
+        let written = self.entries.iter().enumerate().map(|(index, (entry, unit))| WrittenEntry {
+            place: places.get(index).cloned(),
+            unit: unit.clone(),
+            scale: entry.scale,
+        });
+        let written = written.collect();
+        let entries = self.entries.into_iter().enumerate().map(|(index, (mut entry, unit))| {
             let declared = library.state_variables.get(&entry.variable.attribute);
             let declared = declared.and_then(|declared| unit_named(declared.unit.as_ref()?.printed()));
             let Some(unit) = unit.and_then(|unit| unit_named(unit.printed())) else {
@@ -187,7 +205,7 @@ impl MappingFile {
                 let Entry { field, variable, .. } = &entry;
                 let help = format!("declare it: (state-variable ({} ?object) :unit {})", variable.attribute, unit.name);
                 return Err(MappingError {
-                    message: format!("{name}: the field `{field}` is in {}", unit.name),
+                    message: format!("{}: the field `{field}` is in {}", places.get(index).unwrap_or(&name), unit.name),
                     reason: Some(format!("{variable} is declared as {dimension}")),
                     help: Some(help),
                 });
@@ -197,7 +215,7 @@ impl MappingFile {
             entry.offset *= unit.factor / scale;
             Ok(entry)
         });
-        Ok(Mapping { entries: entries.collect::<Result<_, _>>()? })
+        Ok(Mapping { entries: entries.collect::<Result<_, _>>()?, written })
     }
 }
 
@@ -353,6 +371,7 @@ mod tests {
             ("(map \"a\" (b c) :scale)", "`:scale` has no value"),
             ("(time \"a\" :unit m)", "the unit is not a unit of time"),
             ("\n(map \"a", "m:2:"),
+            ("(map \"a;(\" (b c)) ; (\n\n  (mapp \"a\" (b c))", "m:3:3: `(mapp"),
         ] {
             let said = MappingFile::parse("m", text, &read_form).unwrap_err().to_string();
             assert!(said.contains(expected), "{text}: {said}");

@@ -201,7 +201,7 @@ fn entry(field: &str, attribute: &str, take: Take) -> Entry {
 
 fn sampled(log: &[u8], extension: &str, entries: Vec<Entry>) -> Vec<Sampled> {
     let mut reader = reader(log, extension);
-    let mut sampler = Sampler::new(Mapping { entries });
+    let mut sampler = Sampler::new(Mapping { entries, ..Mapping::default() });
     let (mut message, mut samples) = (Message::default(), Vec::new());
     while reader.next(&mut message).unwrap() {
         sampler.sample(reader.topics(), &message, &mut samples);

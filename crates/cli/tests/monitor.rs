@@ -336,6 +336,41 @@ fn a_field_of_the_mapping_that_the_log_lacks_is_named() {
 }
 
 #[test]
+fn fields_of_a_mapping_that_are_not_read_and_units_that_differ_are_named() {
+    let desk = Desk::new();
+    desk.write("a.csv", "t,roll,bank\n0,0,3\n1,20,3\n");
+    desk.write(
+        "m.pdl",
+        "(map \"roll\" (roll uav)) ; the first\n  (map \"bank\" (roll uav))\n(map \"bank\" (other uav))",
+    );
+    let said = desk.apex(&["monitor", "(roll uav > 15)", "--inputs", "a.csv", "--mapping", "m.pdl"]);
+    let expected =
+        "note: m.pdl:2:3: the log has `bank`, which is not read: an earlier entry takes (roll uav) from `roll`";
+    assert!(said.err.contains(expected), "{}", said.err);
+    assert!(said.out.contains("1 result"), "{}", said.out);
+    let rows = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 130, 45, ATT, Qf, TimeUS,Roll\n\
+                FMT, 131, 45, UNIT, QbZ, TimeUS,Id,Label\nFMT, 132, 45, MULT, Qbd, TimeUS,Id,Mult\n\
+                FMT, 133, 45, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds\nUNIT, 1, 115, s\nUNIT, 1, 100, deg\n\
+                MULT, 1, 70, 1e-6\nMULT, 1, 48, 1\nFMTU, 1, 130, sd, F0\nATT, 1000000, 20\nATT, 2000000, 20\n";
+    desk.write("a.log", rows);
+    desk.write("m.pdl", "(state-variable (roll-angle ?a) :unit deg)\n(map \"ATT.Roll\" (roll-angle uav) :unit rad)");
+    let watch = ["monitor", "(roll-angle uav > 15deg)", "--inputs", "a.log", "--mapping", "m.pdl"];
+    let said = desk.apex(&watch);
+    let expected = "note: m.pdl:2:1: the log states `deg` for `ATT.Roll`, and the mapping rad, which counts";
+    assert!(said.err.contains(expected), "{}", said.err);
+    desk.write("m.pdl", "(state-variable (height ?a) :unit m)\n(map \"ATT.Roll\" (height uav))");
+    let said = desk.apex(&["monitor", "(height uav > 15m)", "--inputs", "a.log", "--mapping", "m.pdl"]);
+    assert!(
+        said.err.contains("m.pdl:2:1: the log states `deg` for `ATT.Roll`, but (height uav) is declared"),
+        "{}",
+        said.err
+    );
+    desk.write("m.pdl", "(state-variable (roll-angle ?a) :unit deg)\n(map \"ATT.Roll\" (roll-angle uav))");
+    let said = desk.apex(&watch).well();
+    assert!(!said.err.contains("the log states"), "{}", said.err);
+}
+
+#[test]
 fn civil_time_is_told_where_the_input_knows_it() {
     let desk = Desk::new();
     desk.write("a.csv", "time_ms,roll\n1700000000000,0\n1700000001500,20\n1700000002000,0\n");

@@ -221,6 +221,7 @@ fn feed_log<E: From<MissionError>>(
     };
     let fed = log.feed(library, wanted, &mut measured).map_err(|error| unread(&path, format, error))?;
     tell_damages(&path, &fed.damages, note);
+    fed.doubts.iter().for_each(|doubt| note(&format!("note: {doubt}")));
     for (variable, fields) in fed.absent.iter().filter(|_| wanted.is_some()) {
         let named = fields.join("` or `");
         note(&format!(

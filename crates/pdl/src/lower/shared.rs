@@ -2,6 +2,8 @@
 
 use super::Lowering;
 use super::clauses::groups;
+use super::constraint::relation_named;
+use super::slips::foreign_relation;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::fix::Fix;
@@ -202,6 +204,7 @@ impl Lowering {
                 }
             })?;
             lowering.logged_messages(subject)?;
+            lowering.logged_variable(subject)?;
             let subject = lowering.template(subject)?;
             Some(LogPolicy { subject, frequency_limit: frequency, time_limit: time, count_limit: count })
         })
@@ -222,6 +225,47 @@ impl Lowering {
                 self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, subject.span, message).help(help))
             }
         }
+    }
+
+    /// Checks that a logged state variable is an attribute with its object, without comparison and without limits.
+    fn logged_variable(&mut self, subject: &Datum) -> Option<()> {
+        let Some((first, rest)) = subject.as_list().and_then(<[Datum]>::split_first) else { return Some(()) };
+        let text = |datum: &Datum| self.text_at(datum.span).unwrap_or("..").to_string();
+        let keyword = |datum: &&Datum| datum.as_symbol().is_some_and(|symbol| symbol.folded().starts_with(':'));
+        if first.is(":events") {
+            return Some(());
+        }
+        if keyword(&first) {
+            let message = format!("`{}` has no meaning in `log`", text(first));
+            return self.missing_part(first.span, &message, "(log (ATTRIBUTE OBJECT) (:events WORD) ..)");
+        }
+        let variable = match rest.first().filter(|object| !keyword(object)) {
+            Some(object) => format!("({} {})", text(first), text(object)),
+            None => format!("({} OBJECT)", text(first)),
+        };
+        if let Some(limit) = rest.iter().find(keyword) {
+            let options: Vec<String> = rest.iter().skip_while(|datum| !keyword(datum)).map(text).collect();
+            let shape = format!("(log ({variable} {}))", options.join(" "));
+            return self.missing_part(
+                limit.span,
+                "limits of a log stand after its state variable, in brackets",
+                &shape,
+            );
+        }
+        let number = |datum: &&Datum| matches!(datum.kind, DatumKind::Integer(_) | DatumKind::Real(_));
+        let compares = |datum: &&Datum| relation_named(datum).is_some() || foreign_relation(datum);
+        let stray = [first].into_iter().chain(rest).find(compares).or(rest.get(1).filter(number));
+        if let Some(stray) = stray {
+            let shape =
+                if compares(&first) { "(log (ATTRIBUTE OBJECT))".to_string() } else { format!("(log {variable})") };
+            let message = "a log keeps the samples of a state variable, whatever their values: it has no comparison";
+            return self.missing_part(stray.span, message, &shape);
+        }
+        if rest.is_empty() {
+            let message = format!("`{}` is logged without its object", text(first));
+            return self.missing_part(subject.span, &message, &format!("(log {variable})"));
+        }
+        Some(())
     }
 
     /// Returns a duration in a clause `log`, which must be greater than zero.

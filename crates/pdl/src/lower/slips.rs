@@ -29,6 +29,11 @@ const FOREIGN_RELATIONS: &[(&str, &str)] = &[
     ("≥", ">="),
     ("≠", "/="),
 ];
+/// Returns true for a relation of another language.
+pub(crate) fn foreign_relation(datum: &Datum) -> bool {
+    datum.as_symbol().is_some_and(|symbol| FOREIGN_RELATIONS.iter().any(|(foreign, _)| symbol.is(foreign)))
+}
+
 /// Relations written as words in other languages: they count as relations before a number, a duration or a variable.
 const RELATION_WORDS: &[(&str, &str)] = &[
     ("gt", ">"),

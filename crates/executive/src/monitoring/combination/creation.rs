@@ -217,6 +217,9 @@ fn composite(
     if first_only && ordered {
         let binds = names.iter().any(|name| context.variable(name).is_none());
         composite.order = point_order::create(&composite, binds, context);
+        if composite.order.is_some() {
+            composite.parts.iter_mut().for_each(point_order::keep_points);
+        }
     } else if first_only {
         composite.sweep_at = Some(conjunction_firsts::SWEEP_AT_LEAST);
     }

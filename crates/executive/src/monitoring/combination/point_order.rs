@@ -18,9 +18,12 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::combination::logic::joined;
-use crate::monitoring::combination::point_steps::{OrderedPart, following, preceding, settled, steps};
+use crate::monitoring::combination::point_steps::{OrderedPart, PointRole, count, points, settled, settled_mut, steps};
+use crate::monitoring::constraints::is_lower_bound;
+use crate::monitoring::episodes::run_update::pair_of;
 use crate::monitoring::memory::retention;
 use crate::monitoring::reported_results::Used;
+use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::{Bindings, PlainBindings};
 use crate::state::monitors::monitor::{Composite, Part, PartKind, PointOrder, Satisfaction};
@@ -36,8 +39,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// results, and the next one follows when their number has doubled.
 const SWEEP_AT_LEAST: usize = 8;
 
-/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness`, and
-/// messages, with delays but without constraints between them or after them. `binds` is true if it contains a pattern variable.
+/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness`, messages,
+/// and, where no part binds a variable, episodes of any two samples, with delays but without constraints between them or after them.
+/// `binds` is true if it contains a pattern variable.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -47,13 +51,28 @@ pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalConte
             named && declared.and_then(retention::lateness).is_none()
         }
         PartKind::Event(_) | PartKind::Delay(_) => true,
+        PartKind::Episode(leaf) => {
+            let timing = &leaf.condition.timing;
+            let declared = context.library().state_variables.get(&leaf.condition.variable.attribute);
+            let punctual = leaf.variable.is_some() && declared.and_then(retention::lateness).is_none();
+            let any_time = timing.start.is_empty() && timing.end.is_empty();
+            leaf.any_pair && punctual && !binds && any_time && timing.duration.iter().all(is_lower_bound)
+        }
         _ => false,
     };
     let mut tags = BTreeSet::new();
     let distinct = composite.parts.iter().filter_map(|part| part.tag.as_ref()).all(|tag| tags.insert(tag));
     let any_point = composite.parts.iter().any(|part| !matches!(part.kind, PartKind::Delay(_)));
     let fits = distinct && any_point && composite.constraints.is_empty() && composite.parts.iter().all(is_point);
-    fits.then(|| Box::new(PointOrder { sweep_at: SWEEP_AT_LEAST, checked: vec![0; composite.parts.len()], binds }))
+    // An episode is two points.
+    fits.then(|| Box::new(PointOrder { sweep_at: SWEEP_AT_LEAST, checked: vec![0; 2 * composite.parts.len()], binds }))
+}
+
+/// Lets a part of an order of points keep the instants of samples instead of pairs of them.
+pub(crate) fn keep_points(part: &mut Part) {
+    if let PartKind::Episode(leaf) = &mut part.kind {
+        leaf.points = Some(Box::default());
+    }
 }
 
 /// Returns the first chain for each set of bindings; the first chain of all if no part binds a variable.
@@ -64,16 +83,13 @@ pub(crate) fn results(
     query: &mut VerdictQuery<'_>,
 ) -> Vec<Satisfaction> {
     let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
-    let extents: Vec<_> = steps.iter().map(OrderedPart::extent).collect();
-    if extents.iter().any(Option::is_none) {
-        return Vec::new();
-    }
-    let extents: Vec<(Time, Time)> = extents.into_iter().flatten().collect();
+    let Some(extents) = extents(&steps) else { return Vec::new() };
     let mut search = ChainSearch {
         steps: &steps,
         extents: &extents,
         binds: order.binds,
         looks: 0,
+        failed: vec![Time::BEGINNING; steps.len()],
         chain: Vec::new(),
         found: Vec::new(),
         bound: BTreeSet::new(),
@@ -88,6 +104,19 @@ pub(crate) fn results(
     }
     found.sort_by_key(|result| result.recognised_at);
     found
+}
+
+/// Returns the first and last instant of the points of each step that points of all later steps may follow; `None` if there are none.
+fn extents(steps: &[OrderedPart<'_>]) -> Option<Vec<(Time, Time)>> {
+    let mut extents = Vec::with_capacity(steps.len());
+    let mut span = (Time::BEGINNING, Time(i64::MAX));
+    for step in steps.iter().rev() {
+        let (first, last) = step.extent(span)?;
+        extents.push((first, last));
+        span = (step.preceding(first).0, step.preceding(last).1);
+    }
+    extents.reverse();
+    Some(extents)
 }
 
 /// Returns true if the time after the last point has passed, and adds that to the result; otherwise requests a wake. No other chain with
@@ -111,6 +140,9 @@ struct ChainSearch<'a> {
     extents: &'a [(Time, Time)],
     binds: bool,
     looks: u64,
+    /// For each step, the latest instant of a point that no chain to the end contains, if no part binds a variable. Points that are tried
+    /// later are not earlier than those tried before, because the spans in which points may follow move with the preceding points.
+    failed: Vec<Time>,
     chain: Vec<&'a Satisfaction>,
     found: Vec<Satisfaction>,
     bound: BTreeSet<PlainBindings>,
@@ -122,18 +154,19 @@ impl<'a> ChainSearch<'a> {
         let number = self.chain.len();
         let (steps, extents) = (self.steps, self.extents);
         let Some(step) = steps.get(number) else { return self.complete(bindings) };
-        let (mut from, mut to) = following(end, step.gap);
+        let (mut from, mut to) = step.following(end);
         // Points that no point of the next part follows are skipped.
-        if let (Some(next), Some((first, last))) = (steps.get(number + 1), extents.get(number + 1)) {
-            from = from.max(preceding(*first, next.gap).0);
-            to = to.min(preceding(*last, next.gap).1);
+        let Some((first, last)) = extents.get(number) else { return false };
+        (from, to) = (from.max(*first), to.min(*last));
+        if let Some(failed) = self.failed.get(number).filter(|failed| **failed >= from) {
+            from = *failed + TICK;
         }
         for result in step.within((from, to)) {
             self.looks += 1;
             if self.looks > query.context.limits().of(Limit::MonitorCombinations) {
                 return true;
             }
-            if query.used.as_ref().is_some_and(|used| used.contains(step.part.place, result)) {
+            if is_used(step, result, query.used.as_ref()) {
                 continue;
             }
             let together = if self.binds { joined(bindings, &result.bindings) } else { Some(Bindings::new()) };
@@ -144,6 +177,9 @@ impl<'a> ChainSearch<'a> {
             if over {
                 return true;
             }
+            if let Some(failed) = self.failed.get_mut(number).filter(|_| !self.binds) {
+                *failed = result.interval.0;
+            }
         }
         false
     }
@@ -153,15 +189,25 @@ impl<'a> ChainSearch<'a> {
             return false;
         }
         let mut all = bindings.clone();
+        let mut evidence = EvidenceList::default();
+        let mut before: Option<&Satisfaction> = None;
         for (step, result) in self.steps.iter().zip(&self.chain) {
-            if let Some(tag) = &step.part.tag {
-                all.set(tag.clone(), Value::Interval(result.interval.0, result.interval.1));
+            let start = if step.role == PointRole::End { before } else { None }.unwrap_or(result);
+            let interval = (start.interval.0, result.interval.1);
+            match (&step.part.kind, step.role) {
+                (PartKind::Episode(leaf), PointRole::End) => {
+                    evidence = pair_of(leaf, interval).map_or(evidence.clone(), |pair| evidence.joined(&pair.evidence));
+                }
+                _ => evidence = evidence.joined(&result.evidence),
             }
+            if let Some(tag) = step.part.tag.as_ref().filter(|_| step.role != PointRole::Start) {
+                all.set(tag.clone(), Value::Interval(interval.0, interval.1));
+            }
+            before = Some(result);
         }
         let first = self.chain.first().map_or(Time::ZERO, |each| each.interval.0);
         let last = self.chain.last().map_or(first, |each| each.interval.1);
         let recognised_at = self.chain.iter().map(|each| each.recognised_at).max().unwrap_or(last);
-        let evidence = self.chain.iter().fold(EvidenceList::default(), |all, each| all.joined(&each.evidence));
         self.found.push(Satisfaction { interval: (first, last), recognised_at, bindings: all, evidence });
         !self.binds
     }
@@ -174,30 +220,42 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
     let PartKind::InOrder(composite) = &mut part.kind else { return };
     let Some(mut order) = composite.order.take() else { return };
     let mut query = VerdictQuery::new(context);
-    let kept: usize = composite.parts.iter().map(|part| settled(part).len()).sum();
+    let kept: usize = composite.parts.iter().map(count).sum();
     let whole = kept >= order.sweep_at;
     if whole {
         order.checked.iter_mut().for_each(|checked| *checked = 0);
     }
-    // Each part is swept against the preceding one, which was swept already, then against the following one.
-    for number in 0..composite.parts.len() {
+    let points = points(composite);
+    // Each point is swept against the preceding one, which was swept already, then against the following one.
+    for (number, point) in points.iter().enumerate() {
         let checked = order.checked.get(number).copied().unwrap_or_default();
+        // The newest settled result is kept: it shows that the part has held.
+        let newest = composite.parts.get(point.0).map_or(0, |part| settled(part, point.1).len()).saturating_sub(1);
+        if checked >= newest {
+            continue;
+        }
         let gone = gone_without_predecessor(composite, (number, checked), start, used, &mut query);
-        remove(composite, number, &gone, &mut order);
+        remove(composite, *point, &gone, order.checked.get_mut(number));
     }
     if whole {
-        for number in (0..composite.parts.len()).rev() {
+        for (number, point) in points.iter().enumerate().rev() {
             let gone = gone_without_successor(composite, number, start, used, &mut query);
-            remove(composite, number, &gone, &mut order);
+            remove(composite, *point, &gone, order.checked.get_mut(number));
         }
-        let kept: usize = composite.parts.iter().map(|part| settled(part).len()).sum();
+        for part in &mut composite.parts {
+            if let PartKind::Episode(leaf) = &mut part.kind {
+                leaf.points.iter_mut().for_each(|points| points.drop_runs());
+            }
+        }
+        let kept: usize = composite.parts.iter().map(count).sum();
         order.sweep_at = kept.saturating_mul(2).max(SWEEP_AT_LEAST);
     }
     composite.order = Some(order);
 }
 
 fn is_used(step: &OrderedPart<'_>, result: &Satisfaction, used: Option<&Used>) -> bool {
-    used.is_some_and(|used| used.contains(step.part.place, result))
+    // An episode itself removes the points that belong to a reported result.
+    step.role == PointRole::Whole && used.is_some_and(|used| used.contains(step.part.place, result))
 }
 
 /// Returns true if a point precedes this result of step `number`. The first step is compared with the start of the order.
@@ -210,33 +268,28 @@ fn is_preceded(
 ) -> bool {
     let Some(step) = steps.get(number) else { return false };
     let Some(before) = number.checked_sub(1).and_then(|before| steps.get(before)) else {
-        let (from, to) = following(start, step.gap);
+        let (from, to) = step.following(start);
         return from <= result.interval.0 && result.interval.0 <= to;
     };
     let precedes =
         |each: &Satisfaction| !is_used(before, each, used) && joined(&each.bindings, &result.bindings).is_some();
-    before.within(preceding(result.interval.0, step.gap)).any(precedes)
+    before.within(step.preceding(result.interval.0)).any(precedes)
 }
 
-/// Returns the places of results of part `index`, from place `from` on, that no earlier point precedes, or that were used.
+/// Returns the places of results of step `number`, from place `from` on, that no earlier point precedes, or that were used.
 fn gone_without_predecessor(
     composite: &Composite,
-    (index, from): (usize, usize),
+    (number, from): (usize, usize),
     start: Time,
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
-    // The newest settled result is kept: it shows that the part has held.
-    let newest = composite.parts.get(index).map_or(0, |part| settled(part).len()).saturating_sub(1);
-    if from >= newest {
-        return Vec::new();
-    }
     let Some((steps, _)) = steps(composite, query) else { return Vec::new() };
-    let Some(number) = steps.iter().position(|step| step.index == index) else { return Vec::new() };
     let Some(step) = steps.get(number) else { return Vec::new() };
+    let newest = step.kept.len().saturating_sub(1);
     let before = number.checked_sub(1).and_then(|before| steps.get(before));
     let useless = |result: &Satisfaction| {
-        let last = preceding(result.interval.0, step.gap).1;
+        let last = step.preceding(result.interval.0).1;
         let may_come =
             before.is_some_and(|before| before.watermark(&result.bindings).is_none_or(|watermark| watermark <= last));
         is_used(step, result, used) || !may_come && !is_preceded(&steps, number, result, start, used)
@@ -250,7 +303,7 @@ type ChainEnds = Vec<(Bindings, Vec<Time>)>;
 
 /// Returns the places in `ends` of the chains that `result` of `step` can extend, with the bindings of the extended chains.
 fn extended(ends: &ChainEnds, step: &OrderedPart<'_>, result: &Satisfaction) -> Vec<Bindings> {
-    let (from, to) = preceding(result.interval.0, step.gap);
+    let (from, to) = step.preceding(result.interval.0);
     let any = |times: &[Time]| times.get(times.partition_point(|at| *at < from)).is_some_and(|at| *at <= to);
     let together = |(bindings, times): &(Bindings, Vec<Time>)| {
         if any(times) { joined(bindings, &result.bindings) } else { None }
@@ -278,18 +331,20 @@ fn chain_ends(steps: &[OrderedPart<'_>], number: usize, start: Time, used: Optio
     ends
 }
 
-/// Returns the indices of results of part `index` that no future point can follow, or that earlier results represent.
+/// Returns the indices of results of step `number` that no future point can follow, or that earlier results represent.
 fn gone_without_successor(
     composite: &Composite,
-    index: usize,
+    number: usize,
     start: Time,
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
     let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
-    let Some(number) = steps.iter().position(|step| step.index == index) else { return Vec::new() };
     let Some(step) = steps.get(number) else { return Vec::new() };
     let next = steps.get(number + 1);
+    if let Some(end) = next.filter(|_| step.role == PointRole::Start) {
+        return gone_beginnings(&steps, (number, end), start, used);
+    }
     // Chains without a delay at the end are over with their last point.
     if next.is_none() && delay.is_none() {
         return Vec::new();
@@ -309,7 +364,7 @@ fn gone_without_successor(
             let known = chains.iter().filter(|bindings| !first_of.insert(bindings.plain())).count();
             return known > 0 && known == chains.len() && !gains(&steps, number, result, query);
         };
-        let span = following(result.interval.1, next.gap);
+        let span = next.following(result.interval.1);
         let over = next.watermark(&result.bindings).is_some_and(|watermark| watermark > span.1);
         over && !next.within(span).any(|each| joined(&result.bindings, &each.bindings).is_some())
     };
@@ -328,23 +383,44 @@ fn gains(steps: &[OrderedPart<'_>], number: usize, result: &Satisfaction, query:
     !steps.iter().take(number).all(complete)
 }
 
-/// Removes the results at the sorted indices `gone`, and records that the remaining ones were checked.
-fn remove(composite: &mut Composite, index: usize, gone: &[usize], order: &mut PointOrder) {
-    let Some(part) = composite.parts.get_mut(index) else { return };
-    let list = match &mut part.kind {
-        PartKind::Measurement(leaf) => leaf.seen.as_mut().map(|seen| &mut seen.settled),
-        PartKind::Event(leaf) => Some(&mut leaf.settled),
-        _ => None,
+/// Returns the indices of beginnings of an episode that no end follows, or that an earlier one of the same run represents: it permits every
+/// end that the later one permits.
+fn gone_beginnings(
+    steps: &[OrderedPart<'_>],
+    (number, end): (usize, &OrderedPart<'_>),
+    start: Time,
+    used: Option<&Used>,
+) -> Vec<usize> {
+    let Some(step) = steps.get(number) else { return Vec::new() };
+    let mut represented = None;
+    let mut useless = |result: &Satisfaction| {
+        let run = end.preceding(result.interval.0).0;
+        if represented == Some(run) || step.ends_never(end, result.interval.0) {
+            return true;
+        }
+        if is_preceded(steps, number, result, start, used) {
+            represented = Some(run);
+        }
+        false
     };
-    let Some(list) = list else { return };
-    if !gone.is_empty() {
-        let (mut place, mut next) = (0, gone.iter().copied().peekable());
-        list.retain(|_| {
+    let newest = step.kept.len().saturating_sub(1);
+    let gone = step.kept.iter().enumerate().take(newest).filter(|(_, result)| useless(result));
+    gone.map(|(place, _)| place).collect()
+}
+
+/// Removes the points at the sorted indices `gone`, and records that the remaining ones were checked.
+fn remove(composite: &mut Composite, (index, role): (usize, PointRole), gone: &[usize], checked: Option<&mut usize>) {
+    let Some(list) = composite.parts.get_mut(index).and_then(|part| settled_mut(part, role)) else { return };
+    if let Some(first) = gone.first() {
+        let (mut place, mut next) = (*first, gone.iter().copied().peekable());
+        let mut tail = list.split_off((*first).min(list.len()));
+        tail.retain(|_| {
             place += 1;
             next.next_if_eq(&(place - 1)).is_none()
         });
+        list.append(&mut tail);
     }
-    if let Some(checked) = order.checked.get_mut(index) {
+    if let Some(checked) = checked {
         *checked = list.len().saturating_sub(1);
     }
 }

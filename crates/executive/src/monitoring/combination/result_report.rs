@@ -222,6 +222,11 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
         }
         // Results of a negated part are kept: they must stay known.
         PartKind::Not(_) => return,
+        PartKind::Episode(leaf) if leaf.points.is_some() => {
+            leaf.points.iter_mut().for_each(|points| points.use_up());
+            part.forgotten = false;
+            return;
+        }
         PartKind::Measurement(_)
         | PartKind::Episode(_)
         | PartKind::Persisted(_)

@@ -11,7 +11,7 @@ use crate::expression::arithmetic::duration;
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::constraints::{RightSide, all, is_lower_bound, prepare};
-use crate::monitoring::episodes::run_update::{Judged, advance_run};
+use crate::monitoring::episodes::run_update::{Judged, advance_run, pair_of, with_newest};
 use crate::monitoring::episodes::{run_fast_path, threshold_backfill};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
@@ -60,6 +60,7 @@ pub(crate) fn create(
         any_pair,
         blind: false,
         settled: Vec::new(),
+        points: None,
         runs: BTreeMap::new(),
         condition: Arc::clone(condition),
     })
@@ -133,6 +134,7 @@ impl Sampled for EpisodePart {
 
     fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.settled.clear();
+        self.points = self.points.take().map(|_| Box::default());
         self.runs.clear();
     }
 
@@ -188,6 +190,10 @@ fn feed(
     };
     let newest = judge(part, site, sample, before.run.as_ref(), context, troubles);
     let after = ObjectRun { newest, rank: before.rank.min(sample.sequence), ..before };
+    if let Some(mut points) = part.points.take() {
+        points.replace_newest(&after.newest, with_newest(part, &after).as_ref(), part.duration_min);
+        part.points = Some(points);
+    }
     match part.runs.get_mut(object) {
         Some(slot) => *slot = after,
         None => {
@@ -218,6 +224,9 @@ fn settle(
         }
         (found, _) => found,
     };
+    if let Some(points) = &mut part.points {
+        points.settle(object_run.newest.at, site, troubles);
+    }
     ObjectRun { run, found, contradicted, gap, ..object_run }
 }
 
@@ -295,6 +304,9 @@ pub(crate) fn results(
     context: &dyn EvalContext,
     troubles: &mut ConditionFaults,
 ) -> Vec<Satisfaction> {
+    if let Some(points) = &part.points {
+        return points.first_pair(part.duration_min).and_then(|pair| pair_of(part, pair)).into_iter().collect();
+    }
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
         return results;
@@ -337,7 +349,7 @@ pub(crate) fn truth(
     context: &dyn EvalContext,
     troubles: &mut ConditionFaults,
 ) -> Truth {
-    if !part.settled.is_empty() {
+    if !part.settled.is_empty() || part.points.as_ref().is_some_and(|points| points.holds()) {
         return Truth::True;
     }
     let mut open = part.blind || part.runs.is_empty();
@@ -365,7 +377,7 @@ pub(crate) fn next_wake(part: &EpisodePart, site: PartContext, after: Time) -> O
     part.runs
         .values()
         .filter_map(|object_run| {
-            let run = crate::monitoring::episodes::run_update::with_newest(part, object_run)?;
+            let run = with_newest(part, object_run)?;
             let licensed_until = run.last + gap;
             if part.at_close {
                 let over = licensed_until + TICK;

@@ -81,7 +81,7 @@ fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> 
 pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> {
     let newest = &state.newest;
     let bindings = newest.holds.as_ref()?;
-    let instants = |before: &[Time]| match part.any_pair {
+    let instants = |before: &[Time]| match part.any_pair && part.points.is_none() {
         true => {
             let kept = before.len().saturating_sub(MONITOR_RESULTS_MAX - 1);
             // Only a sample with a fitting first value may begin a pair.
@@ -152,7 +152,9 @@ impl Judge<'_> {
             }
         }
         if let Some(run) = &run {
-            if part.any_pair {
+            if part.points.is_some() {
+                // The order makes pairs of the instants that it needs.
+            } else if part.any_pair {
                 self.pairs(run, &mut judged.over)?;
             } else if part.at_close {
                 let over_at = part.gap_max.map(|most| run.last + most + TICK).filter(|over_at| *over_at <= horizon);
@@ -236,4 +238,11 @@ pub(crate) fn result(part: &EpisodePart, object: &Value, run: &Run, recognised_a
         bindings: run.bindings.clone(),
         evidence: EvidenceList::one(Evidence::Run { variable, start: run.start, end: run.last, samples: run.samples }),
     }
+}
+
+/// Returns the result of a part that keeps the instants of samples for the pair of samples that bounds `interval`.
+pub(crate) fn pair_of(part: &EpisodePart, interval: (Time, Time)) -> Option<Satisfaction> {
+    let variable = part.variable.clone()?;
+    let evidence = EvidenceList::one(Evidence::Run { variable, start: interval.0, end: interval.1, samples: 2 });
+    Some(Satisfaction { interval, recognised_at: interval.1, bindings: Bindings::new(), evidence })
 }

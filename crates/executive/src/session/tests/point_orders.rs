@@ -67,7 +67,7 @@ pub(super) fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
     })
 }
 
-const ORDERS: [&str; 16] = [
+const ORDERS: [&str; 24] = [
     "(:in-order (a uav > 4) (:delay 2s 4s) (a uav < 4)",
     "(:in-order (a uav > 4) (a uav < 4)",
     "(:in-order (a uav > 4) (:delay 0s 3s) (b uav > 4)",
@@ -86,6 +86,22 @@ const ORDERS: [&str; 16] = [
     "(:in-order (a ?who > 4) (:delay 1s 3s) (b ?else > 3) (:delay 4s)",
     "(:in-order (a uav > 4) (:delay 2s 4s) (b other > 2) (:delay 3s) (:delay 3s)",
     "(:in-order (go) (:delay 1s) (a ?who < 4) (:delay 9s 12s)",
+    // Episodes of any two samples.
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 3)) (:delay 2s 4s) (b uav < 4)",
+    "(:in-order (:episode (a uav) :quality (:max-gap 2s) :value (> 2) :timing (:duration (> 1s))) (:delay 1s 3s)
+      (:episode (b uav) :quality :no-constraints :value (> 2))",
+    "(:in-order (:episode first (a uav) :quality :no-constraints :value (> 2) :timing (:duration (>= 2s))) (:delay 1s)
+      (:episode then (a uav) :quality :no-constraints :value (< 5) :timing (:duration (>= 1s))) (go)",
+    "(:in-order (go) (:delay 0s 3s) (:episode (a uav) :quality :no-constraints :value (> 2) :first-value (> 4)) (:delay 2s)",
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 2) :last-value (< 5)) (:delay 0s 2s) (a uav > 4)
+      (:delay 1s 6s) (:episode (b uav) :quality (:max-gap 3s) :value (> 1) :timing (:duration (>= 2s)))",
+    "(:in-order (:delay 3s 9s) (:episode (a uav) :quality :no-constraints :value (> 2) :timing (:duration (>= 3s)))
+      (:delay 4s)",
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 1)) (:delay 1s 4s)
+      (:episode (b uav) :quality :no-constraints :value (> 1)) (:delay 1s 4s)
+      (:episode (a uav) :quality (:max-gap 2s) :value (< 6))",
+    "(:in-order (:episode (a uav) :quality (:max-gap 1s) :value (> 1) :any) (b uav > 3)
+      (:episode (a uav) :quality :no-constraints :value (> 1) :timing (:duration (> 2s)) :any)",
 ];
 
 /// Returns the results of `condition` over `story`; with `late`, the samples of each variable arrive after those of the preceding one.

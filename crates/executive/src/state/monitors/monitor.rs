@@ -22,7 +22,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use crate::state::monitors::parts::{
-    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, RelationSide, TaskEndedPart, TaskStatePart, TimePart,
+    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, NewestPoints, PairPoints, RelationSide, TaskEndedPart,
+    TaskStatePart, TimePart,
 };
 
 /// Instant from which evidence counts.
@@ -375,6 +376,8 @@ pub struct EpisodePart {
     pub blind: bool,
     /// Results of runs that are over.
     pub settled: Vec<Satisfaction>,
+    /// Kept instead of the results of pairs where the episode is a part of an order that needs only the instants of samples.
+    pub points: Option<Box<PairPoints>>,
     /// The run of each object.
     #[serde(with = "crate::state::pairs")]
     pub runs: BTreeMap<Value, ObjectRun>,

@@ -157,3 +157,39 @@ pub struct TimePart {
     #[serde(default)]
     pub taken: bool,
 }
+
+/// The instants of the samples of an episode that bound its intervals. A run of n samples has n (n + 1) / 2 pairs; an order needs only the
+/// instants, because a pair is a beginning followed by an end of the same run, after the least duration. The newest sample is separate, because a later arrival of its
+/// instant may still replace it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairPoints {
+    /// Beginnings before the newest sample, in order of time.
+    pub starts: Vec<Satisfaction>,
+    /// Ends before the newest sample, in order of time.
+    pub ends: Vec<Satisfaction>,
+    /// First and last sample of the runs that contain these instants, in order of time.
+    pub runs: Vec<(Time, Time)>,
+    /// The first beginning of the last of these runs.
+    pub begun: Option<Time>,
+    /// The newest sample but one.
+    pub settled_at: Option<Time>,
+    /// The newest sample, if it satisfies the value constraints.
+    pub newest: Option<NewestPoints>,
+    /// True if a pair that ends before the newest sample was found since results were reported.
+    pub held: bool,
+}
+
+/// The points of the newest sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewestPoints {
+    /// The first sample of its run.
+    pub run_start: Time,
+    /// Its instant.
+    pub at: Time,
+    /// Set if a pair may begin with it.
+    pub start: Option<Satisfaction>,
+    /// Set if a pair ends with it.
+    pub end: Option<Satisfaction>,
+    /// True if the pairs that end with it belong to a reported result.
+    pub used: bool,
+}
