@@ -130,7 +130,7 @@ impl<'a> Scene<'a> {
     /// Returns the speed of the wind over a place: as forecast or as measured, whichever is stronger.
     pub(super) fn wind_over_mps(&self, place: Position, altitude_m: f64, at_s: f64) -> f64 {
         let forecast = wind::at(self.forecast, place, altitude_m, at_s);
-        let believed = self.flown.wind_error.corrected(forecast);
+        let believed = self.flown.wind_error.correction().of(forecast);
         let speed_mps = |wind: Wind| libm::hypot(wind.east_mps, wind.north_mps);
         speed_mps(forecast).max(speed_mps(believed))
     }
