@@ -93,6 +93,8 @@ fn fly_in(folder: &Path, seed: u64, (replayed, recorded): (bool, bool), rules: R
     observers.push(&mut check);
     let terms = MissionFlight::terms(&mission, None);
     let flown = MissionFlight::new(Arc::clone(&mission), means).fly(&mut vehicle, terms, &mut observers);
+    // The report of the landing may still be on its way when the flight ends.
+    (story.airborne, story.landed) = (vehicle.is_in_air, story.landed || (story.airborne && !vehicle.is_in_air));
     let mut broken_rules = Vec::new();
     let mut hours = mission.settings.duration.seconds() / 3_600.0;
     match flown {

@@ -20,6 +20,8 @@ pub(crate) struct BadLink {
     /// Start and end of a span of time, and the error of the vehicle's clock in it.
     jump: Option<(Time, Time, Duration)>,
     held: Vec<(Time, Input)>,
+    /// True from the take-off to the landing, as the vehicle reports them before any delay.
+    pub(crate) is_in_air: bool,
 }
 
 impl BadLink {
@@ -33,7 +35,16 @@ impl BadLink {
             let by_s = draws.between(-30.0, 10.0);
             (from, from + Duration::from_seconds(draws.between(20.0, 600.0)), Duration::from_seconds(by_s))
         });
-        BadLink { vehicle, draws, late, lost, doubled, jump, held: Vec::new() }
+        BadLink { vehicle, draws, late, lost, doubled, jump, held: Vec::new(), is_in_air: false }
+    }
+
+    fn note_phase(&mut self, kind: &EventKind) {
+        let EventKind::Occurrence(form) = kind else { return };
+        match form.head().map(|head| head.folded()) {
+            Some("airborne") => self.is_in_air = true,
+            Some("landed" | "crashed") => self.is_in_air = false,
+            _ => {}
+        }
     }
 }
 
@@ -47,6 +58,7 @@ impl Vehicle for BadLink {
         let mut said = Vec::new();
         self.vehicle.advance(to, &mut said)?;
         for mut input in said {
+            self.note_phase(&input.kind);
             if let Some((from, until, by)) = self.jump
                 && (from..until).contains(&to)
             {
