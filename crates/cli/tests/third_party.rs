@@ -81,8 +81,10 @@ fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     // A program without that planner reports it.
     let other = desk.apex(&["plan", "m", "--table", "mine.csv"]);
     other.complained(2, &["there is no solver `shortcut`, which the profile table chooses"]);
-    desk.write("broken.csv", "cell,budget\nnonsense,1\n");
+    desk.write("broken.csv", "cell,budget_units,best,verdict,next,effect_percent\nnonsense,1\n");
     desk.apex(&["plan", "m", "--table", "broken.csv"]).complained(2, &["broken.csv:2:"]);
+    desk.write("foreign.csv", "cell,budget\nnonsense,1\n");
+    desk.apex(&["plan", "m", "--table", "foreign.csv"]).complained(2, &["foreign.csv:1:", "not the heading"]);
 }
 
 /// Improves on nearest neighbour by calling another planner.

@@ -79,7 +79,10 @@ fn conclusions_are_read_back() {
     // Three missions are too few for Wilcoxon: 2 of 8 choices of signs.
     assert_eq!((all[0].best.as_str(), all[0].verdict, all[0].effect_percent), ("quick", Verdict::Undecided, 9.1));
     assert_eq!(conclusion::read(&conclusion::written(&profile)), Ok(all));
-    let broken = conclusion::read("# x\ncell,budget\nnowhere,1,a,better,b,2").unwrap_err();
+    let foreign = conclusion::read("# x\ncell,budget\nnowhere,1,a,better,b,2").unwrap_err();
+    assert_eq!((foreign.line, foreign.message.contains("heading")), (2, true), "{foreign}");
+    let heading = "cell,budget_units,best,verdict,next,effect_percent";
+    let broken = conclusion::read(&format!("# x\n{heading}\nnowhere,1,a,better,b,2")).unwrap_err();
     assert_eq!(broken.line, 3);
     assert!(broken.message.contains("nowhere is not a cell"), "{broken}");
 }
