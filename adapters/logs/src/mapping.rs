@@ -49,7 +49,7 @@ pub enum Take {
 /// Conversion of fields into state variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
-    /// Entries in order of preference: if several fields can give one variable, the first entry with a field in the log applies.
+    /// Entries: of several for one variable, that of the topic that comes first in the log applies; of one topic, the first entry.
     pub entries: Vec<Entry>,
     /// Places and units of the entries as written in a file.
     pub written: Vec<WrittenEntry>,
@@ -83,7 +83,7 @@ pub struct Sampler {
     topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
-    /// For each variable, the index of its entry: the first one with a field in the log.
+    /// For each variable, the index of the entry that applies, once the log has had a field of it.
     chosen: Vec<Option<usize>>,
     /// True for entries that give samples; the others only give the times of measurements.
     wanted: Vec<bool>,
