@@ -18,6 +18,9 @@ const TOLERANCE_S: f64 = 600.0;
 const TOLERANCE_SHARE: f64 = 0.25;
 /// Reason of a look for which no plan has time.
 const NO_TIME: &str = "no time is left at the wanted interval to the other looks of its target";
+/// Reason of a look that a plan could contain, but not with a higher score.
+const NO_GAIN: &str =
+    "a visit at the wanted interval to the other looks of its target does not raise the score of the plan";
 
 /// A look that is planned after other looks of its target.
 struct LaterLook {
@@ -51,17 +54,22 @@ pub(super) fn solve_with_intervals(
     let is_later = |name: &str| rounds.iter().flatten().any(|look| look.name == name);
     let first = without(&whole, &is_later);
     let mut best = solve(Problem::SingleVisit(first), wish, invocations, cancel)?;
+    let mut reasons: Vec<LeftOut> = Vec::new();
     for looks in &rounds {
         let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&best.problem, &best.plan) else { break };
         let Some(next) = with_looks(&whole, problem, plan, looks) else { continue };
         let wish = SolveOptions { means, solver, budget, seed, previous: Some(best.plan.clone()) };
         if let Ok(found) = solve(Problem::SingleVisit(next), wish, invocations, cancel) {
             let work = best.work + found.work;
-            best = if score(&found.plan) > score(&best.plan) { found } else { best };
+            if score(&found.plan) > score(&best.plan) {
+                best = found;
+            } else {
+                reasons.extend(looks.iter().map(|look| without_gain(&look.name, &found.plan)));
+            }
             best.work = work;
         }
     }
-    name_missing(&rounds, &mut best);
+    name_missing(&rounds, &reasons, &mut best);
     Ok(best)
 }
 
@@ -162,12 +170,23 @@ fn score(plan: &Plan) -> f64 {
     }
 }
 
-/// Lists the looks that the last problem does not contain.
-fn name_missing(rounds: &[Vec<LaterLook>], solved: &mut Deliberation) {
+/// Returns why a look is left out of the plan that `found` would replace: its planner's reason, or no gain.
+fn without_gain(look: &str, found: &Plan) -> LeftOut {
+    let reason = match found {
+        Plan::SingleVisit(found) => found.left_out.iter().find(|left_out| left_out.target == look).cloned(),
+        Plan::Surveillance(_) => None,
+    };
+    reason.unwrap_or_else(|| LeftOut { target: look.to_string(), reason: NO_GAIN.to_string() })
+}
+
+/// Lists the looks that the last problem does not contain, with the reasons that are known.
+fn name_missing(rounds: &[Vec<LaterLook>], reasons: &[LeftOut], solved: &mut Deliberation) {
     let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
     for look in rounds.iter().flatten() {
         if !problem.targets.iter().any(|target| target.name == look.name) {
-            plan.left_out.push(LeftOut { target: look.name.clone(), reason: NO_TIME.to_string() });
+            let known = reasons.iter().find(|left_out| left_out.target == look.name).cloned();
+            let no_time = || LeftOut { target: look.name.clone(), reason: NO_TIME.to_string() };
+            plan.left_out.push(known.unwrap_or_else(no_time));
         }
     }
 }

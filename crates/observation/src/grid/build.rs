@@ -442,3 +442,7 @@ fn finish(
         high,
     }
 }
+
+#[cfg(test)]
+#[path = "band_tests.rs"]
+mod band_tests;

@@ -26,3 +26,32 @@ fn a_look_is_planned_at_its_interval_to_the_look_before() {
     assert!((0.5..3.0).contains(&apart_b), "{apart_b} h\n{}", flown.text());
     assert!(!flown.text().contains("missed"), "{}", flown.text());
 }
+
+const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 6h :end-margin 20min \
+                       :targets \"t.geojson\"";
+
+/// The first look cannot be made any more: the interval to it does not count, and the second one is flown.
+#[test]
+fn a_look_is_flown_where_the_look_before_cannot_be_made() {
+    let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [
+        {"id": "first", "value": 20, "resolution_m": 15, "windows_h": [[0, 0.05]]},
+        {"id": "second", "value": 15, "resolution_m": 15, "interval_h": [1, 2]}]"#;
+    let targets = collection(&[home(), feature(a, &point(-120.5, 37.8))]);
+    let flown = fly(&program(OPTIONS, "4000m"), &[("t.geojson", &targets)]);
+    let visits = &flown.outcome.report.visits;
+    assert!(visits.iter().any(|visit| visit.target == "a/second"), "{}", flown.text());
+}
+
+/// A look that is not worth its time is left out for that reason, and not for a lack of time.
+#[test]
+fn a_look_that_is_not_worth_its_time_says_so() {
+    let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [
+        {"id": "first", "value": 20, "resolution_m": 15},
+        {"id": "second", "value": 0.0001, "resolution_m": 15, "interval_h": [1, 2]}]"#;
+    let targets = collection(&[home(), feature(a, &point(-120.5, 37.8))]);
+    let options = format!("{OPTIONS} :failure (:probability-per-hour 0.01 :vehicle-cost 500)");
+    let flown = fly(&program(&options, "4000m"), &[("t.geojson", &targets)]);
+    let left_out = &flown.outcome.report.left_out;
+    let (_, reason) = left_out.iter().find(|(target, _)| target == "a/second").unwrap();
+    assert!(reason.contains("score") && !reason.contains("no time is left"), "{reason}\n{}", flown.text());
+}
