@@ -30,7 +30,7 @@ fn a_look_is_planned_at_its_interval_to_the_look_before() {
 const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 6h :end-margin 20min \
                        :targets \"t.geojson\"";
 
-/// The first look cannot be made any more: the interval to it does not count, and the second one is flown.
+/// The first look can no longer be made: the interval to it does not count, and the second one is flown.
 #[test]
 fn a_look_is_flown_where_the_look_before_cannot_be_made() {
     let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [
