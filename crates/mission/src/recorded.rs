@@ -107,28 +107,45 @@ fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<
 /// # Errors
 /// A record that cannot be read.
 pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Situation> {
+    let (last, mut situation) = stored_situation(reader, at)?;
+    for step in reader.steps_of_all(at).map_err(read)?.with_effects_after(last) {
+        let step = step.map_err(read)?;
+        continue_situation(reader, mission, (last, &mut situation), &step)?;
+    }
+    Ok(situation)
+}
+
+/// Returns the last stored situation not later than `at` and the number of its batch; an empty one before the first batch if there is
+/// none.
+fn stored_situation(reader: &RecordReader, at: Time) -> MissionResult<(i64, Situation)> {
     // A snapshot of another build may decode into something else; the steps are always valid.
     let ours = reader.has_layout(SITUATION_LAYOUT, env!("APEX_SITUATION_LAYOUT")).map_err(read)?;
     let stored = if ours { reader.situation_before(at).map_err(read)? } else { None };
     let stored = stored.and_then(|row| Some((row.batch_number, postcard::from_bytes(&row.body).ok()?)));
-    let (last, mut situation): (i64, Situation) = stored.unwrap_or_default();
-    for step in reader.steps_of_all(at).map_err(read)? {
-        let step = step.map_err(read)?;
-        if step.batch_number > last {
-            let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
-            situation.observe(mission, step.agent, &step.batch, &effects);
-        }
+    Ok(stored.unwrap_or_default())
+}
+
+/// Observes a step in the situation, unless the stored situation contains it: that of batch `last` and of those before.
+fn continue_situation(
+    reader: &RecordReader,
+    mission: &Mission,
+    (last, situation): (i64, &mut Situation),
+    step: &RecordedStep,
+) -> MissionResult<()> {
+    if step.batch_number > last {
+        let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
+        situation.observe(mission, step.agent, &step.batch, &effects);
     }
-    Ok(situation)
+    Ok(())
 }
 
 /// A situation with the observations until then; an error if the targets are invalid.
 type Folded = (Situation, Result<Option<FlownScore>, String>);
 
-/// Returns the situation after the last step not later than `until`, and the observations until then, both computed from the record's
-/// steps alone.
+/// Returns the situation after the last step not later than `until`, and the observations until then. The situation continues the last
+/// stored one, which replay compares with the steps; the observations are computed from the steps alone.
 pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
-    let mut situation = Situation::default();
+    let (last, mut situation) = stored_situation(reader, until)?;
     // Made at the first batch, so that the second thread divides the targets into grid cells.
     let mut flown: Option<Result<Option<FlownScore>, String>> = None;
     let see = |flown: &mut Option<_>, batch: &Batch| {
@@ -136,12 +153,9 @@ pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time
             FlownScore::observe(flown, batch);
         }
     };
-    let fold = |step: &RecordedStep| {
-        let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
-        situation.observe(mission, step.agent, &step.batch, &effects);
-        Ok(())
-    };
-    fold_both(reader.steps_of_all(until).map_err(read)?, (&mut flown, see), fold, read)?;
+    let fold = |step: &RecordedStep| continue_situation(reader, mission, (last, &mut situation), step);
+    let steps = reader.steps_of_all(until).map_err(read)?.with_effects_after(last);
+    fold_both(steps, (&mut flown, see), fold, read)?;
     Ok((situation, flown.unwrap_or_else(|| FlownScore::new(mission))))
 }
 

@@ -12,10 +12,13 @@ mod flown;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
-use apex_mission::recorded::{replay, report_of};
+use apex_mission::recorded::{replay, report_of, situation_at};
 use apex_mission::recording;
 use apex_mission::report::MissionValue;
+use apex_mission::situation::Situation;
 use apex_mission::verification::verify;
+use apex_model::time::Time;
+use apex_runtime::record::RecordReader;
 use apex_simulation::{IgnoranceSummary, RunSummary, RunTerms, fly_runs};
 use std::path::Path;
 use std::sync::Arc;
@@ -210,6 +213,27 @@ fn a_living_sky_is_planned_for_and_scored() {
     assert!(hidden("egley-complex") > 10.0 && hidden("zaca") < 1.0, "{}", report.text());
     let replayed = replay(&reader).unwrap();
     assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
+    assert_continues_stored(&reader, &mission);
+}
+
+/// The situation that continues a stored one is the situation of all steps, at instants before, at and after the stored one.
+fn assert_continues_stored(reader: &RecordReader, mission: &Mission) {
+    let stored = reader.situations().unwrap();
+    assert!(stored.len() >= 3, "{} stored situations", stored.len());
+    let mut instants: Vec<Time> = [1, stored.len() - 1].iter().map(|index| stored[*index].at).collect();
+    let nearby = |at: &Time| [Time(at.0 - 1), *at, Time(at.0 + 30_000_000_000)];
+    instants = instants.iter().flat_map(nearby).chain([Time::END]).collect();
+    let mut steps = reader.steps_of_all(Time::END).unwrap().map(Result::unwrap).peekable();
+    let mut of_all_steps = Situation::default();
+    for at in instants {
+        while let Some(step) = steps.next_if(|step| step.batch.now <= at) {
+            of_all_steps.observe(mission, step.agent, &step.batch, &step.decoded_effects().unwrap());
+        }
+        let (mut continued, mut expected) = (situation_at(reader, mission, at).unwrap(), of_all_steps.clone());
+        // What the last step adds to the next batch is not stored.
+        let _ = (continued.take_derived(), expected.take_derived());
+        assert!(continued == expected, "the situations differ at {at}");
+    }
 }
 
 /// A fire of 20,000 acres that is mapped after more than an hour, in a wind of 8 m/s from the west.

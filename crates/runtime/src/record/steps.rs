@@ -22,7 +22,7 @@ pub struct RecordedStep {
     pub batch_number: i64,
     /// Input.
     pub batch: Batch,
-    /// Output, in order; empty after [`Steps::without_effects`].
+    /// Output, in order; empty for steps without effects by [`Steps::with_effects_after`].
     pub effects: Vec<RecordedEffect>,
 }
 
@@ -62,7 +62,8 @@ pub struct Steps<'a> {
     dictionary: Dictionary,
     next_batch: i64,
     to: Time,
-    with_effects: bool,
+    /// Steps up to this batch are returned without their effects.
+    effects_after: i64,
     /// True for the steps of all agents, false for those of the selected one.
     of_all: bool,
     page: VecDeque<RecordedStep>,
@@ -81,7 +82,7 @@ impl<'a> Steps<'a> {
             dictionary: Dictionary::default(),
             next_batch: first,
             to,
-            with_effects: true,
+            effects_after: 0,
             of_all: false,
             page,
             ended,
@@ -91,8 +92,14 @@ impl<'a> Steps<'a> {
 
     /// Returns the same steps without their effects, for callers that need only inputs.
     #[must_use]
-    pub fn without_effects(mut self) -> Steps<'a> {
-        self.with_effects = false;
+    pub fn without_effects(self) -> Steps<'a> {
+        self.with_effects_after(i64::MAX)
+    }
+
+    /// Returns the same steps, those up to batch `last` without their effects.
+    #[must_use]
+    pub fn with_effects_after(mut self, last: i64) -> Steps<'a> {
+        self.effects_after = last;
         self
     }
 
@@ -136,8 +143,9 @@ impl<'a> Steps<'a> {
             self.page.push_back(RecordedStep { agent, batch_number, batch, effects: Vec::new() });
         }
         self.ended |= self.page.is_empty();
-        if self.with_effects && !self.page.is_empty() {
-            let (mut effects, damaged) = self.effects(self.next_batch, last).inspect_err(|_| self.page.clear())?;
+        let first = self.next_batch.max(self.effects_after.saturating_add(1));
+        if first <= last && !self.page.is_empty() {
+            let (mut effects, damaged) = self.effects(first, last).inspect_err(|_| self.page.clear())?;
             for step in &mut self.page {
                 step.effects = effects.remove(&step.batch_number).unwrap_or_default();
             }
