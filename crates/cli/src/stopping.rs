@@ -1,6 +1,8 @@
 //! Ctrl-C and SIGTERM: end a flight in an orderly way, with its report and its record.
 
+use apex_runtime::Control;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver};
 
 /// Exit code of a program that Ctrl-C ends: 128 and the number of the signal.
 pub const INTERRUPTED: i32 = 130;
@@ -16,4 +18,17 @@ pub fn at_signal(stop: impl Fn() + Send + 'static) {
         }
         stop();
     });
+}
+
+/// Returns a channel that ends the flight cleanly on Ctrl-C and SIGTERM.
+pub fn controls() -> Receiver<Control> {
+    let (say, controls) = mpsc::channel();
+    // The receiver exists, because it is returned.
+    say.send(Control::Quiet).unwrap_or_default();
+    at_signal(move || {
+        if say.send(Control::Stop).is_err() {
+            std::process::exit(INTERRUPTED);
+        }
+    });
+    controls
 }

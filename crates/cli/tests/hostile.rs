@@ -146,6 +146,33 @@ fn signals_end_a_flight_with_its_report_and_record() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_fork_with_its_reports_and_record() {
+    let desk = Desk::new();
+    desk.apex(&["fly", &mission("western-states"), "--record", "f.apex", "--no-progress", "--until", "5min"])
+        .complained(0, &[]);
+    let child = desk
+        .command(&["fork", "f.apex", "--at", "4min", "--output", "cut.apex"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let began = std::time::Instant::now();
+    while !desk.apex(&["trace", "cut.apex", "--from", "10min"]).out.contains("0:1") {
+        assert!(began.elapsed() < Duration::from_secs(60), "the fork does not begin");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    let said = child.wait_with_output().unwrap();
+    let out = String::from_utf8_lossy(&said.stdout);
+    assert!(said.status.success(), "{out} {}", String::from_utf8_lossy(&said.stderr));
+    assert!(out.contains("Flight record: cut.apex") && out.contains("stopped from outside"), "{out}");
+    let replayed = desk.apex(&["replay", "cut.apex"]);
+    assert!(!replayed.err.contains("incomplete"), "{}", replayed.err);
+    replayed.told(&["The record is confirmed"]);
+}
+
 /// Returns a folder with 4,000 ticks to answer. They take about 500 kB in a record: more than a file of 200 kB and its log of 200 kB hold
 /// together.
 #[cfg(unix)]

@@ -12,14 +12,13 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
+use apex_runtime::EndReason;
 use apex_runtime::ports::Observer;
-use apex_runtime::{Control, EndReason};
 use apex_server::{AccessOptions, FlightDoor};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver};
 use std::thread::JoinHandle;
 
 /// Greatest valid pace, in simulated seconds per second of wall time.
@@ -56,7 +55,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let (door, controls) = match options.serve.then(|| FlightDoor::new(&mission, begin, commands::serve::read_datum()))
     {
         Some((door, controls)) => (Some(door), controls),
-        None => (None, stopped_by_signal()),
+        None => (None, stopping::controls()),
     };
     let sherpa = door.as_ref().map(|door| {
         door.continues_at(pace);
@@ -180,19 +179,6 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
             }
         }
     })
-}
-
-/// Returns a channel that ends the flight cleanly on Ctrl-C and SIGTERM.
-fn stopped_by_signal() -> Receiver<Control> {
-    let (say, controls) = mpsc::channel();
-    // The receiver exists, because it is returned.
-    say.send(Control::Quiet).unwrap_or_default();
-    stopping::at_signal(move || {
-        if say.send(Control::Stop).is_err() {
-            std::process::exit(stopping::INTERRUPTED);
-        }
-    });
-    controls
 }
 
 /// A bar over mission time.

@@ -2,7 +2,7 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::ForkOptions;
-use crate::{output, recording, sources};
+use crate::{output, recording, sources, stopping};
 use apex_mission::comparison::Comparison;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::fork::{Changes, scaled_wind};
@@ -24,7 +24,7 @@ pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> CliResult {
     let world = WorldChanges { wind: wind(options, &reader)?, seed: options.seed };
     let path = options.output.clone().unwrap_or_else(|| beside(&options.record));
     let text = described(options);
-    let terms = ForkTerms { until, ..ForkTerms::default() };
+    let terms = ForkTerms { until, controls: Some(stopping::controls()), ..ForkTerms::default() };
     let Forked { recorded, forked } =
         fork(&reader, at, (changes, world, text.clone()), PlanningResources::of(planners), terms, &path)?;
     let comparison = Comparison { headings: ["recorded", "forked"], reports: [&recorded, &forked.report], from: at };
