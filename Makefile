@@ -21,6 +21,8 @@ LLVM_COV ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-cov),$(shell command -v llvm-cov-
 LLVM_PROFDATA ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-profdata),$(shell command -v llvm-profdata-22))
 # Packages whose tests count for coverage; COVERAGE_PACKAGES="--package apex-executive .." measures fewer.
 COVERAGE_PACKAGES ?= --workspace --exclude apex-benches
+# Seeds of random mistakes of authors in `make nightly`: 200 mistakes each.
+MISTAKE_SEEDS ?= 7003 7004 7005 7006 7007 7008 7009 7010
 # Seconds for each fuzz target; a planted bug must be found within FUZZ_PLANTED_SECONDS.
 FUZZ_SECONDS ?= 60
 FUZZ_PLANTED_SECONDS ?= 300
@@ -224,6 +226,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(MAKE) quality
 	$(MAKE) wheel
 	$(MAKE) properties
+	MISTAKE_SEEDS="$(MISTAKE_SEEDS)" $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-pdl --test mistakes
 	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
 	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
