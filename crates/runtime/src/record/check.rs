@@ -224,7 +224,7 @@ fn read_seal(row: &Row<'_>) -> rusqlite::Result<Option<Seal>> {
 /// Seals the rows after the last seal as one group, for tools that write records without the recorder.
 ///
 /// # Errors
-/// SQLite's own; rows that are sealed already and do not fit are not noticed here.
+/// An error of SQLite. Rows that are sealed already and do not fit their seal are not detected here.
 pub fn seal_rows(connection: &Connection) -> rusqlite::Result<()> {
     let mut sealer = Sealer::default();
     let sql = "SELECT id, t_ns, batch, rows, chain FROM seal ORDER BY id";
