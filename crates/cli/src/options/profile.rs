@@ -132,7 +132,7 @@ pub struct ProfileCompareOptions {
     /// Missions of each cell on which regret is measured.
     #[arg(long, value_name = "NUMBER", default_value_t = 2, requires = "regret")]
     pub missions: u64,
-    /// The time for deliberation that is compared; default is every one of the profile.
+    /// Planning times at which regret is measured; default is all of the profile.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..")]
     pub budgets: Vec<String>,
     /// Options of the measurement.
