@@ -132,7 +132,7 @@ pub struct ProfileCompareOptions {
     /// Missions of each cell on which regret is measured.
     #[arg(long, value_name = "NUMBER", default_value_t = 2, requires = "regret")]
     pub missions: u64,
-    /// Planning times at which regret is measured; default is all of the profile.
+    /// Planning times that are compared; default is every planning time of the profile.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..")]
     pub budgets: Vec<String>,
     /// Options of the measurement.
