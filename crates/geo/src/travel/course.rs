@@ -181,8 +181,8 @@ impl Course {
         })
     }
 
-    /// Returns the open interval of departures that a block closes: a departure after its beginning is not through when the block begins,
-    /// one before its end arrives before the block ends.
+    /// Returns the open interval of departures that a block closes. A vehicle that departs after the beginning of this interval has not
+    /// passed the part when the block begins; one that departs before its end reaches the part before the block ends.
     fn closed_by(&self, air: &Air, backwards: bool, block: &Block) -> Span {
         let ((from, until), (shut_s, open_s)) = (block.part, block.time_s);
         let first_s = if shut_s.is_finite() { self.retreat(air, backwards, shut_s, until) } else { shut_s };
