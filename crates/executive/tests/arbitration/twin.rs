@@ -50,9 +50,9 @@ pub struct Twin {
     failed: Vec<bool>,
     /// Serial number of the creation of each task.
     born: Vec<u32>,
-    /// Last change of state.
+    /// Instant of the last change of state.
     since: Vec<u32>,
-    /// Time for which it was ongoing before that.
+    /// Time for which the task was ongoing before that change.
     worked: Vec<u32>,
     /// Remainder of each need: parts of a reservation that descendants consumed are subtracted.
     needs: Vec<[f64; 4]>,
