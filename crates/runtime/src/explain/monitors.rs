@@ -81,7 +81,9 @@ impl Explainer<'_> {
     /// [`RecordError`] if the instant cannot be restored.
     pub fn monitors(&self, at: Time, task: Option<TaskId>) -> Result<Monitors, RecordError> {
         let load = self.load.ok_or_else(|| {
-            RecordError::Question("The monitors of an instant are known only to the restored agent.".into())
+            RecordError::Question(
+                "A record does not contain monitors: restore the agent at this instant to list them.".into(),
+            )
         })?;
         let at = instant_of(self.reader, at)?;
         let agent = restored(self.reader, at, load)?;
