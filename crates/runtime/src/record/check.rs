@@ -1,7 +1,7 @@
 //! Checks the groups of a record against their seals, in order, up to the first group that was changed.
 //!
-//! Bound: each row is read once. Rows come by the tables' own trees, whose keys must rise, so damaged pages cannot make it
-//! endless.
+//! Bound: each row is read once. Rows are read in the order of the tables' own trees, whose keys must rise, so damaged pages cannot make
+//! the check endless.
 
 use super::seal::{ChainPosition, Seal, Sealer, counts_of};
 use super::tables::{ALL, SCHEMA, TABLES, rows_after};
@@ -54,7 +54,7 @@ impl std::fmt::Display for Damage {
     }
 }
 
-/// Sees the rows and seals of intact groups.
+/// Receives all rows that are read, and the seals of intact groups.
 pub(super) trait Visitor {
     /// Receives a row of the table with this index; the seal of its group has not been compared yet.
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
