@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct AllenPart {
     /// The relation that each part has to the next.
     pub relation: AllenRelation,
-    /// End points that are at most this far apart are equal; `less` means earlier by more than this.
+    /// End points that are at most this far apart count as equal; a point is earlier than another only by more than this.
     pub tolerance: Duration,
     /// The parts in written order.
     pub parts: Vec<Part>,
