@@ -16,7 +16,7 @@ create_exception!(
     apex_autonomy,
     InputError,
     ApexError,
-    "Something handed over cannot be used: a name that is not a state variable, a value that PDL has no word for, arrays of different lengths."
+    "An argument cannot be used: a name that is not a state variable, a value that PDL cannot express, arrays of different lengths."
 );
 
 create_exception!(

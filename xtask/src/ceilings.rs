@@ -12,7 +12,7 @@ use std::path::Path;
 /// Counts by key.
 pub(crate) type Counts = BTreeMap<String, usize>;
 
-/// Findings for counts above the ceilings in the table at `path`; `advice` gives the remedy for a key.
+/// Returns findings for counts above the ceilings in the table at `path`; `advice` gives the remedy for a key.
 pub(crate) fn check(
     texts: &[Text],
     path: &str,

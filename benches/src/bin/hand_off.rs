@@ -1,8 +1,8 @@
 //! Hands resources on among many competitors, of every kind that users write, until no competitor is left.
 //!
-//! `hand_off [COUNT [WORD]..]` prints a row for each kind with all of the words in its name: the mean time of an instant in which a
-//! holder ends and the next one begins, over the whole run or the first [`LONGEST`], and the greatest mean over any hundredth of the run.
-//! It is processor time of the thread, without the creation of the competitors.
+//! `hand_off [COUNT [WORD]..]` prints a row for each kind with all of the words in its name: the mean time of an instant in which a holder
+//! ends and the next one begins, over the whole run or the first [`LONGEST`], and the greatest mean over any hundredth of the run. The
+//! times are processor times of the thread, without the creation of the competitors.
 #![allow(clippy::print_stdout, reason = "the figures are what the program is for")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 
@@ -185,7 +185,7 @@ impl HandOffRun {
     }
 }
 
-/// Microseconds of each hand-off.
+/// Returns the microseconds of each hand-off.
 fn measure(text: &str) -> Vec<f64> {
     let library = library(text);
     let agent = load(library, &declaration(), HostFunctions::default()).expect("the program can be loaded");

@@ -79,7 +79,7 @@ fn least<T>(runs: usize, mut set_up: impl FnMut() -> T, mut measured: impl FnMut
     (0..runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Nanoseconds for each sample of `values`, passed as one slice.
+/// Returns the nanoseconds for each sample of `values`, passed as one slice.
 fn per_sample(texts: &[String], values: &[f64]) -> f64 {
     let instants: Vec<Time> = (0..values.len()).map(instant).collect();
     let ns = least(
@@ -93,7 +93,7 @@ fn per_sample(texts: &[String], values: &[f64]) -> f64 {
     ns / values.len() as f64
 }
 
-/// Nanoseconds for each sample of the mixed monitors' variables, with one call for each.
+/// Returns the nanoseconds for each sample of the mixed monitors' variables, with one call for each.
 fn per_sample_of_several(texts: &[String], samples: usize) -> f64 {
     let variables: Vec<_> =
         (0..MIXED_VARIABLES).map(|number| (variable(number), smooth(samples, number as u64))).collect();
@@ -132,7 +132,7 @@ fn single_samples(texts: &[String], values: &[f64]) -> Vec<f64> {
     times
 }
 
-/// Nanoseconds for a sample that no condition watches, next to a thousand monitors of another variable.
+/// Returns the nanoseconds for a sample that no condition watches, next to a thousand monitors of another variable.
 fn unwatched(slices: bool) -> f64 {
     let samples = 100_000;
     let (instants, values): (Vec<Time>, Vec<f64>) = (0..samples).map(|index| (instant(index), index as f64)).unzip();
@@ -153,7 +153,7 @@ fn unwatched(slices: bool) -> f64 {
     ns / samples as f64
 }
 
-/// Nanoseconds to begin one more watch in addition to `count` others.
+/// Returns the nanoseconds to begin one more watch in addition to `count` others.
 fn creation(count: usize) -> f64 {
     let more = 1_000;
     let (_, fresh) = conditions("", &duration_episodes(more));
@@ -200,7 +200,7 @@ fn against_duration_alone(samples_of_bound: usize) -> f64 {
     per_sample(&texts, &values) / 100.0
 }
 
-/// Nanoseconds for each further sample of two variables that must not be high together, after `before` such samples of each.
+/// Returns the nanoseconds for each further sample of two variables that must not be high together, after `before` such samples of each.
 fn absent_together(before: usize) -> f64 {
     let text = "(:absent (:and (x0 uav > 0) (x1 uav > 0)) :for 10s)".to_string();
     let more = 1_000;
@@ -258,7 +258,7 @@ fn with_history(kept: usize) -> MonitorSession {
     session
 }
 
-/// Nanoseconds for each remembered sample when a watch for level wings looks back over `kept` of them.
+/// Returns the nanoseconds for each remembered sample when a watch for level wings looks back over `kept` of them.
 fn look_back(kept: usize) -> f64 {
     let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
     let ns = least(
@@ -273,7 +273,7 @@ fn look_back(kept: usize) -> f64 {
     ns / kept as f64
 }
 
-/// Nanoseconds for each further sample of level wings, with `kept` samples in the history.
+/// Returns the nanoseconds for each further sample of level wings, with `kept` samples in the history.
 fn beside_history(kept: usize) -> f64 {
     let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
     let more = 100_000;
@@ -293,7 +293,7 @@ fn beside_history(kept: usize) -> f64 {
     ns / more as f64
 }
 
-/// Megabytes of memory that the process uses, and its peak.
+/// Returns the megabytes of memory that the process uses now, and its peak.
 fn memory_mb() -> [f64; 2] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = |key: &str| status.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);

@@ -21,7 +21,7 @@ impl Solver for Swaps {
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         let Problem::Surveillance(problem) = problem else {
-            return Err("swaps plans surveillance only.".to_string());
+            return Err("the solver `swaps` accepts surveillance problems only".to_string());
         };
         let scenario = Scenario::new(problem)?;
         let mut dice = Generator::new(environment.seed);

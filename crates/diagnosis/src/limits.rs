@@ -11,7 +11,8 @@ pub const CANDIDATES_MAX: usize = 64;
 /// Partial sets examined in the search for candidates of one group. With this limit a changed test result takes less than 1 ms in the
 /// hardest case of the benchmark `diagnosis`.
 pub const NODES_MAX: usize = 500;
-/// Sets of tests tried, in order, to find the smallest ones that contradict the rest. Limited for use in flight, like [`NODES_MAX`].
+/// Sets of tests that are left out on trial, in order, to find the smallest ones without which the other results are consistent. Limited
+/// for use in flight, like [`NODES_MAX`].
 pub const RETRACTIONS_MAX: usize = 60;
 /// Partial sets examined to decide whether one set of tests leaves the rest consistent, if passed tests exclude sets of failures.
 pub const RETRACTION_NODES_MAX: usize = 40;

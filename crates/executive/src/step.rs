@@ -106,7 +106,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     invariants::check(cycle.agent);
 }
 
-/// Returns the number of rounds that this instant may take: each message from outside may cause as many as one alone.
+/// Returns the number of rounds that this instant may take: the limit, once for each message that arrives from outside at this instant.
 fn cascade_rounds(cycle: &Cycle<'_>) -> u64 {
     cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.outside_messages_at(cycle.now))
 }

@@ -32,7 +32,7 @@ pub enum CoverageArea {
 pub struct SweepSettings {
     /// Width seen by one line.
     pub swath_m: f64,
-    /// Share of the swath seen twice, 0..0.9.
+    /// Share of the swath that neighbouring lines see twice, 0..0.9.
     pub overlap: f64,
     /// Direction of the lines, clockwise from north; `None` for the direction with the fewest lines.
     pub track_deg: Option<f64>,
@@ -97,8 +97,8 @@ fn direction(track_deg: f64) -> Point {
     Point { x: libm::sin(track_deg * RAD_PER_DEG), y: libm::cos(track_deg * RAD_PER_DEG) }
 }
 
-/// Returns the direction of the edge across which the polygon is narrowest. The narrowest width of a convex hull lies along a hull edge;
-/// edges between all pairs of neighbours approximate it.
+/// Returns the direction of the edge across which the polygon is narrowest. A convex polygon is narrowest across one of its edges; for
+/// other polygons this is an approximation.
 fn fewest_lines_direction(points: &[Point]) -> Option<Point> {
     let width = |along: Point| {
         let across = points.iter().map(|point| along.cross(*point));

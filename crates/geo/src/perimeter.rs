@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_square_is_flown_around_from_the_nearest_corner_and_back_to_it() {
         let mut square = around(4, |_| 10_000.0);
-        // Corners in the middle of sides and a dent within the tolerance are left out; a closed ring is as good.
+        // Corners in the middle of sides and a dent within the tolerance are left out; a last corner that equals the first changes nothing.
         square.insert(1, geodesy::midpoint(square[0], square[1]));
         square.insert(1, geodesy::destination(square[1], 225.0, 300.0));
         square.push(square[0]);

@@ -1,7 +1,7 @@
 //! Elevation of the ground on grids of latitude and longitude: at a place, and the highest around it or along a leg.
 //!
 //! Between the posts of a grid the elevation is bilinear, so no place is higher than the highest of the four posts around it. Highest
-//! elevations are read from blocks of posts: they are never below the true ones, and at most those of a post outside of the radius.
+//! elevations are read from blocks of posts: they are never below the true ones, but may be those of posts slightly outside of the radius.
 //! Bound: O(1) for a place; O((radius / cell)^2) for the surroundings of a place, less for large radii by a factor of [`BLOCK`]^2.
 
 use crate::geodesy::{self, Position, RAD_PER_DEG, wrap_180};

@@ -16,9 +16,9 @@ const LINED_UP_S: f64 = 16.0;
 /// Radius of that turn, as a multiple of the tightest one, and the part of it by which the way to the turn is longer.
 const TURN_WIDTH: f64 = 1.1;
 const TURN_OUT: f64 = 0.6;
-/// Against a wind of more than this share of the speed, the time of a turn and of a final approach is that of this share.
+/// Greatest wind, as a share of the speed, in the times of a turn and of a final approach; a stronger wind counts as this share.
 const WIND_SHARE_MAX: f64 = 0.9;
-/// Plans take the wind at the base this long before the flight must end.
+/// Plans take the wind at the base at least this long before the end of the mission, s.
 const BEFORE_END_S: f64 = 600.0;
 
 /// Speed of the wind over a landing place as a function of the altitude, m/s.
@@ -29,7 +29,7 @@ pub(crate) type WindSpeedAt<'a> = &'a dyn Fn(f64) -> f64;
 pub(crate) struct Descent {
     /// Duration.
     pub(crate) time_s: f64,
-    /// Fuel, kg, or charge of the battery, J.
+    /// Fuel in kg, or energy from the battery in J.
     pub(crate) energy: f64,
 }
 
@@ -57,7 +57,8 @@ impl Descent {
         Descent { time_s, energy: time_s * drains.sum::<f64>() / f64::from(STEPS) }
     }
 
-    /// Returns the descent from cruise altitude to the base of the mission, in the wind that is forecast for its end.
+    /// Returns the descent from cruise altitude to the base of the mission, in the wind that is forecast for [`BEFORE_END_S`] or the end
+    /// margin before the end of the mission, whichever is earlier.
     pub(crate) fn to_base(mission: &Mission) -> Descent {
         let settings = &mission.settings;
         let before_s = settings.end_margin.seconds().max(BEFORE_END_S);
@@ -145,7 +146,8 @@ mod tests {
         }
     }
 
-    /// Landings of the Predator B from over the field until it touched down, as the simulator flew them (s): altitude, wind at this altitude and near the ground.
+    /// Landings of the Predator B, as the simulator flew them: altitude over the field (m), wind at this altitude and near the ground
+    /// (m/s), and the time until it touched down (s).
     #[test]
     fn a_fixed_wing_needs_its_turns_and_its_final_approach() {
         let predator = model("predator-b");

@@ -102,7 +102,7 @@ impl<'a> LinkForm<'a> {
             .ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is not a direction from -360 to 360 degrees")))
     }
 
-    /// Returns a location or the name of a place, with its elevation.
+    /// Returns the position and the elevation of a location or of a named place.
     pub(crate) fn place(&self, key: &str, value: &Value) -> MissionResult<(Position, f64)> {
         (self.place_of)(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is not a place of the mission")))
     }

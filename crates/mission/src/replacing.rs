@@ -30,7 +30,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     if permissions.readonly() {
         return Err(MissionError::output(format!("cannot write {}", file.display()))
             .because("it is read-only")
-            .help("the file is unchanged"));
+            .help("the file is unchanged; permit writing to it"));
     }
     let temporary = temporary_of(&target);
     let written = std::fs::File::create_new(&temporary).and_then(|mut handle| {

@@ -197,7 +197,7 @@ fn target(feature: &NamedFeature, terms: Terms<'_>) -> MissionResult<Target> {
     let kind = match kind.unwrap_or(usual) {
         "fire" if is_line => {
             return Err(feature
-                .trouble("a fire that is a LineString")
+                .trouble("a fire cannot be a LineString")
                 .help("draw its perimeter as a Polygon, or write `\"kind\": \"inspection\"`"));
         }
         "fire" => TargetKind::Fire(fire(feature, &polygons, terms)?),

@@ -251,7 +251,7 @@ impl Mismatch {
                 MissionError::data(format!("`elevation_m` of {what} differs from the terrain"))
                     .at(place)
                     .because(format!(
-                        "it is {stated_m:.0} m, and the ground of `:terrain` lies at {ground_m:.0} m there; {STATED_M:.0} m may differ"
+                        "it is {stated_m:.0} m, and the ground of `:terrain` lies at {ground_m:.0} m there; they may differ by {STATED_M:.0} m"
                     ))
                     .help("leave `elevation_m` out, correct it, or correct the position")
             }

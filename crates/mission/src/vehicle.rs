@@ -193,8 +193,8 @@ pub fn figures(model: &VehicleModel) -> String {
     text
 }
 
-/// Returns the greatest altitude of a way to a landing place: cruise altitude, where plans fly home; a vehicle that cruises at a height
-/// keeps its altitude.
+/// Returns the greatest altitude of a way to a landing place: the cruise altitude, at which plans fly home. For a vehicle that cruises at a
+/// height it is the ceiling, because such a vehicle keeps its present altitude.
 pub(crate) fn way_altitude_m_max(model: &VehicleModel) -> f64 {
     match model.planning.cruise {
         CruiseLevel::Altitude(altitude_m) => altitude_m,

@@ -39,9 +39,9 @@ pub struct CellLook {
     pub strip: u32,
     /// Cosine of the look angle.
     pub look_cosine: f32,
-    /// Pixel along the line of sight's horizontal normal (along the track of a scanner).
+    /// Size of a pixel on the ground across the plane of view (along the track of a scanner).
     pub pixel_along_m: f32,
-    /// Pixel in the plane of view on the ground (across the track of a scanner).
+    /// Size of a pixel on the ground in the plane of view (across the track of a scanner).
     pub pixel_across_m: f32,
     /// Weight of glint.
     pub glint: f32,

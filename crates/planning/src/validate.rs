@@ -174,7 +174,9 @@ fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {
         }
     }
     match open.first() {
-        Some((earlier, later)) => Err(format!("the order of visits goes round in a circle at {earlier} and {later}")),
+        Some((earlier, later)) => {
+            Err(format!("the order of visits is a circle that contains {earlier} and {later}; remove one of its pairs"))
+        }
         None => Ok(()),
     }
 }

@@ -71,7 +71,7 @@ pub struct Alarm {
     state: AlarmState,
     /// Number of successive samples that request the alarm.
     asked: u32,
-    /// Since when the margin is clear, while the alarm is raised.
+    /// Instant from which the margin has been clear, s of mission time; `None` while it is not clear or no alarm is raised.
     clear_since_s: Option<f64>,
     /// Instants at which alarms of the last hour were raised.
     raised_s: Vec<f64>,

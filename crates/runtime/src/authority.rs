@@ -222,7 +222,7 @@ impl Authority {
         }
         Err(match &self.holder {
             Some(holder) => format!("{holder} holds authority, not {actor}"),
-            None => format!("{actor} does not hold authority: it is free"),
+            None => format!("{actor} does not hold authority, which is free; take authority first"),
         })
     }
 

@@ -200,7 +200,7 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Simula
         return Ok(SimulatorRequest::Reset);
     }
     let Some(time) = fields.get("advance") else {
-        return Err("\"advance\" is missing: seconds of mission time".into());
+        return Err("\"advance\" is missing; expected seconds of mission time".into());
     };
     let to = match time.as_f64() {
         Some(seconds) if (0.0..=9e9).contains(&seconds) => Time::from_seconds(seconds),

@@ -21,7 +21,7 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// Describes the value for a message: numbers and texts as written, others by kind.
+    /// Describes the value for a message: a list by its length, an object by its kind, every other value by itself.
     pub(crate) fn describe(&self) -> String {
         match self {
             Node::Null => "null".to_owned(),

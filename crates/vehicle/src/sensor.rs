@@ -204,7 +204,7 @@ impl CarriedSensor {
 const SIDELAP_SHARE: f64 = 0.2;
 
 impl CarriedSensor {
-    /// Returns the sensor that records lines over the ground: the line scanner in its selected mode, or else a frame camera that looks
+    /// Returns the sensor that records lines over the ground: the line scanner in its selected mode, or else a frame camera that can look
     /// straight down.
     pub fn recorder_of_lines(sensors: &[CarriedSensor]) -> Option<ScannerMode> {
         let scanner = sensors.iter().find_map(CarriedSensor::scanner_mode).cloned();

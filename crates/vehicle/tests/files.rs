@@ -7,7 +7,7 @@ use apex_vehicle::{
     VehicleFileError, VehicleModel,
 };
 
-/// `text` in which `from`, which occurs once, is replaced by `to`.
+/// Returns `text` in which `from`, which occurs once, is replaced by `to`.
 #[track_caller]
 fn changed(text: &str, from: &str, to: &str) -> String {
     assert_eq!(text.matches(from).count(), 1, "{from}");

@@ -10,7 +10,7 @@ use std::thread;
 /// Totals of many questions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Questions that both answer alike.
+    /// Number of questions that the executive and the definition answer alike.
     pub same: u64,
     /// Number of questions that have a result.
     pub satisfied: u64,
@@ -20,7 +20,7 @@ pub struct Outcome {
     pub never: u64,
     /// Seeds of questions whose text the checker rejects.
     pub refused: Vec<u64>,
-    /// Seeds of questions that they answer differently.
+    /// Seeds of questions that the executive and the definition answer differently.
     pub different: Vec<u64>,
     /// For each form, the number of compared questions that contain it, and of those with a result.
     pub features: BTreeMap<String, (u64, u64)>,
@@ -45,7 +45,7 @@ impl Outcome {
         }
     }
 
-    /// Adds the totals of others.
+    /// Adds the totals of other questions.
     pub fn join(&mut self, other: &Outcome) {
         self.same += other.same;
         self.satisfied += other.satisfied;
@@ -75,7 +75,7 @@ impl Outcome {
     }
 }
 
-/// Selection of questions.
+/// Number of threads and selection of questions.
 #[derive(Clone, Debug)]
 pub struct Manner {
     /// Number of threads.
@@ -94,7 +94,7 @@ pub fn run(seeds: Range<u64>) -> Outcome {
     run_as(seeds, &Manner { threads: cores(), only: None })
 }
 
-/// Runs the questions of `seeds`.
+/// Runs the questions of `seeds` that `manner` selects, in its number of threads.
 pub fn run_as(seeds: Range<u64>, manner: &Manner) -> Outcome {
     let threads = manner.threads.max(1);
     let mut whole = Outcome::default();

@@ -1,16 +1,20 @@
-//! `apex-conditions-random --count N --seed S` runs random questions, prints its progress, and stores the questions that differ.
+//! `apex-conditions-random --count N --seed S` asks random questions, and prints its progress and the questions that are answered
+//! differently.
 
 use apex_conditions_random::campaign::{self, Manner, Outcome};
 use apex_conditions_random::{compare, generate, page, shrink};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: apex-conditions-random [--count N] [--seed S] [--shown K] [--threads T] [--only FORM]
-                                                ask N questions from seed S on, 20000 and 1 unless given, in T threads, as many
-                                                as there are cores; only those with FORM, as the table names it; show K that
-                                                differ, made small, 5 unless given. Each line of progress tells its own seeds.
-       apex-conditions-random --show S                 the question of seed S as a page";
-/// Questions between two lines of progress.
+usage: apex-conditions-random [OPTION..]   ask random questions, and print those with different answers
+       apex-conditions-random --show S     print the question of seed S as a page
+
+  --count N     number of questions; default 20000
+  --seed S      seed of the first question; default 1
+  --threads T   number of threads; default is the number of cores
+  --only FORM   only questions with this form, as the printed table names it
+  --shown K     number of differing questions that are reduced and printed; default 5";
+/// Number of questions between two lines of progress. Each line states its seeds.
 const PORTION: u64 = 100_000;
 
 fn main() -> ExitCode {

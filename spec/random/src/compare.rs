@@ -1,4 +1,4 @@
-//! One case run by the executive and the reference, and the difference.
+//! Runs one case with the executive and with the reference, and describes the difference.
 
 use crate::generate::{Case, UNTIL};
 use crate::{executive, print};
@@ -24,7 +24,7 @@ pub enum Verdict {
     Different(String),
 }
 
-/// Runs both and compares.
+/// Runs a case with the executive and with the reference, and compares the runs.
 pub fn judge(case: &Case) -> Verdict {
     let mut agent = match executive::loaded(&print::program(&case.program)) {
         Ok(agent) => agent,
@@ -76,7 +76,7 @@ fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict 
     Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive tells less".into()))
 }
 
-/// Returns the last lines of the run.
+/// Returns the last 40 lines of the run.
 fn told_last(run: &Run) -> String {
     run.lines.iter().rev().take(40).rev().map(|line| format!("    {line}\n")).collect()
 }

@@ -1,4 +1,4 @@
-//! `apex-random --count N --seed S` runs random programs, prints its progress, and stores the cases that differ.
+//! `apex-random --count N --seed S` runs random programs, and prints its progress and the cases that differ.
 
 use apex_random::campaign::{self, Outcome};
 use apex_random::{generate, page, shrink};
@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 const USAGE: &str = "\
-usage: apex-random [--count N] [--seed S] [--show]   run N programs from seed S on; 20000 and 1 unless given
+usage: apex-random [--count N] [--seed S] [--show]   run N programs from seed S on; default 20000 from 1
        apex-random --planted                         how fast planted bugs are found (feature planted-bugs)
   --show   print the program of seed S and nothing else";
 /// Programs between two lines of progress.
 const CHUNK: u64 = 5_000;
-/// Differences that are made small and printed.
+/// Maximum number of different cases that are reduced and printed.
 const SHOWN_MAX: usize = 3;
 
 fn main() -> ExitCode {

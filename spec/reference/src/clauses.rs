@@ -50,7 +50,8 @@ impl Agent<'_> {
         self.tasks[id].answered = self.tasks[id].answered.max(answered);
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
-        // A watch that begins now counts evidence from this evidence on, or from the beginning of the search if the fact was true before.
+        // A watch that begins now counts evidence from the end of this proof on, or from the beginning of the window of the fired watch if
+        // that is later.
         let end = proof.end(self.now).max(watch.window.start);
         let newest = self.arrivals.checked_sub(1).filter(|_| end >= self.now);
         let after = Window { start: end.min(self.now), after: answered.or(newest) };

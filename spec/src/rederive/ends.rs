@@ -81,7 +81,7 @@ pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
             probing::limit(scene, *waiting, *probes, *reason)
         }
         Cause::WaitsInCircle { links } => circle(scene, links),
-        // The failure that an on-failure handles.
+        // The cause of a failure that `on-failure` handles.
         _ => failed(scene, scene.own()?),
     }
 }
@@ -329,7 +329,7 @@ fn sent_by(world: &World<'_>, command: u64, task: TaskId) -> Result<apex_model::
     require(*sender == task, "another task sent that command").map(|()| *at)
 }
 
-/// Checks that step `last` ended now, and that only steps for which no task waits have not ended.
+/// Checks that step `last` ended now, and that all other steps have ended, except for those that repeat or respond.
 fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     if let Some(last) = last {
         let known = world.task(last)?;
@@ -346,7 +346,7 @@ fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     require(count == 0, &format!("{count} of its subtasks live"))
 }
 
-/// Checks that a plan arrived which has this step.
+/// Checks that the plan that the cause names arrived in the batch of this step.
 pub(super) fn plan_arrived(step: &Step, cause: &Cause) -> Checked {
     let Cause::PlanArrived { request, solver } = cause else { return Err("it is not a plan".into()) };
     let came = step.batch.events.iter().any(|event| {

@@ -100,7 +100,7 @@ impl Modules {
         Ok(id)
     }
 
-    /// Imports between files, each pair once with its first line.
+    /// Returns the imports between files, each pair once with its first line.
     ///
     /// A private `use` of an item is an import; a `use` of a module, or a re-export, counts as an import where its name occurs in code.
     pub(crate) fn edges(&self) -> Vec<Edge> {

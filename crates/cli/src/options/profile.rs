@@ -26,13 +26,13 @@ pub struct ProfileBuildOptions {
     /// Cells such as `small-fixed-fixed-8-uniform`, or `all` (243, the default) or `subset` (27).
     #[arg(long, value_delimiter = ',', value_name = "CELL,..", default_value = "all")]
     pub cells: Vec<String>,
-    /// Missions of each cell.
+    /// Number of missions of each cell.
     #[arg(long, value_name = "NUMBER", default_value_t = 50)]
     pub missions: u64,
     /// Planning times, ascending; a millisecond is 1,000 units of work.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..", default_value = "1ms,3ms,10ms")]
     pub budgets: Vec<String>,
-    /// Planners.
+    /// Planners to measure.
     #[arg(
         long,
         value_delimiter = ',',
@@ -120,7 +120,7 @@ pub struct ProfileCompareOptions {
     /// Run selection on missions that no profile has seen, and print by how much its choices cost more than the best planner's.
     #[arg(long, conflicts_with_all = ["profile", "with"])]
     pub regret: bool,
-    /// Counts of targets on which regret is measured.
+    /// Numbers of targets for which regret is measured.
     #[arg(
         long,
         value_delimiter = ',',
@@ -129,10 +129,10 @@ pub struct ProfileCompareOptions {
         requires = "regret"
     )]
     pub counts: Vec<usize>,
-    /// Missions of each cell on which regret is measured.
+    /// Number of missions of each cell on which regret is measured.
     #[arg(long, value_name = "NUMBER", default_value_t = 2, requires = "regret")]
     pub missions: u64,
-    /// The time for deliberation that is compared; default is every one of the profile.
+    /// Planning times that are compared; default is every planning time of the profile.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..")]
     pub budgets: Vec<String>,
     /// Options of the measurement.

@@ -30,11 +30,11 @@ pub(crate) enum Trigger {
     Ended,
 }
 
-/// A pair of state and trigger that never occurs: a bug of Apex if it does.
+/// A pair of state and trigger that must not occur; its occurrence is a bug of Apex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Illegal;
 
-/// Returns the table of `pdl.md`, Conflicts. Every pair is listed.
+/// Returns the state after `trigger`, by the table of `pdl.md`, Conflicts. Every pair is listed.
 pub(crate) fn successor(state: TaskState, trigger: Trigger) -> Result<TaskState, Illegal> {
     use TaskState::{Enabled, Interrupted, Ongoing, Pending, Terminated};
     match (state, trigger) {

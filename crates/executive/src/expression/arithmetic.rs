@@ -170,7 +170,7 @@ fn square_root(value: &Value) -> FunctionResult {
     let d = dimension;
     let exponents = [d.length, d.mass, d.time, d.current, d.temperature, d.angle];
     if exponents.iter().any(|exponent| exponent % 2 != 0) {
-        return Err(format!("square root of {}: its dimension has no half", described(value)));
+        return Err(format!("square root of {}: half of its dimension has no whole exponents", described(value)));
     }
     let half = Dimension {
         length: d.length / 2,

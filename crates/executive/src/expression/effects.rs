@@ -42,7 +42,7 @@ pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, pla
     let Some(hook) = &mut evaluator.hook else {
         return Err(error(
             place,
-            format!("({name} ..) acts and is allowed in hooks only, not in conditions or values"),
+            format!("({name} ..) has an effect and is allowed in hooks only, not in conditions or values"),
         ));
     };
     let value = match &action {

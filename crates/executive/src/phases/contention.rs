@@ -166,7 +166,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     look_behind(cycle, &begun, &arbitration.refused);
     give_up(cycle, &arbitration.refused);
     if changes {
-        // Their parents continue: they compete again.
+        // The parents of barred tasks continue, so these tasks compete again.
         for id in arbitration.barred {
             let needs = resources::needs_of(cycle, id);
             cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));

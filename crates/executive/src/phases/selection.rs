@@ -33,7 +33,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use smallvec::SmallVec;
 
-/// The chosen method, with the text of the decision.
+/// The chosen method, with the data of the decision about it.
 struct MethodChoice {
     goal: Value,
     way: MethodBinding,
@@ -264,7 +264,7 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         Some(IndexPattern::Primitive(primitive)) => {
             details.refuses |= refuses(&primitive.profile);
             profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
-            // The duration may use locals, which do not exist yet: then nothing is expected.
+            // The duration may use locals, which do not exist yet: the expected duration is then unknown.
             details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
         }
         _ => held(cycle, id, &mut details.needs)?,

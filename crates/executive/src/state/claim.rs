@@ -34,7 +34,7 @@ pub struct QueuedClaim {
 }
 
 impl Claim {
-    /// Returns the claim on one of several resources.
+    /// Returns this claim for `resource`, of which the amount `needed` is required.
     pub fn of(mut self, resource: ResourceId, needed: f64) -> Claim {
         if let Claim::Queued(claim) = &mut self {
             claim.amount = needed;
@@ -57,12 +57,12 @@ impl QueuedClaim {
         lowest && !self.varies && self.level.as_ref().is_some_and(|level| level.rising.is_empty())
     }
 
-    /// Its needs.
+    /// Returns the needed resources in a form that can be compared.
     pub(super) fn signature(&self) -> (Vec<(ResourceId, u64)>, u64) {
         (self.others.clone(), self.amount.to_bits())
     }
 
-    /// Returns its place in this order, if it has one.
+    /// Returns its place in this order, if it has one; `risen_to` computes a priority from importance and due instant.
     pub fn key_in(&self, order: TurnOrder, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         match order {
             TurnOrder::Plain => self.place.as_ref()?.now(risen_to),

@@ -6,7 +6,7 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// Numbers a monitor; from a counter of the agent, never reused.
+/// Number of a monitor, from a counter of the agent; never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct MonitorId(pub u64);
 

@@ -54,7 +54,7 @@ pub struct EpisodeIndex {
 struct LeafState {
     duration_min: Duration,
     window_start: Time,
-    /// True if it received a sample before it was added, or `samples` has grown since.
+    /// True if the episode received a sample before it was added.
     seen: bool,
     came_at: i64,
     /// Start of the run that contains the newest sample, if it satisfies the bounds.

@@ -90,7 +90,7 @@ pub struct StepIndex {
     pub awaits: Vec<Symbol>,
     /// The results that its preconditions mention: the preconditions cannot be watched before these exist.
     pub condition_awaits: Vec<Symbol>,
-    /// True if the end of its procedure waits for it.
+    /// True if the procedure does not end before the step has ended.
     pub counts: bool,
     /// True if a clause of its procedure or of another step names its failure: the procedure then does not fail with it.
     pub failure_awaited: bool,
@@ -131,7 +131,7 @@ pub struct LibraryIndex {
 }
 
 impl LibraryIndex {
-    /// Returns the index of `library` for an agent that uses `bundles`; no bundles are all.
+    /// Returns the index of `library` for an agent that uses `bundles`; an empty list means all bundles.
     pub fn new(library: &Library, bundles: &[Symbol]) -> LibraryIndex {
         let uses = |bundle: &Option<Symbol>| {
             bundles.is_empty() || bundle.as_ref().is_none_or(|bundle| bundles.contains(bundle))

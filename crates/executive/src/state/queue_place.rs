@@ -18,7 +18,7 @@ pub struct RankAmong {
     pub rank: f64,
 }
 
-/// A place in a queue. The order is: greater priority, lower rank, greater priority among equal ranks, begun tasks first, written order.
+/// A place in a queue. The order is: greater priority, lower rank, greater priority among equal ranks, begun tasks first, family order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QueueKey {
     /// Priority at the time of the claim; for a rising priority, its present value.
@@ -30,7 +30,7 @@ pub struct QueueKey {
     pub within: f64,
     /// True if the task has begun and was interrupted.
     pub begun: bool,
-    /// Parent, step and number.
+    /// Last repetition, parent, step and number.
     pub order: FamilyOrder,
 }
 
@@ -81,7 +81,7 @@ pub struct RisingKey {
     pub due: Time,
     /// True if the task has begun and was interrupted.
     pub begun: bool,
-    /// Parent, step and number.
+    /// Last repetition, parent, step and number.
     pub order: FamilyOrder,
 }
 

@@ -2,6 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Numbers a resource within one agent, in order of first use.
+/// Number of a resource within one agent, in order of first use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ResourceId(pub u32);

@@ -72,7 +72,7 @@ impl StepClauses {
     }
 }
 
-/// A task of unknown origin.
+/// Before the step of a task is known, every kind of clause must be checked.
 impl Default for StepClauses {
     fn default() -> StepClauses {
         StepClauses::UNKNOWN

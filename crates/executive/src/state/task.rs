@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Identifies a procedure: a stored one by its index in the library, a generated one by its number.
+/// Reference to a procedure: to a stored one by its index in the library, to a generated one by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum ProcedureRef {
     /// Index into [`apex_model::library::Library::procedures`].
@@ -24,7 +24,7 @@ pub enum ProcedureRef {
     Generated(u64),
 }
 
-/// Names a step of a procedure.
+/// Reference to a step of a procedure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct StepRef {
     /// The procedure.
@@ -63,18 +63,18 @@ pub struct Task {
     pub state: TaskState,
     /// Nesting: the root has 0.
     pub depth: u32,
-    /// Reasons to wait in addition to its conditions, such as its predecessor in a sequence or its least interval.
+    /// Unsatisfied preconditions, such as its `waitfor`, its predecessor in a sequence or its least interval.
     pub held_back: HeldBack,
     /// True if a clause or an activity has suspended it: it claims no resources until it is resumed. Only the agent changes this, because
     /// it counts the suspended tasks.
     pub suspended: bool,
     /// Creation of this instance, or the instant at which the task became pending again.
     pub created_at: Time,
-    /// Last change of its state.
+    /// Instant of the last change of its state.
     pub since: Time,
     /// Instant at which it first became ongoing.
     pub started_at: Option<Time>,
-    /// Messages and samples up to this arrival are answered: they cannot satisfy this instance.
+    /// Messages and samples up to this arrival number are answered: they cannot satisfy this instance.
     pub after_sequence: Option<u64>,
     /// Its own variables: `waitfor` bindings, `select`, the item of a `forall`.
     pub bindings: Bindings,
@@ -93,7 +93,7 @@ pub struct Task {
     pub extras: Option<Box<Extras>>,
 }
 
-/// Preconditions that need no monitor.
+/// Preconditions of a task, each true while it holds the task back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeldBack {
     /// True if the preceding step of a sequence has not ended.
@@ -132,7 +132,7 @@ pub struct Extras {
     pub instances: u32,
     /// The instant of `instances`.
     pub instant: Time,
-    /// Since when `instants` counts.
+    /// Instant from which `instants` counts.
     #[serde(default)]
     pub counted_since: Time,
     /// Number of instants within a second at which instances began although nothing had arrived from outside.
@@ -143,7 +143,7 @@ pub struct Extras {
     pub outside: u64,
     /// Combinations of `:for-new` variables already answered.
     pub answered: BTreeSet<Vec<Value>>,
-    /// True if the step's repetition is over, because it was ended finally.
+    /// True if the step does not repeat any longer, because a clause or an activity has ended the step.
     pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,

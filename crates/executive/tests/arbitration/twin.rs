@@ -48,11 +48,11 @@ pub struct Twin {
     suspended: Vec<bool>,
     /// Tasks whose needs can never be met, and whose failure is not handled yet.
     failed: Vec<bool>,
-    /// Number of creation.
+    /// Serial number of the creation of each task.
     born: Vec<u32>,
-    /// Last change of state.
+    /// Instant of the last change of state.
     since: Vec<u32>,
-    /// Time for which it was ongoing before that.
+    /// Time for which the task was ongoing before that change.
     worked: Vec<u32>,
     /// Remainder of each need: parts of a reservation that descendants consumed are subtracted.
     needs: Vec<[f64; 4]>,
@@ -91,7 +91,7 @@ impl Twin {
         twin
     }
 
-    /// One instant.
+    /// Processes one instant.
     pub fn happen(&mut self, moment: &Moment) {
         self.now += 1;
         self.present = Some(moment.clone());
@@ -285,8 +285,8 @@ impl Twin {
         self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing)
     }
 
-    /// Returns the steps that do not begin because their task stops: those whose task stops for a task that begins; if there is none of
-    /// these, the last one.
+    /// Returns the steps that do not begin because their parent stops: those whose parent stops for a task that surely begins; without any
+    /// of these, the last such step.
     fn barred(&self, outcome: &Outcome) -> Vec<usize> {
         let parent_stops_for = |task: usize| {
             let parent = self.nodes[task].parent.filter(|parent| !outcome.granted.contains(parent))?;
@@ -320,7 +320,7 @@ impl Twin {
         Some(before as i32 + 1)
     }
 
-    /// Some(true): `a` has the lower rank, where the families part.
+    /// Returns `Some(true)` if `a` has the lower rank among the siblings at which the lines of ancestors part; `None` if no ranks decide.
     fn before_by_rank(&self, a: usize, b: usize) -> Option<bool> {
         let (first, second): (Vec<usize>, Vec<usize>) = (self.ancestors(a).collect(), self.ancestors(b).collect());
         let pair = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
@@ -332,7 +332,7 @@ impl Twin {
         }
     }
 
-    /// Better claimants have lower keys.
+    /// Returns the sort key of a claimant; better claimants have lower keys.
     fn key(&self, task: usize, competitors: &[usize]) -> impl PartialOrd + use<> {
         let waits_to_begin = self.waits_to_begin(task, competitors);
         let parent = self.nodes[task].parent.map_or(0, |parent| self.born[parent]);
@@ -350,7 +350,7 @@ impl Twin {
         (0..4).any(|which| self.needs[a][which] > 0.0 && self.needs[b][which] > 0.0)
     }
 
-    /// Returns all claimants, the best first.
+    /// Arbitrates among all claimants, the best first.
     fn arbitrate(&self, claimants: &[usize]) -> Outcome {
         let mut remaining = claimants.to_vec();
         let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::ops::Range;
 
-/// Names and totals of the resources: one indivisible, one shared by three, one depletable.
+/// Names and totals of the resources: two indivisible, one with three units, one depletable.
 pub const RESOURCES: [(&str, f64); 4] = [("camera", 1.0), ("path", 1.0), ("link", 3.0), ("fuel", 10.0)];
 /// The index of the resource that is used up.
 pub const FUEL: usize = 3;

@@ -148,7 +148,7 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
     effects.iter().filter_map(|(at, effect)| Some(format!("{at} {}", line(effect)?))).collect()
 }
 
-/// Returns the lines of `story` that begin and end with tags or words of interest.
+/// Returns the lines of `story` that contain one of the words `wanted`.
 pub fn lines(effects: &[(Time, Effect)], wanted: &[&str]) -> Vec<String> {
     let keep = |line: &String| wanted.iter().any(|word| line.split(' ').any(|part| part == *word));
     story(effects).into_iter().filter(keep).collect()

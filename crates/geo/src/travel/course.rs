@@ -20,7 +20,7 @@ pub(crate) struct Course {
 /// Known times of a leg in one of its two directions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Timing {
-    /// For each interval of the air the time for the leg; NaN where it has not been computed.
+    /// For each interval between two changes of the wind the time for the leg; NaN where it has not been computed.
     totals_s: Vec<f64>,
     /// Departures at which the leg cannot be flown, once computed: open intervals, sorted.
     closed: Option<Vec<Span>>,
@@ -181,8 +181,8 @@ impl Course {
         })
     }
 
-    /// Returns the open interval of departures that a block closes: a departure after its beginning is not through when the block begins,
-    /// one before its end arrives before the block ends.
+    /// Returns the open interval of departures that a block closes. A vehicle that departs after the beginning of this interval has not
+    /// passed the part when the block begins; one that departs before its end reaches the part before the block ends.
     fn closed_by(&self, air: &Air, backwards: bool, block: &Block) -> Span {
         let ((from, until), (shut_s, open_s)) = (block.part, block.time_s);
         let first_s = if shut_s.is_finite() { self.retreat(air, backwards, shut_s, until) } else { shut_s };
@@ -207,7 +207,7 @@ impl Course {
     }
 }
 
-/// Returns the first time from `ready_s` on that no open span of the sorted `closed` holds.
+/// Returns the first time from `ready_s` on that lies in none of the open intervals `closed`, which are sorted.
 pub(crate) fn first_open(closed: &[Span], ready_s: f64) -> f64 {
     let next = closed.partition_point(|(_, until_s)| *until_s <= ready_s);
     match closed.get(next) {

@@ -25,8 +25,8 @@ impl ShutPart {
     }
 
     /// Returns the departures that parts close, for a path that takes at most `longest_s`, of which turns take `extra_s`. A vehicle that
-    /// leaves before a zone closes must be through in time: against the strongest wind, and twice as long, because winds between two
-    /// pieces count too.
+    /// leaves before a zone closes must have passed the part in time. Its time is twice that against the strongest wind, because the wind
+    /// may also change between two pieces of the path.
     pub(super) fn closed_s(parts: Vec<ShutPart>, air: &Air, (longest_s, extra_s): (f64, f64)) -> Vec<Span> {
         let slowest_mps = 2.0 * air.true_airspeed_mps() - air.ground_speed_mps_max();
         let closed_s = |part: ShutPart| {

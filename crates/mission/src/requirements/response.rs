@@ -7,13 +7,13 @@ pub enum Response {
     TurnAway,
     /// Climb to the way out's altitude.
     Climb,
-    /// Descend to it.
+    /// Descend to the way out's altitude.
     Descend,
     /// Fly to the way out, which is a landing place, and land there.
     LandAt,
     /// Like [`Response::LandAt`], at another landing place than the base, because the vehicle cannot reach the base in time.
     LandElsewhere,
-    /// Land below.
+    /// Land at the present position.
     LandHere,
     /// Point a camera away from the ground.
     Stow,
@@ -22,7 +22,7 @@ pub enum Response {
 }
 
 impl Response {
-    /// Returns its word in messages.
+    /// Returns the response's word in messages.
     pub fn word(self) -> &'static str {
         match self {
             Response::TurnAway => "turn-away",

@@ -45,7 +45,7 @@ impl DeferredObservation {
         DeferredObservation { observation, behind: Mutex::default(), ground, part }
     }
 
-    /// Adds something; it is in the observations when they are read next.
+    /// Adds `addition`; the observations contain it when they are read next.
     pub(super) fn add(&mut self, addition: Addition) {
         let behind = self.behind.get_mut().unwrap_or_else(PoisonError::into_inner);
         behind.waiting.push(addition);

@@ -151,7 +151,7 @@ impl<'l> Calls<'l> {
         self.add(owner, Receiver::Goal(served), View::Template(goal), false, place);
     }
 
-    /// Checks `(inform MESSAGE)`, `(cogevent MESSAGE)` and `(command COMMAND)` in a hook or a function.
+    /// Adds `(inform MESSAGE)`, `(cogevent MESSAGE)` or `(command COMMAND)` in a hook or a function.
     fn form(&mut self, library: &'l Library, owner: Option<Method>, expr: &'l Expr) {
         let ExprKind::Call { function, arguments } = &expr.kind else { return };
         match function.folded() {

@@ -301,7 +301,13 @@ impl Lowering {
                 Diagnostic::error(codes::MALFORMED_CONDITION, state.span, format!("a task is never in state `{name}`"));
             let all = || STATES.iter().chain(OUTCOME_STATES).copied();
             let fixes = renames(state.span, name.printed(), all());
-            let list = || format!("its states are {}; ended, it is {}", STATES.join(" "), OUTCOME_STATES.join(" "));
+            let list = || {
+                format!(
+                    "its states are {}; the outcomes of an ended task are {}",
+                    STATES.join(" "),
+                    OUTCOME_STATES.join(" ")
+                )
+            };
             return self.refuse(diagnostic.fixes_or_help(fixes, list));
         }
         let task = Expr { kind, place: task.span.place() };

@@ -250,8 +250,13 @@ impl Lowering {
     fn custom_trend(&mut self, item: &Datum, constraints: &[Datum]) -> Option<Vec<Constraint>> {
         let datum = self.only(":custom", constraints, item.span)?;
         let Some(name) = super::pattern::function_name(datum) else {
-            let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "`:custom` names a function");
-            return self.refuse(diagnostic);
+            let diagnostic = Diagnostic::error(
+                codes::MALFORMED_CONDITION,
+                datum.span,
+                "`:custom` is not followed by the name of a function",
+            );
+            return self
+                .refuse(diagnostic.help("write the name of a predicate of the list of values: `(:custom falls)`"));
         };
         let name = self.predicate(name, datum.span, 1)?;
         Some(vec![Constraint::Predicate(name, Vec::new())])

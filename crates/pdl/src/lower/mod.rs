@@ -96,11 +96,11 @@ pub(crate) struct Lowering {
     pub(crate) bundle: Option<Symbol>,
     /// True if the present index is a solver's.
     pub(crate) is_solver: bool,
-    /// Names of agents, routers and bundles that other forms must define.
+    /// Uses of names of agents, routers and bundles that other forms must define.
     pub(crate) named: Vec<NameUse>,
     /// Bundles that `in-apex-bundle` has opened.
     pub(crate) bundle_names: BTreeSet<Symbol>,
-    /// Words that have the name of a variable in the same form.
+    /// Words that are spelt like a variable in the same form, without its question mark.
     pub(crate) suspects: Vec<(Symbol, Span)>,
     /// True if a rejected form may serve goals or define names: these are then not reported as missing.
     pub(crate) refused_form: bool,

@@ -84,7 +84,7 @@ impl Lowering {
         }
     }
 
-    /// Returns a hook: forms with effects.
+    /// Lowers a hook clause and adds its forms, which may have effects, to `hooks`.
     pub(crate) fn hook(&mut self, clause: &Datum, hooks: &mut Hooks) -> Option<()> {
         let forms = self.body(clause.tail())?;
         match clause.head_name() {

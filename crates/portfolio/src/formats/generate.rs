@@ -182,7 +182,7 @@ pub fn oplib(nodes: usize, share: f64, number: u64) -> String {
     text
 }
 
-/// Returns an asymmetric tour of `nodes` nodes, as a full matrix.
+/// Returns an asymmetric travelling salesman problem of `nodes` nodes, as a full matrix.
 pub fn atsp(nodes: usize, number: u64) -> String {
     let mut chance = Generator::new(66_000 + number);
     let places: Vec<(f64, f64)> = (0..nodes).map(|_| (100.0 * chance.unit(), 100.0 * chance.unit())).collect();

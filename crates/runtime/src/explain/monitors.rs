@@ -27,7 +27,7 @@ pub struct Monitors {
 pub struct TaskMonitor {
     /// The task's number.
     pub task: u64,
-    /// Its goal, as known then.
+    /// The task's goal, as known at the instant.
     pub goal: String,
     /// The clause: `waitfor`, `restart-when`, ..
     pub clause: String,
@@ -51,7 +51,7 @@ pub struct MonitoredCondition {
     pub value: Option<String>,
     /// Constraints on the value, resolved: `> 15deg`.
     pub limits: Vec<String>,
-    /// Knowledge about it as text.
+    /// The present state of the part as text.
     pub now: String,
     /// Instant since which the part holds, or since which its present state has been known; nanoseconds of mission time.
     pub since_ns: Option<i64>,
@@ -81,7 +81,9 @@ impl Explainer<'_> {
     /// [`RecordError`] if the instant cannot be restored.
     pub fn monitors(&self, at: Time, task: Option<TaskId>) -> Result<Monitors, RecordError> {
         let load = self.load.ok_or_else(|| {
-            RecordError::Question("The monitors of an instant are known only to the restored agent.".into())
+            RecordError::Question(
+                "A record does not contain monitors: restore the agent at this instant to list them.".into(),
+            )
         })?;
         let at = instant_of(self.reader, at)?;
         let agent = restored(self.reader, at, load)?;

@@ -50,7 +50,7 @@ impl Observer for BatchLog {
     }
 }
 
-/// Sends measurements of one variable as fast as possible until it is stopped.
+/// Sends measurements of one variable as fast as possible until `over` is true.
 fn flood(source: &LiveSource, over: &AtomicBool) {
     let variable = StateVariable::new(Symbol::new("height"), Value::symbol("uav"));
     let value = |value| LiveInput::Event(None, EventKind::Measurement(variable.clone(), Value::Integer(value)));

@@ -34,7 +34,9 @@ impl Introduction {
 
     fn of(fields: &Map<String, Json>) -> Result<Introduction, String> {
         if let Some(stranger) = fields.keys().find(|key| !["source", "class"].contains(&key.as_str())) {
-            return Err(format!("\"{stranger}\" is not known next to \"source\"; an introduction has \"class\" too"));
+            return Err(format!(
+                "unknown member \"{stranger}\" next to \"source\"; an introduction has \"source\" and \"class\" only"
+            ));
         }
         let name = match fields.get("source") {
             Some(Json::String(name)) if is_name(name) => name.clone(),

@@ -1,7 +1,7 @@
 //! Checks the groups of a record against their seals, in order, up to the first group that was changed.
 //!
-//! Bound: each row is read once. Rows come by the tables' own trees, whose keys must rise, so damaged pages cannot make it
-//! endless.
+//! Bound: each row is read once. Rows are read in the order of the tables' own trees, whose keys must rise, so damaged pages cannot make
+//! the check endless.
 
 use super::seal::{ChainPosition, Seal, Sealer, counts_of};
 use super::tables::{ALL, SCHEMA, TABLES, rows_after};
@@ -54,7 +54,7 @@ impl std::fmt::Display for Damage {
     }
 }
 
-/// Sees the rows and seals of intact groups.
+/// Receives all rows that are read, and the seals of intact groups.
 pub(super) trait Visitor {
     /// Receives a row of the table with this index; the seal of its group has not been compared yet.
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
@@ -224,7 +224,7 @@ fn read_seal(row: &Row<'_>) -> rusqlite::Result<Option<Seal>> {
 /// Seals the rows after the last seal as one group, for tools that write records without the recorder.
 ///
 /// # Errors
-/// SQLite's own; rows that are sealed already and do not fit are not noticed here.
+/// An error of SQLite. Rows that are sealed already and do not fit their seal are not detected here.
 pub fn seal_rows(connection: &Connection) -> rusqlite::Result<()> {
     let mut sealer = Sealer::default();
     let sql = "SELECT id, t_ns, batch, rows, chain FROM seal ORDER BY id";

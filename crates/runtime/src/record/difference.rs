@@ -1,6 +1,6 @@
 //! A recorded row that differs from its replay.
 
-/// The first row that a replay makes otherwise.
+/// The first row in which a replay differs from the record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RowDifference {
     /// The table's name and the number of its row, from 1: `track 12`.

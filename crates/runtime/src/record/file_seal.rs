@@ -12,7 +12,7 @@ const SEAL_BYTES: u64 = 64;
 /// Number of bytes read at one time.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// Seal at the end of a file.
+/// State of the seal at the end of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileSeal {
     /// The file has no seal: its flight continues, or was cut off.

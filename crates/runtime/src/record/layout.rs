@@ -4,15 +4,15 @@
 use super::reader::RecordReader;
 use crate::error::RecordError;
 
-/// The fact that names the sources of the types of snapshots.
+/// Key of the fact that identifies the source texts of the types in snapshots of agents.
 pub(super) const STATE_LAYOUT: &str = "state_layout";
-/// The fact that names the sources of the types of situations.
+/// Key of the fact that identifies the source texts of the types in snapshots of situations.
 pub const SITUATION_LAYOUT: &str = "situation_layout";
-/// Layout of a build whose sources could not be read.
+/// Value of such a fact for a build whose source texts could not be read.
 const UNKNOWN: &str = "unknown";
 
 impl RecordReader {
-    /// Returns true if the snapshots of agents have the layout of this program.
+    /// Returns true if the snapshots of agents have the version and the layout of this program.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

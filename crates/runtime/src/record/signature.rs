@@ -63,8 +63,9 @@ pub fn signature_path(path: &Path) -> PathBuf {
 
 /// Signs the closed record at `path`.
 pub(super) fn sign(path: &Path, key: &SigningKey) -> io::Result<()> {
-    let seal = file_seal::bytes(&mut File::open(path)?)?
-        .ok_or_else(|| io::Error::other("the file has no seal: another program reads it"))?;
+    let seal = file_seal::bytes(&mut File::open(path)?)?.ok_or_else(|| {
+        io::Error::other("the file has no seal, because another program reads it; close that program")
+    })?;
     let signature = key.0.sk.sign(message(&seal), None);
     let text = format!("{MARK}\npublic {}\nsignature {}\n", key.public(), to_hex(&*signature));
     std::fs::write(signature_path(path), text)

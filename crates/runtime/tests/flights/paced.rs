@@ -33,7 +33,7 @@ const TOUR: &str = r#"
 (primitive (index (visit ?site)) (duration 10s))
 "#;
 
-/// A solver that misbehaves in the way of its name.
+/// A solver that behaves as its name says; the flag ends a solver that hangs.
 struct Bad(&'static str, Arc<AtomicBool>);
 
 impl Solver for Bad {
@@ -123,7 +123,7 @@ fn one_site(goal: &Value) -> PlannedProcedure {
     }
 }
 
-/// Gives solvers real time where the test requires an answer, and opens the gate for those that hang.
+/// A clock that gives solvers real time where the test requires an answer, and opens the gate for solvers that hang.
 #[derive(Debug, Default)]
 struct Patron {
     clock: ManualClock,
@@ -148,7 +148,7 @@ impl Clock for Patron {
     }
 }
 
-/// Records that an answer has arrived, and that no input is processed later than it was sent.
+/// Records that an answer has arrived, and checks that no input is processed later than it was sent.
 struct Listener(Arc<AtomicBool>, usize);
 
 impl Observer for Listener {

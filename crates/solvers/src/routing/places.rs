@@ -3,7 +3,7 @@
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_model::problem::{Manoeuvre, SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
-/// Identifies a place, as a key of stored paths.
+/// Key of a place among stored paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum PointKey {
     /// The start.
@@ -12,7 +12,7 @@ pub(crate) enum PointKey {
     Base,
     /// Begin of a manoeuvre (target, manoeuvre).
     Entry(usize, usize),
-    /// Its end.
+    /// End of a manoeuvre (target, manoeuvre).
     Exit(usize, usize),
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct Timed {
     pub(crate) begin_s: f64,
     /// End of the observation.
     pub(crate) end_s: f64,
-    /// Value times factors.
+    /// Value of the target times the factors of quality and timing.
     pub(crate) worth: f64,
 }
 
@@ -88,13 +88,15 @@ impl<'a> Schedule<'a> {
     /// Prepares `problem`.
     ///
     /// # Errors
-    /// An error message if the problem is invalid or the vehicle must not be at its start.
+    /// An error message if the problem is invalid, no time to fly remains, or the vehicle must not be at its start or its base.
     pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Schedule<'a>, String> {
         apex_planning::validate::single_visit(problem)?;
         let mut travel = Travel::new(problem)?;
         let (limit_s, limit_name) = limit(problem);
         if limit_s <= problem.start_s {
-            return Err(format!("there is no time to fly: {limit_name} is used up when the plan begins"));
+            return Err(format!(
+                "there is no time to fly: {limit_name} allows no flight after the beginning of the plan"
+            ));
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
@@ -124,7 +126,7 @@ impl<'a> Schedule<'a> {
     /// Judges `order` from its beginning.
     ///
     /// # Errors
-    /// Why it cannot be flown.
+    /// The reason for which the order cannot be flown.
     pub(crate) fn judge(&mut self, order: &[Choice], budget: &mut dyn Budget) -> Result<Judged, Infeasibility> {
         self.judge_after(&[], order, budget)
     }
@@ -132,7 +134,7 @@ impl<'a> Schedule<'a> {
     /// Like [`Schedule::judge`], if the first visits of `order` are known to happen as in `known`.
     ///
     /// # Errors
-    /// Why it cannot be flown.
+    /// The reason for which the order cannot be flown.
     pub(crate) fn judge_after(
         &mut self,
         known: &[Timed],
@@ -146,7 +148,7 @@ impl<'a> Schedule<'a> {
     /// the flight ends there, because later visits may have a way.
     ///
     /// # Errors
-    /// Why it cannot be flown.
+    /// The reason for which the order cannot be flown.
     pub(crate) fn judge_part(
         &mut self,
         known: &[Timed],
@@ -190,7 +192,8 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits, end_s, score })
     }
 
-    /// Returns a flight without visits: home, if the vehicle is elsewhere. With given times, and from the base, there is no flight.
+    /// Returns a flight without visits: home, if the vehicle is elsewhere. If travel times are given, or the vehicle is at the base, there
+    /// is no flight.
     ///
     /// # Errors
     /// No way leads home, or the flight would end too late.
@@ -219,7 +222,7 @@ impl<'a> Schedule<'a> {
         }
     }
 
-    /// Returns the visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
+    /// Returns the times of the visit `choice` by a vehicle that is ready to leave `node` at `ready_s`.
     pub(crate) fn visit(&mut self, node: PointKey, ready_s: f64, choice: Choice) -> Result<Timed, Infeasibility> {
         let entry = PointKey::Entry(choice.target, choice.manoeuvre);
         let Ok(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {

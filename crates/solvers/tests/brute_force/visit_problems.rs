@@ -28,7 +28,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
     if chance.percent(5) {
         targets.iter_mut().for_each(|target| target.value = 0.0);
     }
-    // Endurance that ends no flight makes ticks coarse.
+    // An endurance that limits no flight makes the ticks of planners coarse.
     let endurance_s = if has_windows && chance.percent(10) { 1e9 } else { span_s };
     let fuelled = chance.percent(15);
     let vehicle = SingleVisitVehicle {
@@ -119,7 +119,8 @@ fn crew(chance: &mut Chance) -> Vec<CrewMember> {
     paid.then(member).into_iter().collect()
 }
 
-/// Returns travel times on a plane, in a circle where equal points are usual, or any numbers; sometimes changing with the departure.
+/// Returns travel times between points of a plane, many of which may be equal, or random numbers; in a fifth of all problems they change
+/// with the departure.
 pub(crate) fn travel(chance: &mut Chance, count: usize) -> TravelTimes {
     let kind = chance.below(4);
     let unreachable = if kind >= 2 { chance.of(&[0, 0, 10, 30]) } else { 0 };

@@ -670,7 +670,7 @@ value: string | null,
  */
 limits: Array<string>, 
 /**
- * Knowledge about it as text.
+ * The present state of the part as text.
  */
 now: string, 
 /**
@@ -699,7 +699,7 @@ export type TaskMonitor = {
  */
 task: number, 
 /**
- * Its goal, as known then.
+ * The task's goal, as known at the instant.
  */
 goal: string, 
 /**

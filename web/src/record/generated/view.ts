@@ -624,7 +624,7 @@ resources: Array<ResourceRow>, };
 export type TroubleKind = "failed" | "interrupted" | "fault" | "left-out" | "ended";
 
 /**
- * Something that went wrong.
+ * A failure, an interruption or a fault.
  */
 export type Trouble = { 
 /**
@@ -1035,7 +1035,7 @@ end: string,
 reason: string, };
 
 /**
- * Commands by an instant.
+ * Operator commands that were decided by an instant.
  */
 export type RecordedCommands = { 
 /**

@@ -53,7 +53,10 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
     let before_s = cpu_s();
     let measured = measuring::each(work, planner.name(), profile.rows.len() * missions, |task| {
-        let row = profile.rows.get(task / missions).ok_or("the index of the cell is out of range")?;
+        let row = profile
+            .rows
+            .get(task / missions)
+            .ok_or("internal error: a measurement belongs to no cell; please report it with the command")?;
         measure::mission(&row.cell, (task % missions) as u64, planner, &profile.budgets)
     })?;
     let used: u64 = measured.iter().map(|one| one.used).sum();

@@ -8,7 +8,7 @@ use apex_planning::Registry;
 use apex_portfolio::profile::regret::{self, Summary};
 use apex_portfolio::profile::{budget_words, named};
 
-/// Measures and prints, by budget and count.
+/// Measures and prints the regret for each budget and each number of targets.
 pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> CliResult {
     let profile = read(None)?;
     named::missions(options.missions, "")?;
@@ -25,7 +25,9 @@ pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> CliRe
             let cells = regret::cells(*count);
             let title = format!("{count} targets at {}", budget_words(budget));
             let outcomes = measuring::each(&options.work, &title, cells.len() * missions, |task| {
-                let cell = cells.get(task / missions).ok_or("the index of the cell is out of range")?;
+                let cell = cells
+                    .get(task / missions)
+                    .ok_or("internal error: a measurement belongs to no cell; please report it with the command")?;
                 regret::mission(cell, (task % missions) as u64, &solvers, (registry, budget))
             })?;
             let summary = Summary::of(*count, budget, &names, &outcomes);

@@ -5,10 +5,9 @@
 //! Bound: O((f + h) * m) for f claimants that could fit, h holders and m claimants of one family, plus O(m) for a new claim.
 //! PDL: `rank`, section 9, conflict; decision 0202.  Paper: section III, detecting and resolving conflicts.
 //!
-//! A family is the claimants and holders with ranks below one task. By priority, each claimant or holder takes
-//! its turn behind those of its family with lower ranks, and these count as much as it does. As all claimants need one common resource,
-//! all are refused once the claims exceed this resource. Begun work precedes its equals, unless a claimant that has not begun precedes it
-//! by rank.
+//! A family is the claimants and holders with ranks below one task. In order of priority, each member takes its turn behind the members of
+//! its family with lower ranks, whose priorities then count as at least its own. As all claimants need one common resource, all are refused
+//! once the claims exceed this resource. Begun work precedes its equals, unless a claimant that has not begun precedes it by rank.
 
 use crate::control::conflicts::arbitration::{Arbitration, Refusal};
 use crate::control::conflicts::claim_queue::{fixed_ranks, worth_of};

@@ -15,7 +15,8 @@ use apex_model::because::{Because, Cause};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, TaskId, TaskState};
 
-/// Returns true if another step of the procedure waits for the failure of this step's task. The procedure then does not fail with it.
+/// Returns true if a clause of the procedure or of another step names the failure of this step's task. The procedure then does not fail
+/// with it.
 pub(crate) fn is_awaited(cycle: &Cycle<'_>, child: TaskId) -> bool {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return false };
     let index = cycle.agent.procedure_index(step.procedure);

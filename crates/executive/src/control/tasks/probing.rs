@@ -94,7 +94,7 @@ fn span(expr: &Expr, view: &View<'_>) -> Result<Duration, EvaluationError> {
     if span > Duration::ZERO {
         return Ok(span);
     }
-    Err(failed(format!("`:probing` needs spans longer than nothing, and got {value}; write a duration such as 10s")))
+    Err(failed(format!("`:probing` needs a duration greater than zero, found {value}; write a duration such as 10s")))
 }
 
 fn count(expr: &Expr, view: &View<'_>) -> Result<u64, EvaluationError> {

@@ -60,7 +60,7 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     Ok(())
 }
 
-/// Prevents further repetitions of the task, because its step was ended, not only this instance.
+/// Prevents further repetitions of the task if a clause or an activity at the level of the step ends it, not only this instance.
 pub(crate) fn forbid(cycle: &mut Cycle<'_>, id: TaskId, level: Level) {
     if level == Level::Step
         && let Some(task) = cycle.agent.task_mut(id)

@@ -8,7 +8,8 @@ use proptest::prelude::*;
 
 const VARIABLES: [&str; 3] = ["x", "y", "slow"];
 
-/// Returns an episode of one of the variables: its bound, duration and greatest gap in half seconds (0: none).
+/// Generates an episode of one of the variables. Its duration and its greatest gap are multiples of half a second; a gap of 0 is no
+/// constraint.
 fn episode() -> impl Strategy<Value = String> {
     (0usize..16, 0i64..3, 0i64..5, 0i64..5).prop_map(|(which, bound, duration, gap)| {
         let variable = VARIABLES[if which == 15 { 2 } else { which % 2 }];
@@ -21,7 +22,7 @@ fn episode() -> impl Strategy<Value = String> {
     })
 }
 
-/// Trees of episodes. Orders have two parts and no `:not`, because a naive search would have too many combinations.
+/// Generates trees of episodes. Orders have two parts and no `:not`, because a naive search would have too many combinations.
 fn condition() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         3 => episode(),
@@ -40,7 +41,8 @@ fn condition() -> impl Strategy<Value = String> {
     })
 }
 
-/// Returns all results of `conditions` over samples of three variables, and the verdicts if `asked` is true.
+/// Returns all results of `conditions` over samples of three variables, and the verdicts after each sample for which `asked` is true, and
+/// at the end. Without `banks` each monitor receives every sample.
 fn run(
     samples: &[(u8, i64, i64)],
     conditions: &[String],

@@ -77,7 +77,7 @@ const ORDERS: [&str; 24] = [
     "(:in-order (a ?who > 5) (b ?else > 5) (:delay 2s 5s) (a ?who < 3)",
     "(:in-order (go) (:delay 1s 6s) (a ?who < 4) (:delay 1s 6s) (stop)",
     "(:in-order (:measurement first (a uav) :value (> 4)) (:delay 3s) (b uav < 4) (:delay 1s 3s) (go)",
-    // Parts without a variable between parts that share one, and parts that arrive before what they follow.
+    // Parts without a variable between parts that share one, and parts whose samples may arrive before those of the part that they follow.
     "(:in-order (a ?who > 5) (b uav > 2) (:delay 3s) (a ?who < 3)",
     "(:in-order (go) (a uav > 3) (b uav > 3) (:delay 3s) (stop)",
     "(:in-order (b ?who > 5) (a ?else > 3) (b uav < 5) (:delay 2s) (a ?who < 3)",
@@ -136,7 +136,7 @@ pub(super) fn results_over(condition: &str, story: &[(i64, Told)], late: bool, l
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// A constraint that is always true keeps an order from being swept: every combination is tried at every look.
+    /// A constraint that is always true keeps an order from being swept: every combination is tried at every evaluation.
     #[test]
     fn chains_are_those_of_all_combinations(story in stories(), number in 0..ORDERS.len(), late: bool, log: bool) {
         let swept = results_over(&format!("{})", ORDERS[number]), &story, late, log);

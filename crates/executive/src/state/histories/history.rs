@@ -54,11 +54,11 @@ impl Occurrence {
 pub struct History {
     samples: VecDeque<Sample>,
     late: VecDeque<Sample>,
-    /// Number of samples that came later than the variable's lateness allows.
+    /// Number of samples that arrived later than the variable's lateness allows.
     pub late_count: u64,
     /// Number of samples that replaced another value of the same instant.
     pub replaced_count: u64,
-    /// Number of samples that were not a number.
+    /// Number of samples whose value is not a number or could not be computed.
     pub missing_count: u64,
     /// The first arrival number of each instant whose sample was replaced.
     #[serde(with = "crate::state::pairs")]

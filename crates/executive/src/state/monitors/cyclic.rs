@@ -36,7 +36,7 @@ pub struct CyclicObject {
     pub rank: u64,
     /// Bindings by the object's name; `None` if the object is not required.
     pub bindings: Option<Bindings>,
-    /// The newest sample; not a number when its value is none.
+    /// The newest sample; NaN if its value is not a number.
     pub newest: (Time, f64),
     /// State before the newest sample.
     pub swing: Swing,
@@ -84,7 +84,7 @@ pub struct Swing {
     pub run: Option<CycleRun>,
     /// True if a cycle has contradicted the constraints.
     pub contradicted: bool,
-    /// Instants between the turning points of the last complete cycle, and its amplitude, SI.
+    /// Instants of the first and the last turning point of the last complete cycle, and its amplitude, SI.
     pub last: Option<(Time, Time, f64)>,
 }
 

@@ -70,7 +70,7 @@ pub enum Verdict {
     Unknown,
 }
 
-/// Stimulus for a monitor.
+/// Kind of stimulus that a monitor receives.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Interest {
     /// Samples of one variable.
@@ -109,9 +109,9 @@ pub struct Monitor {
 pub struct Notes {
     /// End of a delay at the end of an order, as the last verdict computed it.
     pub delay_over_at: Option<Time>,
-    /// Errors met while judging, not yet reported.
+    /// Errors of evaluation that are not reported yet.
     pub troubles: Vec<ConditionFault>,
-    /// Errors already reported: each is reported once.
+    /// Errors that were reported: each is reported once.
     pub told: Vec<ConditionFault>,
 }
 
@@ -136,13 +136,13 @@ pub enum Keep {
 /// One condition within the tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Bound to the result's interval.
+    /// The name that is bound to the result's interval.
     pub tag: Option<Symbol>,
     /// Position in the PDL text.
     pub place: Place,
     /// Instant from which evidence counts.
     pub window: Window,
-    /// Remembered results.
+    /// Results that the part remembers.
     pub keep: Keep,
     /// True if a limit was reached in the part or within it: a result may be missing.
     pub forgotten: bool,

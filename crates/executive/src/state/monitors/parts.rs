@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct AllenPart {
     /// The relation that each part has to the next.
     pub relation: AllenRelation,
-    /// End points that are at most this far apart are equal; `less` means earlier by more than this.
+    /// End points that are at most this far apart count as equal; a point is earlier than another only by more than this.
     pub tolerance: Duration,
     /// The parts in written order.
     pub parts: Vec<Part>,
@@ -63,7 +63,7 @@ pub struct RelationSide {
 pub struct AbsentPart {
     /// The part that must be absent.
     pub part: Part,
-    /// For how long.
+    /// Duration for which the part must be absent.
     pub length: Duration,
     /// The end of the last result of the part, or the window's start: the start of the present absence.
     pub since: Time,
@@ -73,7 +73,7 @@ pub struct AbsentPart {
     pub goes_on: bool,
     /// True if the data do not decide whether the part holds.
     pub unknown: bool,
-    /// For a part that holds at instants (`:not`, `:function`, a line): the instant since which every evaluation found it true or
+    /// For a part that holds at instants (`:not`, `:function`, a regression): the instant since which every evaluation found it true or
     /// undecided. Absence begins with the first evaluation that does not.
     pub broken: Option<Time>,
     /// For each part of an `:and` whose combinations are all valid, the span of its final results, stored in place of them.
@@ -108,7 +108,7 @@ pub struct EventPart {
     pub pattern: Arc<Pattern>,
     /// Constraints on when it happened.
     pub timing: Arc<Timing>,
-    /// The window reaches before the oldest message that was remembered when the monitor was made.
+    /// True if the window reaches before the oldest message that was kept when the monitor was made.
     pub blind: bool,
     /// Results.
     pub settled: Vec<Satisfaction>,
@@ -153,14 +153,14 @@ pub struct TimePart {
     pub span: Option<(Time, Time)>,
     /// The instant that satisfied it.
     pub reached: Option<Time>,
-    /// True once a relation in time has taken its result.
+    /// True once an Allen relation has taken the result of this part.
     #[serde(default)]
     pub taken: bool,
 }
 
 /// The instants of the samples of an episode that bound its intervals. A run of n samples has n (n + 1) / 2 pairs; an order needs only the
-/// instants, because a pair is a beginning followed by an end of the same run, after the least duration. The newest sample is separate, because a later arrival of its
-/// instant may still replace it.
+/// instants, because a pair is a beginning followed by an end of the same run, after the least duration. The newest sample is separate,
+/// because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairPoints {
     /// Beginnings before the newest sample, in order of time.

@@ -3,7 +3,7 @@
 use super::{HALVINGS, PathCandidate};
 
 impl PathCandidate {
-    /// Returns the candidate farthest from this one towards `until_s`, at which no candidate exists.
+    /// Returns the last candidate between this one and the instant `until_s`, at which no candidate exists.
     pub(super) fn outermost(self, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
         let mut known = self;
         for _ in 0..HALVINGS {

@@ -95,7 +95,8 @@ proptest! {
         let quickest = paths.first().unwrap();
         let (straight, twin) = naive(there, (start, end), 1.0, wind_mps);
         prop_assert!(quickest.time_s <= straight + 1e-4, "{} {straight}", quickest.time_s);
-        // For three turns, two instants may lie between two examined ones; the later one is then missed by little.
+        // Between two examined instants, a path of three turns may become exact twice and stay unseen; the next exact path is then only a
+        // little slower.
         prop_assert!(quickest.time_s <= twin + 0.1, "{} {twin}", quickest.time_s);
         // And it is a path.
         for path in &paths {
@@ -159,7 +160,7 @@ fn known_paths() {
     assert!((turn_radius_m(95.0, 15.0_f64.to_radians()) - 3434.6).abs() < 1.0);
 }
 
-/// Returns the path of one type by looking at every instant and treating all intervals alike.
+/// Returns the path of one type by examining every instant and treating all intervals alike.
 fn by_every_instant(
     flyer: &Flyer,
     word: PathType,

@@ -19,5 +19,6 @@ pub use rows::EffectRows;
 pub(crate) use table::EffectTable;
 pub(super) use table::StepRow;
 
-/// Effects after which differences begin again: a reader of one effect need not decode all preceding ones of its step.
+/// Number of effects after which the encoding as differences begins again, so that a reader of one effect need not decode all preceding
+/// effects of its step.
 pub(super) const BLOCK_EFFECTS: usize = 256;

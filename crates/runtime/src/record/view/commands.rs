@@ -5,7 +5,7 @@ use super::{RecordView, for_reading, for_writing};
 use crate::error::RecordError;
 use serde::Serialize;
 
-/// Commands by an instant.
+/// Operator commands that were decided by an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct RecordedCommands {

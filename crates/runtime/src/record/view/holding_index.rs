@@ -43,7 +43,7 @@ impl HoldingIndex {
         for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
             let Some(kind) = effects.table.kind(place).filter(|kind| kind.word == "transition") else { continue };
             let Some(task) = effects.table.task(place) else { continue };
-            // A task that leaves the state releases everything.
+            // Every transition ends the holdings of its task; a transition to `ongoing` then adds the granted ones.
             for (resource, held) in self.held.remove(&task).unwrap_or_default() {
                 let slot = self.resources.get_mut(resource).and_then(|(_, list)| list.get_mut(held));
                 if let Some(held) = slot {

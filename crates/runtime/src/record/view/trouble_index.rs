@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Kind of the effects that report faults.
 const FAULT: &str = "trouble"; // english: allow
 
-/// Something that went wrong.
+/// A failure, an interruption or a fault.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Trouble {
@@ -33,7 +33,7 @@ pub struct Trouble {
 pub enum TroubleKind {
     /// A task failed.
     Failed,
-    /// Work was interrupted by a more important task.
+    /// A task was interrupted: it lost a resource, or was suspended.
     Interrupted,
     /// The executive met a fault: an error in an expression, a limit, a stray answer.
     Fault,
@@ -57,13 +57,13 @@ impl TroubleIndex {
         self.read_to
     }
 
-    /// Returns the entries up to an instant.
+    /// Returns the entries up to mission time `until` in nanoseconds.
     pub(super) fn until(&self, until: i64) -> &[Trouble] {
         let end = self.entries.partition_point(|entry| entry.t_ns <= until);
         self.entries.get(..end).unwrap_or_default()
     }
 
-    /// Reads effects up to `last`. If one decision interrupts several tasks at an instant, only the first is kept.
+    /// Reads effects up to `last`. Of successive interruptions with the same instant and the same cause, only the first is kept.
     pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
         let effects = reader.effects()?;
         for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {

@@ -10,8 +10,9 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 const ROUNDING: f64 = 1e-12;
 /// Maximum number of steps of the solver.
 pub(super) const STEPS_MAX: u32 = 100;
-/// Work of a step in nanoseconds for each entry of the matrix; multiplied by the root of their number because factors fill in. Measured
-/// per step: 0.15 ms at 1,100 entries, 5 ms at 20,000, 38 ms at 75,000, 430 ms at 397,000; the formula is within a sixth of all.
+/// Work of a step in nanoseconds for each entry of the matrix: a constant part, and a factor of the root of the number of entries, because
+/// the factors of the matrix fill in. Measured per step: 0.15 ms at 1,100 entries, 5 ms at 20,000, 38 ms at 75,000, 430 ms at 397,000; the
+/// formula is within a sixth of all.
 const ENTRY_NS: f64 = 80.0;
 const ENTRY_FILLED_NS: f64 = 1.4;
 

@@ -22,7 +22,7 @@ impl Solver for NearestNeighbour {
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         let Problem::Surveillance(problem) = problem else {
-            return Err("nearest-neighbour plans surveillance only.".to_string());
+            return Err("the solver `nearest-neighbour` accepts surveillance problems only".to_string());
         };
         let scenario = Scenario::new(problem)?;
         let cycle = cycle_from(&scenario, None, scenario.usable(), environment.budget);

@@ -79,7 +79,7 @@ fn solve(
     environment: &mut Environment<'_>,
 ) -> Result<Plan, String> {
     let Problem::SingleVisit(problem) = problem else {
-        return Err("single-visit plans missions of single visits only.".to_string());
+        return Err("the solver `single-visit` accepts problems of single visits only".to_string());
     };
     let mut schedule = schedule::Schedule::new(problem)?;
     let troubles = Troubles::new(&mut schedule);

@@ -49,7 +49,7 @@ impl Solver for TourAnnealing {
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         let Problem::Surveillance(problem) = problem else {
-            return Err("anytime plans surveillance only.".to_string());
+            return Err("the solver `anytime` accepts surveillance problems only".to_string());
         };
         let scenario = Scenario::new(problem)?;
         let report = &mut *environment.report;

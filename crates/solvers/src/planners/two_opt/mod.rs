@@ -32,7 +32,7 @@ impl Solver for TwoOpt {
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         let Problem::Surveillance(problem) = problem else {
-            return Err("two-opt plans surveillance only.".to_string());
+            return Err("the solver `two-opt` accepts surveillance problems only".to_string());
         };
         let scenario = Scenario::new(problem)?;
         let report = &mut *environment.report;

@@ -36,7 +36,9 @@ impl Solver for Wam {
     }
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
-        let Problem::Surveillance(problem) = problem else { return Err("wam plans surveillance only.".to_string()) };
+        let Problem::Surveillance(problem) = problem else {
+            return Err("the solver `wam` accepts surveillance problems only".to_string());
+        };
         let scenario = Scenario::new(problem)?;
         let report = &mut *environment.report;
         let mut tell = |tour: &[usize]| report(&Plan::Surveillance(scenario.plan("wam", tour.iter().copied())));

@@ -105,7 +105,7 @@ impl LocalSearch<'_, '_, '_> {
         before.map_or(self.schedule.problem.start_s, |timed| timed.end_s)
     }
 
-    /// Returns the begin of the visit at `at`; the base after the last; `None` if the flight may end anywhere.
+    /// Returns the entry of the visit at `at`; after the last visit the base, or `None` if the flight may end anywhere.
     pub(super) fn entry_at(&self, current: &Candidate, at: usize) -> Option<PointKey> {
         match current.order.get(at) {
             Some(choice) => Some(PointKey::Entry(choice.target, choice.manoeuvre)),

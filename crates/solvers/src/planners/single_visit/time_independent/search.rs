@@ -238,7 +238,7 @@ impl<'n> SearchDriver<'n> {
         }
     }
 
-    /// Repeats runs until none improves the best route.
+    /// Repeats runs of increasing length until [`STALE_ROUNDS_MAX`] runs in sequence bring no gain, or the budget ends.
     fn go_on(&mut self, budget: &mut dyn Budget) {
         let (mut units, mut stale) = (ROUND_UNITS, 0);
         while stale < STALE_ROUNDS_MAX && !budget.exhausted() {

@@ -3,7 +3,7 @@
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;
 
-/// Greatest distance of a relocation.
+/// Greatest distance of a relocation, in visits of the tour.
 const REACH: usize = 12;
 
 pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {
