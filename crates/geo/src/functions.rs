@@ -65,7 +65,11 @@ pub fn host_functions() -> HostFunctions {
             name,
             Arc::new(move |arguments: &[Value]| {
                 if !(*least..=*most).contains(&arguments.len()) {
-                    let wanted = if *least == 1 { "1 argument".to_string() } else { format!("{least} arguments") };
+                    let wanted = match (*least, *most) {
+                        (1, 1) => "1 argument".to_string(),
+                        (least, most) if least == most => format!("{least} arguments"),
+                        (least, most) => format!("{least} to {most} arguments"),
+                    };
                     return Err(format!("`{name}` takes {wanted} and was given {}.", arguments.len()));
                 }
                 let value = body(arguments).map_err(|trouble| format!("`{name}`: {trouble}"))?;
@@ -246,6 +250,8 @@ mod tests {
             call("distance", std::slice::from_ref(&home)).unwrap_err(),
             "`distance` takes 2 arguments and was given 1."
         );
+        let seven = [0.0; 7].map(Value::Real);
+        assert_eq!(call("way-to", &seven).unwrap_err(), "`way-to` takes 5 to 6 arguments and was given 7.");
         assert!(call("altitude-of", &[home]).unwrap_err().contains("no altitude"));
     }
 
