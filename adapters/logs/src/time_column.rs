@@ -56,6 +56,8 @@ pub(crate) struct TimeColumn {
     pub(crate) index: usize,
     /// Nanoseconds of the column's unit; `None` until the first number reveals it.
     unit_ns: Option<i64>,
+    /// The last time of day, and the number of midnights before it.
+    clock: Option<(Time, i64)>,
 }
 
 impl TimeColumn {
@@ -63,7 +65,7 @@ impl TimeColumn {
     pub(crate) fn named(fields: &[String], name: &str, unit_ns: Option<i64>) -> Option<TimeColumn> {
         let index = fields.iter().position(|field| field.eq_ignore_ascii_case(name))?;
         let of_name = fields.get(index).and_then(|field| split(field).1);
-        Some(TimeColumn { index, unit_ns: unit_ns.or(of_name) })
+        Some(TimeColumn { index, unit_ns: unit_ns.or(of_name), clock: None })
     }
 
     /// Returns the column with the most preferred time name; `None` if no column has such a name.
@@ -71,12 +73,12 @@ impl TimeColumn {
         let split: Vec<(String, Option<i64>)> = fields.iter().map(|field| split(field)).collect();
         NAMES.iter().find_map(|name| {
             let index = split.iter().position(|(base, _)| base == name)?;
-            Some(TimeColumn { index, unit_ns: split.get(index)?.1 })
+            Some(TimeColumn { index, unit_ns: split.get(index)?.1, clock: None })
         })
     }
 
     /// Returns the instant of `text`: a number in the column's unit, a date with a time (ISO 8601; UTC without a zone), or a time of
-    /// day. `None` if it is none of these or lies beyond 292 years.
+    /// day, which is of the next day if it is over twelve hours before the last one. `None` if it is none of these or lies beyond 292 years.
     pub(crate) fn instant(&mut self, text: &str) -> Option<Time> {
         if let Some(decimal) = Decimal::parse(text) {
             let unit_ns = *self.unit_ns.get_or_insert_with(|| {
@@ -90,7 +92,23 @@ impl TimeColumn {
             // Nanoseconds below 2^63 (9.22e18) fit into an `i64`.
             return (nanoseconds.abs() < 9.2e18).then_some(Time(nanoseconds as i64));
         }
-        civil_instant(text)
+        match clock(text) {
+            Some(time) => Some(self.of_day(time)),
+            None => civil_instant(text),
+        }
+    }
+
+    /// Returns the time of day with the midnights that have passed since the first one. A time that is a little earlier than the last one
+    /// is a row out of order, and one before midnight after rows from behind it is of the day before.
+    fn of_day(&mut self, time: Time) -> Time {
+        let (last, days) = self.clock.unwrap_or((time, 0));
+        let days = match time - last {
+            fallen if fallen.0 < -HALF_DAY_NS => days + 1,
+            risen if risen.0 > HALF_DAY_NS && days > 0 => days - 1,
+            _ => days,
+        };
+        self.clock = Some((time, days));
+        Time(time.0 + days * DAY_NS)
     }
 }
 
@@ -145,10 +163,10 @@ impl Decimal {
     }
 }
 
-/// Parses `2023-11-14T22:13:20.5+01:00`, `2023-11-14`, or `22:13:20.5`.
+/// Parses `2023-11-14T22:13:20.5+01:00` or `2023-11-14`.
 fn civil_instant(text: &str) -> Option<Time> {
     let Some((date, rest)) = text.split_once(['T', 't', ' ']) else {
-        return if text.contains(':') { clock(text) } else { Some(Time(days(text)?.checked_mul(DAY_NS)?)) };
+        return Some(Time(days(text)?.checked_mul(DAY_NS)?));
     };
     let (clock_text, zone_ns) = zone(rest.trim())?;
     let at = days(date)?.checked_mul(DAY_NS)?.checked_add(clock(clock_text)?.0)?;
@@ -156,6 +174,7 @@ fn civil_instant(text: &str) -> Option<Time> {
 }
 
 const DAY_NS: i64 = 86_400_000_000_000;
+const HALF_DAY_NS: i64 = DAY_NS / 2;
 
 /// Splits off the time zone: returns the text before it, and its offset from UTC in nanoseconds.
 fn zone(text: &str) -> Option<(&str, i64)> {

@@ -56,6 +56,26 @@ fn times_are_read_in_every_usual_form() {
     }
 }
 
+/// The clock begins again at midnight; rows around midnight may be out of order by a little.
+#[test]
+fn times_of_day_continue_after_midnight() {
+    let day = 86_400 * SECOND;
+    let text =
+        "time,v\n23:59:58,1\n00:00:00.5,2\n23:59:59,3\n00:00:02,4\n12:00:00,5\n11:59:59,6\n23:30:00,7\n00:10:00,8\n";
+    let expected = [
+        day - 2 * SECOND,
+        day + SECOND / 2,
+        day - SECOND,
+        day + 2 * SECOND,
+        day + 43_200 * SECOND,
+        day + 43_199 * SECOND,
+    ];
+    assert_eq!(instants(text).get(..6), Some(expected.as_slice()));
+    assert_eq!(instants(text).get(6..), Some([2 * day - 1_800 * SECOND, 2 * day + 600 * SECOND].as_slice()));
+    // A single evening is not of another day.
+    assert_eq!(instants("time,v\n01:00:00,1\n23:00:00,2\n"), [3_600 * SECOND, 82_800 * SECOND]);
+}
+
 #[test]
 fn separators_and_decimal_commas_are_understood() {
     for text in [

@@ -174,6 +174,94 @@ const DIKE_SURVEY: &[Slip] = &[
     ("(survey the dike in 40min)", "(survey the dike in 40)"),
 ];
 
+/// A mission of the tests with two agents, cycles, absences, relations in time, an invariant, derived variables and published measurements.
+const HARBOUR_WATCH: &[Slip] = &[
+    ("(:delay 5s 60s)", "(:delay 60s 5s)"),
+    ("(responding :for-new ?ship)\n    (priority 4)", "(responding :for-new ?shp)\n    (priority 4)"),
+    ("(end-of ?first)", "(end-of ?third)"),
+    (":period (:range 4s 12s)", ":period (:range 12s 4s)"),
+    (":amplitude (> 0.5m)", ":amplitude (> 0.5s)"),
+    (":cycles (>= 3)", ":cycles (>= 3s)"),
+    ("(ship-arrives ? ?) :for 10min", "(ship-arrives ?) :for 10min"),
+    ("?ship ?length) master)", "?ship ?length) mastr)"),
+    ("(waitfor (berth given ?ship ?berth))", "(waitfor (berth givn ?ship ?berth))"),
+    (",(first shifts)", ",(first shift)"),
+    ("(sort lengths '>)", "(sort '> lengths)"),
+    ("(if sorted (first sorted) 0m)", "(if sorted (frist sorted) 0m)"),
+    ("(end-when (visibility harbour", "(end-when (visibility habour"),
+    (":lateness 2s", ":lateness 2m"),
+    ("(rate-of (distance-to-berth ?ship))", "(rate-of (distance-to-berth ?shp))"),
+    ("(closing ?ship < -3)", "(closing ?ship < -3m)"),
+    ("(distance-to-berth ?ship < 400m)", "(distance-to-berth ?ship < 400s)"),
+    ("(terminate success)", "(terminate succes)"),
+    ("(tape 1)", "(tape -1)"),
+    ("(tape 2)", "(tape 2m)"),
+    ("(lamp-heat 5)", "(lamp-heat 500)"),
+    (":every 2s", ":every 2"),
+    (":every 2s", ":evry 2s"),
+    ("&key (:every", "&ky (:every"),
+    ("(current-value draught ?ship)", "(current-value draught ?shp)"),
+    ("(forall ?berth in", "(forall ?berh in"),
+    ("(forall ?berth in", "(forall ?berth of"),
+    ("(inform (draught ?ship = 4m))", "(inform (draught ?ship = 4s))"),
+    ("(inform (draught ?ship = 4m))", "(inform (draugt ?ship = 4m))"),
+    ("(inform (draught ?ship = 4m))", "(inform (draught = 4m))"),
+    ("(print \"to\" ?ship ?text", "(print \"to\" ?ship ?txt"),
+    ("(current-value bearing-of ?ship)", "(current-value ?ship bearing-of)"),
+    ("(+ +mission-start+ 20min)", "(+ +mission-end+ 20min)"),
+    ("(exit-when (:delay 39min))", "(exit-when (delay 39min))"),
+    (
+        "(< (or (current-value visibility harbour) 10km) least-visibility)",
+        "(< (or (current-value visibility harbour) 10kg) least-visibility)",
+    ),
+    ("(invariant (visibility harbour > 300m))", "(invariant (visibility harbour > 300kg))"),
+    ("ferry) :time-limit 5min", "ferry) :time-limt 5min"),
+    ("ferry) :time-limit 5min", "ferry) :count-limit 5min"),
+    ("(priority :urgency 6 :importance 7)", "(priority :urgency 6)"),
+    ("(hold for mist) (waitfor", "(hold for most) (waitfor"),
+    ("(land at (37.4150 -122.0480))", "(land at (-122.0480 37.4150))"),
+    ("(agent master ", "(agent rotorcraft-1 "),
+    (":at (37.4150 -122.0480))", ":at (137.4150 -122.0480))"),
+    ("(take off to 80m)", "(take off at 80m)"),
+    ("(waitfor (end ?up))", "(waitfor (end up))"),
+    ("(repeating :until", "(repeats :until"),
+    ("(fly to ,(berth-place", "(fly to (berth-place"),
+    ("(declare-event (fog (?visibility length))", "(declare-event (fog)"),
+    ("(waitfor (fog ?visibility))", "(waitfor (fog harbour ?visibility))"),
+    ("(:absent (ship-arrives ? ?) :for 10min)", "(:absent :for 10min (ship-arrives ? ?))"),
+    ("(:not (berth given ?ship ?))", "(not (berth given ?ship ?))"),
+    ("(step each (look", "(step tell (look"),
+    ("\"2026-06-01T09:00:00Z\"", "\"2026-06-01 9am\""),
+    ("(return (berth-place ?berth))", "(return (berth-place ?berht))"),
+    (":timeout 30s", ":timeout -30s"),
+    ("(responding :for-new ?ship)\n    (priority 4)", "(responding :for-new ship)\n    (priority 4)"),
+    ("(> draught 9m)", "(> depth 9m)"),
+    ("(profile beacon)", "(profile beacon beacon)"),
+    ("(hover for 2min)", "(hover 2min)"),
+    ("(hover for 20s)", "(hover for \"20s\")"),
+    ("(on-failure (inform (lamp-broken)))", "(on-failure)"),
+    ("(inform (no-berth ?ship))", "(inform no-berth ?ship)"),
+    ("(rank 1)", "(rank first)"),
+    ("(declare-event (ship-leaves ?ship)", "(declare-event (ship-arrives ?ship)"),
+    ("(defconstant shifts", "(defconstant berths"),
+    ("defun is-deep (draught)", "defun is-deep draught"),
+    ("(waitfor (end ?clock))", "(waitfor (start ?clock))"),
+    ("(inform (swaying barge))", "(inform swaying barge)"),
+    (":capacity 4", ":capacity four"),
+    ("(closing ?ship < -3)", "(closing ?ship < - 3)"),
+    ("(:or (end ?answer) (end ?late))", "(:or (end ?answer) (end ?lat))"),
+    ("(:and (:delay 90s)", "(:and (:delay 90)"),
+    ("(first sorted) 0m)", "(first sorted) 0m 1m)"),
+    (":initial-task (direct traffic)", ":initial-task (direct trafic)"),
+    ("ferry) :time-limit 5min", "ferry) :time-limit 5"),
+    ("(look up ?berth) => ?place", "(look up ?berth) => place"),
+    ("(flash 3 times at ?place)", "(flash 3s times at ?place)"),
+    ("(flash 3 times at ?place)", "(flash three times at ?place)"),
+    ("(priority 9)", "(priority -9 9)"),
+    ("(state-variable (mood ?ship) :type symbol)", "(state-variable (mood ?ship) :type symbl)"),
+    (":derived (rate-of", ":derived (rate"),
+];
+
 fn mission_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name).join("mission.pdl")
 }
@@ -249,6 +337,15 @@ fn slips_in_expressions_and_declarations_are_named_at_their_line() {
     assert!(DIKE_SURVEY.len() >= 75);
     assert_eq!(silent, Vec::<String>::new(), "of {} slips", DIKE_SURVEY.len());
     assert!(elsewhere.len() * 20 <= DIKE_SURVEY.len(), "{}:\n{}", elsewhere.len(), elsewhere.join("\n"));
+}
+
+#[test]
+fn slips_in_conditions_and_messages_are_named_at_their_line() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/harbour-watch/mission.pdl");
+    let (silent, elsewhere) = planted(&path, HARBOUR_WATCH);
+    assert!(HARBOUR_WATCH.len() >= 75);
+    assert_eq!(silent, Vec::<String>::new(), "of {} slips", HARBOUR_WATCH.len());
+    assert!(elsewhere.len() * 20 <= HARBOUR_WATCH.len(), "{}:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
 
 /// A vehicle with commands of other arguments declares them: its declaration counts, not that of the library.

@@ -6,6 +6,7 @@
 use crate::diagnostic::Span;
 use crate::fix::Fix;
 use apex_model::quantity::{UNITS, Unit};
+use apex_model::symbol::Symbol;
 
 /// Length in characters above which names are not compared: this bounds the cost of a message.
 const NAME_CHARACTERS_MAX: usize = 64;
@@ -184,6 +185,15 @@ fn are_neighbours(x: char, y: char) -> bool {
         }
         _ => false,
     }
+}
+
+/// Returns the known name that `name` is certainly meant to be.
+pub(crate) fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let found = near(name.printed(), known);
+    // Names that differ only in digits name different things.
+    let letters = |text: &str| text.chars().filter(|letter| !letter.is_ascii_digit()).collect::<String>();
+    let first = found.first().filter(|_| is_certain(name.printed(), &found))?.name;
+    (letters(first).to_lowercase() != letters(name.folded()).to_lowercase()).then_some(first)
 }
 
 #[cfg(test)]

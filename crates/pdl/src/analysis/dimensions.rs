@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     walk::library(program.library, &mut |expr| {
         sums(program, expr, report);
+        alternatives(program, expr, report);
         if let Some(diagnostic) = function_calls::mismatch(program.library, expr, &mut report.locator) {
             report.add(diagnostic);
         }
@@ -65,6 +66,24 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
             Some(_) => {}
         }
     }
+}
+
+/// Reports alternatives of an `or` that are numbers of different dimensions: `(or (current-value altitude uav) 0s)`.
+fn alternatives(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
+    let ExprKind::Or(parts) = &expr.kind else { return };
+    let measured = |part| match Kinds::of(program.library, part) {
+        Kind::Number(dimension) if dimension != Dimension::NONE && !is_zero(part) => Some((part, dimension)),
+        _ => None,
+    };
+    let mut parts = parts.iter().filter_map(measured);
+    let Some((first, known)) = parts.next() else { return };
+    let Some((other, found)) = parts.find(|(_, dimension)| *dimension != known) else { return };
+    let (known, found) = (Kind::Number(known).words(), Kind::Number(found).words());
+    let message = format!("`or` of {known} and {found}");
+    let diagnostic = Diagnostic::error(codes::DIMENSION, report.locator.span(other.place), message)
+        .label(report.locator.span(first.place), format!("this is {known}"))
+        .reason("the alternatives of one value have one dimension");
+    report.add(diagnostic);
 }
 
 /// Checks right sides of comparisons with declared state variables.

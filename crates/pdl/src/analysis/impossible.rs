@@ -48,6 +48,10 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             .or_else(|| statistic(&episode.stats, condition.place, library))
             .or_else(|| trend(&episode.trend, condition.place, library)),
         ConditionKind::Event { timing, .. } => duration(timing, condition.place, library),
+        ConditionKind::Cyclic(cyclic) => cyclic
+            .options
+            .iter()
+            .find_map(|(name, constraints)| never(name, constraints, Some(0.0), condition.place, library)),
         ConditionKind::Delay(least, Some(most)) => {
             let (from, to) = (number(least, library)?, number(most, library)?);
             (from > to).then(|| Impossible {

@@ -17,10 +17,12 @@ mod limits;
 mod loops;
 mod memory;
 pub(crate) mod methods;
+mod objects;
 mod operands;
 mod own_tag;
 mod probes;
 mod profiles;
+mod published;
 mod resemblance;
 mod served;
 mod shadows;
@@ -90,6 +92,8 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     dimensions::check(&program, &mut report);
     operands(library, &mut report);
     resemblance::check(&program, &mut report);
+    let published = published::findings(library).into_iter().chain(objects::findings(library));
+    published.for_each(|each| report.add(each));
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
     report.diagnostics

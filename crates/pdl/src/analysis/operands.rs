@@ -13,6 +13,7 @@ use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Step};
 use apex_model::quantity::{Dimension, unit_named};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 
 /// A mismatch between an operand and the function or clause that takes it.
 pub(super) struct OperandFinding {
@@ -198,6 +199,7 @@ fn call(library: &Library, expr: &Expr, found: &mut Vec<OperandFinding>) {
     if library.functions.contains_key(function) {
         return;
     }
+    exchanged(library, function, arguments, found);
     let name = function.folded();
     for (_, position, operand) in OPERANDS.iter().filter(|(names, ..)| names.contains(&name)) {
         let taken: &[Expr] = match position {
@@ -220,6 +222,20 @@ fn call(library: &Library, expr: &Expr, found: &mut Vec<OperandFinding>) {
         unit(library, arguments, found);
     }
     instants(library, function, arguments, found);
+}
+
+/// Reports queries whose second argument is a declared state variable and whose first argument is not: `(current-value ?uav altitude)`.
+fn exchanged(library: &Library, function: &Symbol, arguments: &[Expr], found: &mut Vec<OperandFinding>) {
+    let declared = |expr: &Expr| match &expr.kind {
+        ExprKind::Constant(Value::Symbol(name)) => library.state_variables.contains_key(name),
+        _ => false,
+    };
+    let [first, second, ..] = arguments else { return };
+    if walk::QUERIES.contains(&function.folded()) && !declared(first) && declared(second) {
+        let message = format!("`{function}` takes the attribute first and then its object");
+        let help = Some("exchange the two arguments");
+        found.push(OperandFinding { code: codes::OPERAND, place: first.place, message, instant: None, help });
+    }
 }
 
 /// Reports `expr` if it is surely not what `taker` takes; true if it did.

@@ -1,6 +1,7 @@
 //! Resources that can never be granted: amounts beyond the total, and holders that never release.
 
 use super::endings::{ends_procedure, terminated_tags};
+use super::kinds::Kind;
 use super::methods::Method;
 use super::{FindingCollector, Program};
 use crate::codes;
@@ -71,6 +72,32 @@ fn least(program: &Program<'_>, resource: &Symbol, need: &ResourceNeed) -> Optio
     }
 }
 
+/// Reports a written amount of another dimension than the declared resource has: `(winch 2m)`.
+fn other_dimension(
+    program: &Program<'_>,
+    resource: &Symbol,
+    need: &ResourceNeed,
+    told: &mut BTreeSet<apex_model::source::Place>,
+    report: &mut FindingCollector<'_>,
+) {
+    let Some(declaration) = program.library.resources.get(resource) else { return };
+    let (_, dimension) = total(program, resource);
+    let Some((place, found)) = need.amount.as_ref().and_then(|amount| match &amount.kind {
+        ExprKind::Constant(value) => Some((amount.place, value.as_number()?.1)),
+        _ => None,
+    }) else {
+        return;
+    };
+    if found == dimension || !told.insert(place) {
+        return;
+    }
+    let (wanted, found) = (Kind::Number(dimension).words(), Kind::Number(found).words());
+    let message = format!("`{resource}` is {wanted}, but this amount is {found}");
+    let diagnostic = Diagnostic::error(codes::DIMENSION, report.locator.span(place), message)
+        .label(report.locator.span(declaration.place), "declared here");
+    report.add(diagnostic);
+}
+
 /// Reports resources of which the sum of the profiles exceeds the total.
 fn shortage(
     program: &Program<'_>,
@@ -81,7 +108,10 @@ fn shortage(
     let mut sums: BTreeMap<&Symbol, (f64, Vec<&ResourceNeed>)> = BTreeMap::new();
     for need in profiles.iter().copied().flatten() {
         let Some(resource) = resource_of(need) else { continue };
-        let Some(amount) = least(program, resource, need) else { continue };
+        let Some(amount) = least(program, resource, need) else {
+            other_dimension(program, resource, need, told, report);
+            continue;
+        };
         let (sum, needs) = sums.entry(resource).or_default();
         *sum += amount;
         needs.push(need);

@@ -5,7 +5,7 @@ use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::matching::{View, pattern_head};
-use crate::suggest::{is_certain, near, renames};
+use crate::suggest::{meant, renames};
 use apex_model::condition::{ConditionKind, VariablePattern};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::procedure::{Activity, BuiltInActivity, ResourceNeed};
@@ -58,15 +58,6 @@ fn commands(program: &Program<'_>, report: &mut FindingCollector<'_>) {
             .fixes(renames(span, name.printed(), [known]));
         report.add(diagnostic);
     }
-}
-
-/// Returns the known name that `name` is certainly meant to be.
-fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
-    let found = near(name.printed(), known);
-    // Names that differ only in digits name different things.
-    let letters = |text: &str| text.chars().filter(|letter| !letter.is_ascii_digit()).collect::<String>();
-    let first = found.first().filter(|_| is_certain(name.printed(), &found))?.name;
-    (letters(first).to_lowercase() != letters(name.folded()).to_lowercase()).then_some(first)
 }
 
 /// Reports messages that steps wait for and no step sends, if they resemble messages that are sent and that no step waits for.

@@ -85,12 +85,44 @@ fn mismatch(library: &Library, wanted: &ArgumentType, item: View<'_>) -> Option<
         },
         ArgumentType::Named(name_kind) => match (value, kind) {
             (Some(Value::Symbol(_)), _) => None,
-            (Some(Value::List(_)), _) if *name_kind == NameKind::Place => None,
+            (Some(Value::List(items)), _) if *name_kind == NameKind::Place => location(library, items),
             (Some(value), _) => Some(Mismatch::Other(format!("`{value}`"))),
             (None, Kind::Number(_) | Kind::Instant | Kind::Other("a text")) => Some(Mismatch::Other(kind.words())),
+            (None, _) if *name_kind == NameKind::Place => call_without_comma(library, item),
             (None, _) => None,
         },
     }
+}
+
+/// Returns the mismatch of a location that is written as a list: latitude, longitude and possibly an altitude.
+fn location(library: &Library, items: &[Value]) -> Option<Mismatch> {
+    if let Some(Value::Symbol(head)) = items.first() {
+        return is_function(library, head).then(|| without_comma(head));
+    }
+    let degrees = |at: usize| items.get(at).and_then(Value::as_number).filter(|(_, found)| *found == Dimension::NONE);
+    let ((latitude, _), (longitude, _)) = (degrees(0)?, degrees(1)?);
+    if latitude.abs() > 90.0 {
+        return Some(Mismatch::Other(format!(
+            "a list with the latitude {latitude}; latitudes are from -90 to 90, and come first"
+        )));
+    }
+    let far = longitude.abs() > 360.0;
+    far.then(|| Mismatch::Other(format!("a list with the longitude {longitude}; longitudes are from -180 to 180")))
+}
+
+/// Returns the mismatch of a list that begins with the name of a function and has holes: `(berth-of ?ship)`.
+fn call_without_comma(library: &Library, item: View<'_>) -> Option<Mismatch> {
+    let items = item.items()?;
+    let head = items.first()?.value()?.as_symbol()?;
+    is_function(library, head).then(|| without_comma(head))
+}
+
+fn is_function(library: &Library, name: &Symbol) -> bool {
+    library.functions.contains_key(name)
+}
+
+fn without_comma(function: &Symbol) -> Mismatch {
+    Mismatch::Other(format!("a list that begins with the function `{function}`; `,({function} ..)` calls it"))
 }
 
 fn quantity(wanted: Dimension, value: &Value) -> Option<Mismatch> {

@@ -5,6 +5,7 @@ use super::expression::constant;
 use super::{Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity};
@@ -85,6 +86,15 @@ impl Lowering {
             let shape = format!("({name} FORM [{to}])");
             return self.missing_part(datum.span, &format!("this `{name}` has the wrong parts"), &shape);
         };
+        if let (DatumKind::Symbol(word), [argument]) = (&form.kind, rest)
+            && matches!(&argument.kind, DatumKind::Variable(_))
+        {
+            let span = form.span.to(argument.span);
+            let message = format!("`{word}` is a message of one word, sent to a variable");
+            let text = self.text_at(span).unwrap_or_default().to_string();
+            let fix = Fix::look("put the message in brackets").replace(span, format!("({text})"));
+            return self.refuse(Diagnostic::error(codes::MALFORMED, span, message).fix(fix));
+        }
         let kind = if which == BuiltInActivity::Inform { NameKind::Router } else { NameKind::Agent };
         rest.iter().for_each(|name| self.use_name(kind, name));
         self.note_words(form);

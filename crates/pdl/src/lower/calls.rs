@@ -11,6 +11,8 @@ use apex_model::builtins::{SPECIAL_FORMS, built_in};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
 
 /// Functions whose first argument is a function.
 const FUNCTION_FIRST: &[&str] =
@@ -59,6 +61,13 @@ impl Lowering {
         {
             let expected = Expected::plain("this timeout", ExpectedKind::Duration);
             *limit = self.conform(limit.clone(), datum.span, &expected)?;
+            if let ExprKind::Constant(Value::Duration(length)) = &limit.kind
+                && *length <= Duration::ZERO
+            {
+                let diagnostic =
+                    Diagnostic::error(codes::MALFORMED, datum.span, "this timeout is not greater than zero");
+                return self.refuse(diagnostic.reason("the command would fail at once"));
+            }
         }
         let kind = ExprKind::Call { function: canonical, arguments: lowered };
         Some(Expr { kind, place: datum.span.place() })

@@ -236,7 +236,7 @@ pub(crate) fn ordered(part: &MeasurementPart) -> Vec<&Satisfaction> {
 }
 
 /// Returns the variable of the result's sample.
-fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
+pub(crate) fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
     match result.evidence.iter().next() {
         Some(Evidence::Sample { variable, .. }) => Some(variable),
         _ => None,

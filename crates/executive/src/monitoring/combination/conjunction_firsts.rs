@@ -11,13 +11,16 @@
 //! other result could be exchanged for the first one with equal bindings, and the combination would be recognised no later.
 
 use crate::expression::EvalContext;
+use crate::monitoring::basic::measurement::variable_of;
 use crate::monitoring::combination::point_order;
 use crate::monitoring::memory::retention;
 use crate::monitoring::reported_results::Used;
 use crate::state::monitors::monitor::{Composite, Part, PartKind, Satisfaction};
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::pattern::Pattern;
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
 use std::collections::BTreeSet;
 
 /// Number of kept results from which on a sweep is worthwhile. It is small, so that short tests also sweep.
@@ -68,21 +71,22 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
 
 fn sweep_conjunction(composite: &mut Composite, used: Option<&Used>, context: &dyn EvalContext) {
     let mut kept = 0;
-    composite.parts.iter_mut().for_each(|part| each_list(part, used, context, &mut |_, list, _| kept += list.len()));
+    composite.parts.iter_mut().for_each(|part| each_list(part, used, context, &mut |_, list, _, _| kept += list.len()));
     if composite.sweep_at.is_none_or(|sweep_at| kept < sweep_at) {
         return;
     }
     kept = 0;
     for part in &mut composite.parts {
-        each_list(part, used, context, &mut |place, list, used| {
+        each_list(part, used, context, &mut |place, list, used, is_final| {
             if list.is_sorted_by_key(|result| result.recognised_at) {
                 let newest = list.len().saturating_sub(1);
                 let (mut index, mut seen) = (0, BTreeSet::new());
                 list.retain(|result| {
                     index += 1;
                     let counts = used.is_none_or(|used| !used.contains(place, result));
-                    // The newest settled result is kept: it shows that the part has held.
-                    (counts && seen.insert(result.bindings.plain())) || index > newest
+                    // The newest settled result is kept: it shows that the part has held. A result that a late sample may withdraw is kept,
+                    // as is the first one behind it.
+                    (counts && seen.insert(result.bindings.plain())) || index > newest || !is_final(result)
                 });
             }
             kept += list.len();
@@ -91,11 +95,14 @@ fn sweep_conjunction(composite: &mut Composite, used: Option<&Used>, context: &d
     composite.sweep_at = Some(kept.saturating_mul(2).max(SWEEP_AT_LEAST));
 }
 
-/// An action on the settled results of the part at a place, and on the results that were used.
-type ActOnResults<'a, 'f> = dyn FnMut(apex_model::source::Place, &mut Vec<Satisfaction>, Option<&'a Used>) + 'f;
+/// Returns true if no late sample can withdraw a result any longer, or come before it.
+type IsFinal<'f> = dyn Fn(&Satisfaction) -> bool + 'f;
+
+/// An action on the settled results of the part at a place, with the results that were used.
+type ActOnResults<'a, 'f> = dyn FnMut(Place, &mut Vec<Satisfaction>, Option<&'a Used>, &IsFinal<'_>) + 'f;
 
 /// Calls `act` with the settled results of samples and messages of the part, of its alternatives, and of the part that it negates, which
-/// counts all results, reported or not. A late sample could withdraw a first result, so variables with `:lateness` are left out.
+/// counts all results, reported or not.
 fn each_list<'a>(part: &mut Part, used: Option<&'a Used>, context: &dyn EvalContext, act: &mut ActOnResults<'a, '_>) {
     let place = part.place;
     match &mut part.kind {
@@ -107,12 +114,21 @@ fn each_list<'a>(part: &mut Part, used: Option<&'a Used>, context: &dyn EvalCont
             let pattern = &leaf.condition.variable;
             let declared = context.library().state_variables.get(&pattern.attribute);
             let named = leaf.variable.is_some() || matches!(pattern.object, Pattern::Variable(_));
-            let punctual = declared.and_then(retention::lateness).is_none();
-            if let Some(seen) = leaf.seen.as_mut().filter(|_| named && punctual) {
-                act(place, &mut seen.settled, used);
+            let late = declared.and_then(retention::lateness).unwrap_or_default();
+            if let Some(seen) = leaf.seen.as_mut().filter(|_| named) {
+                // Late samples were added behind newer ones.
+                if late > Duration::ZERO {
+                    seen.settled.sort_by_key(|result| result.recognised_at);
+                }
+                let newest = &seen.newest;
+                let known =
+                    |result: &Satisfaction| variable_of(result).and_then(|variable| newest.get(&variable.object));
+                let is_final =
+                    |result: &Satisfaction| known(result).is_some_and(|known| known.at - result.interval.0 > late);
+                act(place, &mut seen.settled, used, &is_final);
             }
         }
-        PartKind::Event(leaf) => act(place, &mut leaf.settled, used),
+        PartKind::Event(leaf) => act(place, &mut leaf.settled, used, &|_| true),
         _ => {}
     }
 }

@@ -11,6 +11,7 @@
 //! all parts have a result, the combinations cover all of the time from the first start to the last end. Absence needs only the covered
 //! time, so these two instants suffice.
 
+use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::combination::logic;
 use crate::monitoring::combination::part_results::{self, PartResults, TentativeResult};
 use crate::monitoring::part::Truth;
@@ -22,7 +23,10 @@ use apex_model::time::Time;
 
 /// Returns true if every combination of the parts' results is valid, and each result is an interval that remains.
 pub(crate) fn is_together(part: &Part) -> bool {
-    let stays = |part: &Part| matches!(part.kind, PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_));
+    let stays = |part: &Part| {
+        use PartKind::{Delay, Episode, Event, Measurement, Timestamp};
+        matches!(part.kind, Measurement(_) | Episode(_) | Event(_) | Delay(_) | Timestamp(_))
+    };
     matches!(&part.kind, PartKind::And(composite) if !composite.combines && composite.parts.iter().all(stays))
 }
 
@@ -42,6 +46,8 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
             _ if own.is_some() => Truth::True,
             // Messages later than this instant may already be stored, so a stored message does not make this part true now.
             PartKind::Event(leaf) => Truth::of(false, leaf.blind),
+            // An instant later than this one may already be reached, because the past is evaluated again.
+            PartKind::Delay(leaf) | PartKind::Timestamp(leaf) => Truth::of(false, leaf.span.is_none()),
             _ => logic::truth(each, query),
         };
         all = all.min(truth);
@@ -73,10 +79,18 @@ fn found(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
             let all = leaf.settled.iter().map(|result| TentativeResult { result: result.clone(), open: false });
             PartResults { passing: all.collect(), ..PartResults::default() }
         }
+        PartKind::Delay(leaf) => reached(time_conditions::result(leaf, TimeForm::Delay, part.window.start)),
+        PartKind::Timestamp(leaf) => reached(time_conditions::result(leaf, TimeForm::Timestamp, part.window.start)),
         _ => part_results::take_final(part, query),
     };
     found.passing.retain(|extent| extent.result.recognised_at <= now);
     found
+}
+
+/// Returns the instant of a delay or a timestamp as a result.
+fn reached(instant: Option<Satisfaction>) -> PartResults {
+    let passing = instant.into_iter().map(|result| TentativeResult { result, open: false }).collect();
+    PartResults { passing, ..PartResults::default() }
 }
 
 fn joined(hull: Option<(Time, Time)>, (start, end): (Time, Time)) -> Option<(Time, Time)> {

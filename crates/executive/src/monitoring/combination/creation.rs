@@ -209,8 +209,9 @@ fn composite(
     let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
     let mut names = BTreeSet::new();
     parts.iter().for_each(|part| collect(part, &mut names));
-    let first_only = role.first_only && constraints.is_empty() && conjunction_firsts::tags_are_distinct(parts, &names);
-    let within = Role { keep, any_pair: role.any_pair || delayed, first_only: first_only && !ordered, ..role };
+    let first_only = role.first_only && conjunction_firsts::tags_are_distinct(parts, &names);
+    let unconstrained = first_only && constraints.is_empty();
+    let within = Role { keep, any_pair: role.any_pair || delayed, first_only: unconstrained && !ordered, ..role };
     let made = parts.iter().map(|each| part(each, within, context)).collect::<Result<_, _>>()?;
     let mut composite =
         Composite { parts: made, constraints: constraints.to_vec(), combines, shared, order: None, sweep_at: None };
@@ -220,7 +221,7 @@ fn composite(
         if composite.order.is_some() {
             composite.parts.iter_mut().for_each(point_order::keep_points);
         }
-    } else if first_only {
+    } else if unconstrained {
         composite.sweep_at = Some(conjunction_firsts::SWEEP_AT_LEAST);
     }
     Ok(composite)

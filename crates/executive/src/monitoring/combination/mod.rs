@@ -12,6 +12,7 @@ pub(crate) mod interest;
 pub(crate) mod logic;
 pub(crate) mod monitors;
 pub(crate) mod numbers_unmet;
+pub(crate) mod order_constraints;
 pub(crate) mod part_results;
 pub(crate) mod parts;
 pub(crate) mod point_order;

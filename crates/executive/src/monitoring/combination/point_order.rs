@@ -4,7 +4,7 @@
 //! Reads: the parts' results, evaluation context.
 //! Writes: removes results from the parts of the order.
 //! Bound: O(log n) per sample for parts that bind no variable; a sweep over all n kept results each time they have doubled.
-//! PDL: `:in-order`, `:delay`.
+//! PDL: `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, row 11.
 //!
 //! Points with equal bindings arrive in order of time. Of two points, the earlier one therefore allows every chain that the later one
@@ -18,15 +18,16 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::combination::logic::joined;
+use crate::monitoring::combination::order_constraints;
 use crate::monitoring::combination::point_steps::{OrderedPart, PointRole, count, points, settled, settled_mut, steps};
-use crate::monitoring::constraints::is_lower_bound;
+use crate::monitoring::episodes::episode::durations;
 use crate::monitoring::episodes::run_update::pair_of;
 use crate::monitoring::memory::retention;
 use crate::monitoring::reported_results::Used;
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::{Bindings, PlainBindings};
-use crate::state::monitors::monitor::{Composite, Part, PartKind, PointOrder, Satisfaction};
+use crate::state::monitors::monitor::{Composite, PairPoints, Part, PartKind, PointOrder, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
@@ -40,8 +41,8 @@ use std::collections::{BTreeMap, BTreeSet};
 const SWEEP_AT_LEAST: usize = 8;
 
 /// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness`, messages,
-/// and, where no part binds a variable, episodes of any two samples, with delays but without constraints between them or after them.
-/// `binds` is true if it contains a pattern variable.
+/// and, where no part binds a variable, episodes of any two samples, with delays between them or after them, and with constraints on the
+/// time between neighbours. `binds` is true if it contains a pattern variable.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -56,22 +57,22 @@ pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalConte
             let declared = context.library().state_variables.get(&leaf.condition.variable.attribute);
             let punctual = leaf.variable.is_some() && declared.and_then(retention::lateness).is_none();
             let any_time = timing.start.is_empty() && timing.end.is_empty();
-            leaf.any_pair && punctual && !binds && any_time && timing.duration.iter().all(is_lower_bound)
+            leaf.any_pair && punctual && !binds && any_time && durations(leaf).is_some()
         }
         _ => false,
     };
     let mut tags = BTreeSet::new();
     let distinct = composite.parts.iter().filter_map(|part| part.tag.as_ref()).all(|tag| tags.insert(tag));
     let any_point = composite.parts.iter().any(|part| !matches!(part.kind, PartKind::Delay(_)));
-    let fits = distinct && any_point && composite.constraints.is_empty() && composite.parts.iter().all(is_point);
-    // An episode is two points.
-    fits.then(|| Box::new(PointOrder { sweep_at: SWEEP_AT_LEAST, checked: vec![0; 2 * composite.parts.len()], binds }))
+    let fits = distinct && any_point && composite.parts.iter().all(is_point);
+    let limits = order_constraints::limits(composite).filter(|_| fits)?;
+    Some(Box::new(PointOrder { sweep_at: SWEEP_AT_LEAST, checked: vec![0; limits.len()], binds, limits }))
 }
 
 /// Lets a part of an order of points keep the instants of samples instead of pairs of them.
 pub(crate) fn keep_points(part: &mut Part) {
     if let PartKind::Episode(leaf) = &mut part.kind {
-        leaf.points = Some(Box::default());
+        leaf.points = durations(leaf).map(|durations| Box::new(PairPoints::lasting(durations)));
     }
 }
 
@@ -82,7 +83,7 @@ pub(crate) fn results(
     order: &PointOrder,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<Satisfaction> {
-    let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, delay)) = steps(composite, &order.limits, query) else { return Vec::new() };
     let Some(extents) = extents(&steps) else { return Vec::new() };
     let mut search = ChainSearch {
         steps: &steps,
@@ -234,12 +235,12 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
         if checked >= newest {
             continue;
         }
-        let gone = gone_without_predecessor(composite, (number, checked), start, used, &mut query);
+        let gone = gone_without_predecessor((composite, &order.limits), (number, checked), start, used, &mut query);
         remove(composite, *point, &gone, order.checked.get_mut(number));
     }
     if whole {
         for (number, point) in points.iter().enumerate().rev() {
-            let gone = gone_without_successor(composite, number, start, used, &mut query);
+            let gone = gone_without_successor((composite, &order.limits), number, start, used, &mut query);
             remove(composite, *point, &gone, order.checked.get_mut(number));
         }
         for part in &mut composite.parts {
@@ -278,20 +279,21 @@ fn is_preceded(
 
 /// Returns the places of results of step `number`, from place `from` on, that no earlier point precedes, or that were used.
 fn gone_without_predecessor(
-    composite: &Composite,
+    (composite, limits): (&Composite, &[(Duration, Duration)]),
     (number, from): (usize, usize),
     start: Time,
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
-    let Some((steps, _)) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, _)) = steps(composite, limits, query) else { return Vec::new() };
     let Some(step) = steps.get(number) else { return Vec::new() };
     let newest = step.kept.len().saturating_sub(1);
     let before = number.checked_sub(1).and_then(|before| steps.get(before));
     let useless = |result: &Satisfaction| {
         let last = step.preceding(result.interval.0).1;
-        let may_come =
-            before.is_some_and(|before| before.watermark(&result.bindings).is_none_or(|watermark| watermark <= last));
+        let may_come = before.is_some_and(|before| {
+            before.watermark(&result.bindings, query.now).is_none_or(|watermark| watermark <= last)
+        });
         is_used(step, result, used) || !may_come && !is_preceded(&steps, number, result, start, used)
     };
     let unchecked = step.kept.iter().enumerate().take(newest).skip(from);
@@ -333,16 +335,17 @@ fn chain_ends(steps: &[OrderedPart<'_>], number: usize, start: Time, used: Optio
 
 /// Returns the indices of results of step `number` that no future point can follow, or that earlier results represent.
 fn gone_without_successor(
-    composite: &Composite,
+    (composite, limits): (&Composite, &[(Duration, Duration)]),
     number: usize,
     start: Time,
     used: Option<&Used>,
     query: &mut VerdictQuery<'_>,
 ) -> Vec<usize> {
-    let Some((steps, delay)) = steps(composite, query) else { return Vec::new() };
+    let Some((steps, delay)) = steps(composite, limits, query) else { return Vec::new() };
     let Some(step) = steps.get(number) else { return Vec::new() };
     let next = steps.get(number + 1);
-    if let Some(end) = next.filter(|_| step.role == PointRole::Start) {
+    // With a greatest duration, a later beginning permits ends that an earlier one does not permit.
+    if let Some(end) = next.filter(|next| step.role == PointRole::Start && next.gap.most == Duration::MAX) {
         return gone_beginnings(&steps, (number, end), start, used);
     }
     // Chains without a delay at the end are over with their last point.
@@ -365,7 +368,7 @@ fn gone_without_successor(
             return known > 0 && known == chains.len() && !gains(&steps, number, result, query);
         };
         let span = next.following(result.interval.1);
-        let over = next.watermark(&result.bindings).is_some_and(|watermark| watermark > span.1);
+        let over = next.watermark(&result.bindings, query.now).is_some_and(|watermark| watermark > span.1);
         over && !next.within(span).any(|each| joined(&result.bindings, &each.bindings).is_some())
     };
     let newest = step.kept.len().saturating_sub(1);
@@ -375,10 +378,8 @@ fn gone_without_successor(
 
 /// Returns true if a chain with other bindings may still be found that ends in this result.
 fn gains(steps: &[OrderedPart<'_>], number: usize, result: &Satisfaction, query: &VerdictQuery<'_>) -> bool {
-    let complete = |step: &OrderedPart<'_>| match &step.part.kind {
-        // Messages come in order of time.
-        PartKind::Event(_) => query.now > result.interval.0,
-        _ => step.watermark(&result.bindings).is_some_and(|watermark| watermark > result.interval.0),
+    let complete = |step: &OrderedPart<'_>| {
+        step.watermark(&result.bindings, query.now).is_some_and(|watermark| watermark > result.interval.0)
     };
     !steps.iter().take(number).all(complete)
 }

@@ -5,7 +5,7 @@
 //! Reads: the parts' results, evaluation context.
 //! Writes: nothing.
 //! Bound: O(parts); O(n log n) in the n results of a part whose results are not in order of time.
-//! PDL: `:in-order`, `:delay`.
+//! PDL: `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, row 11.
 
 use crate::monitoring::basic::measurement;
@@ -48,9 +48,11 @@ pub(crate) struct OrderedPart<'a> {
     pub(crate) gap: Gap,
 }
 
-/// Returns the parts except for the delays, and the least delay after the last of them; `None` if a delay has no value.
+/// Returns the parts except for the delays, and the least delay after the last of them; `None` if a delay has no value. `limits` are those of
+/// [`PointOrder::limits`].
 pub(crate) fn steps<'a>(
     composite: &'a Composite,
+    limits: &[(Duration, Duration)],
     query: &mut VerdictQuery<'_>,
 ) -> Option<(Vec<OrderedPart<'a>>, Option<Duration>)> {
     let mut steps: Vec<OrderedPart<'a>> = Vec::with_capacity(composite.parts.len());
@@ -94,7 +96,8 @@ pub(crate) fn steps<'a>(
                 let gap = gap_before(&mut delay, steps.is_empty());
                 steps.push(OrderedPart { part, role: PointRole::Start, kept: first, first, rest, gap });
                 let (first, rest) = (points.ends.as_slice(), points.newest_end().into_iter().collect());
-                let gap = Gap { least: leaf.duration_min, most: Duration::MAX };
+                let (least, most) = points.durations;
+                let gap = Gap { least, most };
                 steps.push(OrderedPart { part, role: PointRole::End, kept: first, first, rest, gap });
                 continue;
             }
@@ -109,6 +112,9 @@ pub(crate) fn steps<'a>(
             rest,
             gap,
         });
+    }
+    for (step, (least, most)) in steps.iter_mut().zip(limits) {
+        step.gap = Gap { least: step.gap.least.max(*least), most: step.gap.most.min(*most) };
     }
     Some((steps, delay.map(|after| after.least)))
 }
@@ -171,8 +177,12 @@ impl<'a> OrderedPart<'a> {
         Some((earliest.interval.0, latest.interval.0))
     }
 
-    /// Returns an instant before which no further result with these bindings comes; `None` if one may come at any time.
-    pub(crate) fn watermark(&self, bindings: &Bindings) -> Option<Time> {
+    /// Returns an instant before which no further result with these bindings comes; `None` if one may come at any time. Messages come in
+    /// order of time.
+    pub(crate) fn watermark(&self, bindings: &Bindings, now: Time) -> Option<Time> {
+        if matches!(self.part.kind, PartKind::Event(_)) {
+            return Some(now);
+        }
         if let PartKind::Episode(leaf) = &self.part.kind {
             return leaf.runs.values().map(|run| run.newest.at).max();
         }

@@ -20,13 +20,13 @@ use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::wake::WakeReason;
 use crate::planted::{self, Bug};
 use crate::state::bindings::Bindings;
-use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample, Satisfaction};
+use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, PairPoints, Run, RunSample, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::condition::VariablePattern;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::event::StateVariable;
-use apex_model::expression::Expr;
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
@@ -84,6 +84,39 @@ fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<
     })
 }
 
+/// Returns the least and the greatest duration; `None` if a constraint on the duration is not a fixed limit.
+pub(crate) fn durations(part: &EpisodePart) -> Option<(Duration, Duration)> {
+    let fixed = |expr: &Expr| match &expr.kind {
+        ExprKind::Constant(Value::Duration(length)) => Some(*length),
+        _ => None,
+    };
+    let mut limits = (part.duration_min, Duration::MAX);
+    for constraint in part.condition.timing.duration.iter().filter(|each| !is_lower_bound(each)) {
+        let (least, most) = match constraint {
+            Constraint::Compare { relation, right, tolerance: None } => limits_of(*relation, fixed(right)?)?,
+            Constraint::Range(least, Some(most)) => {
+                (least.as_ref().map_or(Some(Duration(i64::MIN)), fixed)?, fixed(most)?)
+            }
+            _ => return None,
+        };
+        limits = (limits.0.max(least), limits.1.min(most));
+    }
+    Some(limits)
+}
+
+/// Returns the least and the greatest length that has this relation to `length`; `None` if lengths on both sides have it.
+pub(crate) fn limits_of(relation: Relation, length: Duration) -> Option<(Duration, Duration)> {
+    let (least, most) = (Duration(i64::MIN), Duration::MAX);
+    Some(match relation {
+        Relation::Less => (least, length - TICK),
+        Relation::LessOrEqual => (least, length),
+        Relation::Equal => (length, length),
+        Relation::GreaterOrEqual => (length, most),
+        Relation::Greater => (length + TICK, most),
+        Relation::Different => return None,
+    })
+}
+
 /// Clears the results and processes the remembered samples.
 pub(crate) fn backfill(
     part: &mut EpisodePart,
@@ -134,7 +167,7 @@ impl Sampled for EpisodePart {
 
     fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.settled.clear();
-        self.points = self.points.take().map(|_| Box::default());
+        self.points = self.points.take().map(|points| Box::new(PairPoints::lasting(points.durations)));
         self.runs.clear();
     }
 
@@ -191,7 +224,7 @@ fn feed(
     let newest = judge(part, site, sample, before.run.as_ref(), context, troubles);
     let after = ObjectRun { newest, rank: before.rank.min(sample.sequence), ..before };
     if let Some(mut points) = part.points.take() {
-        points.replace_newest(&after.newest, with_newest(part, &after).as_ref(), part.duration_min);
+        points.replace_newest(&after.newest, with_newest(part, &after).as_ref());
         part.points = Some(points);
     }
     match part.runs.get_mut(object) {
@@ -305,7 +338,7 @@ pub(crate) fn results(
     troubles: &mut ConditionFaults,
 ) -> Vec<Satisfaction> {
     if let Some(points) = &part.points {
-        return points.first_pair(part.duration_min).and_then(|pair| pair_of(part, pair)).into_iter().collect();
+        return points.first_pair().and_then(|pair| pair_of(part, pair)).into_iter().collect();
     }
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {

@@ -18,13 +18,21 @@ fn point(at: Time) -> Satisfaction {
 }
 
 impl PairPoints {
+    /// Returns the points of an episode without samples, of which the least and the greatest duration are given.
+    pub(crate) fn lasting(durations: (Duration, Duration)) -> PairPoints {
+        PairPoints { durations, ..PairPoints::default() }
+    }
+
     /// Replaces the newest sample. `run` is the run that contains it.
-    pub(crate) fn replace_newest(&mut self, newest: &RunSample, run: Option<&Run>, duration_min: Duration) {
+    pub(crate) fn replace_newest(&mut self, newest: &RunSample, run: Option<&Run>) {
         let used = self.newest.as_ref().is_some_and(|before| before.at == newest.at && before.used);
         self.newest = run.map(|run| {
-            let begun = self.begun.filter(|_| self.runs.last().is_some_and(|(start, _)| *start == run.start));
-            let begun = begun.or(newest.first_holds.then_some(newest.at));
-            let ends = newest.last_holds && begun.is_some_and(|begun| newest.at - begun >= duration_min);
+            let goes_on = self.runs.last().is_some_and(|(start, _)| *start == run.start);
+            let (least, most) = self.durations;
+            let lasts = |begun: &Time| newest.at - *begun >= least && newest.at - *begun <= most;
+            let earliest = self.begun.get(self.begun.partition_point(|begun| newest.at - *begun > most));
+            let begun = goes_on && earliest.is_some_and(lasts) || newest.first_holds && lasts(&newest.at);
+            let ends = newest.last_holds && begun;
             NewestPoints {
                 run_start: run.start,
                 at: newest.at,
@@ -43,11 +51,16 @@ impl PairPoints {
             Some((start, last)) if *start == newest.run_start => *last = at,
             _ => {
                 self.runs.push((newest.run_start, at));
-                self.begun = None;
+                self.begun.clear();
             }
         }
         if let Some(start) = newest.start {
-            self.begun = self.begun.or(Some(at));
+            let past = self.begun.partition_point(|begun| at - *begun > self.durations.1);
+            self.begun.drain(..past);
+            // Without a greatest duration, the first one permits every end that a later one permits.
+            if self.begun.is_empty() || self.durations.1 < Duration::MAX {
+                self.begun.push_back(at);
+            }
             remember(&mut self.starts, start, site, troubles);
         }
         if let Some(end) = newest.end {
@@ -107,13 +120,14 @@ impl PairPoints {
     }
 
     /// Returns the interval of a known pair.
-    pub(crate) fn first_pair(&self, duration_min: Duration) -> Option<(Time, Time)> {
+    pub(crate) fn first_pair(&self) -> Option<(Time, Time)> {
+        let (least, most) = self.durations;
         let mut ends = self.ends.iter().chain(self.newest_end()).map(|end| end.interval.0);
         ends.find_map(|end| {
             let run_start = self.run_of(end).0;
             let newest = self.newest.as_ref().and_then(|newest| newest.start.as_ref());
             let mut starts = self.starts.iter().chain(newest).map(|start| start.interval.0);
-            let start = starts.find(|start| *start >= run_start && end - *start >= duration_min);
+            let start = starts.find(|start| *start >= run_start && end - *start >= least && end - *start <= most);
             start.map(|start| (start, end))
         })
     }

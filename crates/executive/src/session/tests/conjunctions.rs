@@ -16,6 +16,12 @@ fn waiting(condition: &str, end_s: i64) -> (MonitorSession, MonitorId) {
     (session, id)
 }
 
+/// Returns the number of results that the whole monitor keeps.
+pub(super) fn kept_anywhere(session: &MonitorSession, id: MonitorId) -> usize {
+    let root = &session.watches.get(id.0).unwrap().monitor.as_ref().unwrap().root;
+    format!("{root:?}").matches("recognised_at").count()
+}
+
 /// Returns the number of results that the samples of the parts keep.
 fn kept(session: &MonitorSession, id: MonitorId) -> usize {
     let root = &session.watches.get(id.0).unwrap().monitor.as_ref().unwrap().root;
@@ -48,6 +54,36 @@ fn waiting_for_a_delay_keeps_one_sample_of_each_part() {
 fn after_the_delay_no_sample_is_kept_for_a_result_that_cannot_come_again() {
     let (session, id) = waiting("(:and (speed uav > 4) (:delay 5s))", 100);
     assert!(kept(&session, id) <= 16, "{}", kept(&session, id));
+}
+
+/// A late sample may withdraw the newest results only.
+#[test]
+fn a_variable_with_lateness_keeps_the_results_that_may_be_withdrawn() {
+    let (plain, id) = session("(:and (slow uav > 4) (height uav >= 0) (:delay 300s))", 0.0);
+    let mut session = plain.over_a_log();
+    let sample = |session: &mut MonitorSession, number: i64, value: f64| {
+        session.sample(&of("slow"), Value::Real(value), Time(number * 100_000_000));
+        session.sample(&of("height"), Value::Integer(number), Time(number * 100_000_000));
+    };
+    (1_000..2_000).for_each(|number| sample(&mut session, number, 5.0));
+    // One sample of each part, and for some time twice as many as lie within the lateness of 5 s.
+    assert!(kept_anywhere(&session, id) <= 120, "{}", kept_anywhere(&session, id));
+    sample(&mut session, 1_950, 3.0);
+    session.advance(at(301.0));
+    let found = told(&mut session);
+    assert_eq!(found, ["found 100..300 @300"]);
+}
+
+#[test]
+fn an_absence_of_parts_together_with_a_delay_keeps_few_results() {
+    for condition in [
+        "(:absent (:and (speed uav > 4) (height uav >= 0) (:delay 300s)) :for 10s)",
+        "(:absent (:and (speed uav > 4) (height uav >= 0) (:delay 20s)) :for 10s)",
+        "(:absent (:and (speed uav > 4) (:timestamp (+ +mission-start+ 50s))) :for 10s)",
+    ] {
+        let (session, id) = waiting(condition, 200);
+        assert!(kept_anywhere(&session, id) <= 40, "{condition} keeps {}", kept_anywhere(&session, id));
+    }
 }
 
 #[test]
@@ -114,3 +150,62 @@ proptest! {
         prop_assert_eq!(swept, tried, "{}", CONJUNCTIONS[number]);
     }
 }
+
+const ABSENCES: [&str; 7] = [
+    "(:and (a uav > 4) (b uav < 4) (:delay 9s)",
+    "(:and (:delay 4s) (a uav > 5)",
+    "(:and (a ?who > 6) (:delay 3s 5s)",
+    "(:and (go) (a uav > 6) (:delay 30s)",
+    "(:and (:timestamp (+ +mission-start+ 20s)) (b uav < 2)",
+    "(:and (:episode (a uav) :quality (:max-gap 2s) :value (> 3)) (:delay 8s)",
+    "(:and (:episode (a uav) :quality :no-constraints :value (> 5)) (stop) (:delay 5s) (:delay 20s)",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// A constraint that is always true lets the absence combine all results of the parts. The samples come in time: with late ones, a
+    /// combination at an earlier instant also counts a delay that was reached since.
+    #[test]
+    fn absences_of_spans_are_those_of_all_combinations(
+        story in stories(), number in 0..ABSENCES.len(), length in 1i64..12,
+    ) {
+        let spans = results_over(&format!("(:absent {}) :for {length}s)", ABSENCES[number]), &story, false, true);
+        let tried =
+            results_over(&format!("(:absent {} :constraint (< 1 2)) :for {length}s)", ABSENCES[number]), &story, false, true);
+        prop_assert_eq!(spans, tried, "{} for {}s", ABSENCES[number], length);
+    }
+
+    /// Samples of a variable with `:lateness` arrive up to six seconds late; those of the other one in time.
+    #[test]
+    fn late_samples_change_first_results_as_they_change_all(
+        story in proptest::collection::vec((0i64..3, 0i64..7, any::<bool>(), 0i64..8), 1..120), number in 0..LATE.len(), log: bool,
+    ) {
+        let run = |condition: &str, log: bool| {
+            let (plain, id) = session(condition, 0.0);
+            let mut session = if log { plain.over_a_log() } else { plain };
+            let mut now = 0;
+            for (step, late, slow, value) in &story {
+                now += step;
+                let at_s = if *slow { (now - late).max(0) } else { now };
+                let object = if value % 2 == 0 { "uav" } else { "other" };
+                let variable = StateVariable::new(Symbol::new(if *slow { "slow" } else { "a" }), Value::symbol(object));
+                session.sample(&variable, Value::Integer(*value), at(at_s as f64));
+                session.advance(at(now as f64));
+            }
+            session.finish();
+            let verdict = format!("{:?}", session.verdict(id).unwrap().verdict);
+            (told(&mut session), verdict)
+        };
+        let swept = run(&format!("{})", LATE[number]), log);
+        let tried = run(&format!("{} :constraint (< 1 2))", LATE[number]), true);
+        prop_assert_eq!(swept, tried, "{}", LATE[number]);
+    }
+}
+
+const LATE: [&str; 4] = [
+    "(:and (slow uav > 4) (:delay 40s)",
+    "(:and (slow uav > 3) (a uav > 3) (:delay 20s)",
+    "(:and (slow ?who > 3) (a ?who < 5) (:delay 60s)",
+    "(:and (slow ?who = ?x) (a ?else = ?x)",
+];

@@ -45,6 +45,42 @@ fn without_a_greatest_delay_one_sample_stands_for_all() {
     assert!(session.take_troubles().is_empty());
 }
 
+/// Of a run of n samples, some are kept, not the n (n + 1) / 2 pairs, and few are compared at each sample.
+#[test]
+fn an_order_with_episodes_and_a_delay_keeps_few_instants() {
+    let episode = |timing: &str| format!("(:episode (speed uav) :quality :no-constraints :value (> 4) {timing})");
+    let tagged = "(:episode x (speed uav) :quality :no-constraints :value (> 4))";
+    // Samples come every 0.1 s: those within a greatest duration or delay are kept.
+    for (order, most) in [
+        (format!("{} (:delay 300s) (landed)", episode("")), 20),
+        (format!("{} (:delay 300s) (landed)", episode(":timing (:duration (>= 5s))")), 120),
+        (format!("{} (:delay 300s) (landed)", episode(":timing (:duration (< 5s))")), 120),
+        (format!("{} (:delay 300s) (landed)", episode(":timing (:duration (:range 1s 5s))")), 120),
+        (format!("{} (:delay 1s 5s) (landed)", episode(":timing (:duration (< 5s))")), 320),
+        (format!("{tagged} (:delay 300s) (landed) :constraint (< (duration-of ?x) 5s)"), 120),
+        (
+            "(:measurement x (speed uav) :value (> 4)) (:measurement y (speed uav) :value (< 4))
+          :constraint (< (- (start-of ?y) (start-of ?x)) 5s)"
+                .to_string(),
+            120,
+        ),
+    ] {
+        let condition = format!("(:in-order {order})");
+        let (plain, id) = session(&condition, 0.0);
+        let mut session = plain.over_a_log();
+        let mut greatest = 0;
+        for number in 0..2_000 {
+            session.sample(&of("speed"), Value::Real(5.0), Time(number * 100_000_000));
+            if number % 100 == 0 {
+                session.advance(Time(number * 100_000_000));
+                greatest = greatest.max(super::conjunctions::kept_anywhere(&session, id));
+            }
+        }
+        assert!(greatest <= most, "{condition} keeps {greatest}");
+        assert!(session.take_troubles().is_empty(), "{condition}");
+    }
+}
+
 /// A sample of `a` or `b` of an object, or a message.
 #[derive(Clone, Debug)]
 pub(super) enum Told {
@@ -67,7 +103,7 @@ pub(super) fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
     })
 }
 
-const ORDERS: [&str; 24] = [
+const ORDERS: [&str; 30] = [
     "(:in-order (a uav > 4) (:delay 2s 4s) (a uav < 4)",
     "(:in-order (a uav > 4) (a uav < 4)",
     "(:in-order (a uav > 4) (:delay 0s 3s) (b uav > 4)",
@@ -102,6 +138,35 @@ const ORDERS: [&str; 24] = [
       (:episode (a uav) :quality (:max-gap 2s) :value (< 6))",
     "(:in-order (:episode (a uav) :quality (:max-gap 1s) :value (> 1) :any) (b uav > 3)
       (:episode (a uav) :quality :no-constraints :value (> 1) :timing (:duration (> 2s)) :any)",
+    // Greatest durations.
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 2) :timing (:duration (<= 3s))) (:delay 1s) (b uav < 4)",
+    "(:in-order (a uav > 5) (:delay 0s 9s) (:episode (a uav) :quality (:max-gap 4s) :value (> 1) :timing (:duration (:range 2s 4s)))
+      (:delay 2s) (go)",
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 1) :first-value (> 3) :timing (:duration (< 4s) (> 1s)))
+      (:delay 1s 5s) (:episode (b uav) :quality :no-constraints :value (> 1) :last-value (< 4) :timing (:duration (= 2s)))",
+    "(:in-order (:episode (a uav) :quality :no-constraints :value (> 1) :timing (:duration (<= 5s) (>= 5s))) (:delay 3s)",
+    "(:in-order (go) (:delay 0s 4s) (:episode (a uav) :quality :no-constraints :value (> 1) :timing (:duration (< 3s))) (:delay 0s 2s)
+      (:episode (a uav) :quality :no-constraints :value (< 7) :timing (:duration (:max 2s)))",
+    "(:in-order (:episode (a uav) :quality (:max-gap 2s) :value (> 1) :timing (:duration (< 5s)) :any) (b uav > 3)
+      (:episode (a other) :quality :no-constraints :value (> 1) :timing (:duration (< 2s)) :any)",
+];
+
+/// Orders with constraints on the time between neighbours.
+const CONSTRAINED: [&str; 7] = [
+    "(:in-order (:measurement x (a uav) :value (> 4)) (:measurement y (b uav) :value (< 4))
+      :constraint (< (- (start-of ?y) (end-of ?x)) 3s)",
+    "(:in-order (:measurement x (a uav) :value (> 4)) (:delay 1s) (:measurement y (b uav) :value (< 4)) (go)
+      :constraint (>= 4s (- (start-of ?y) (start-of ?x)))",
+    "(:in-order (:measurement x (a ?who) :value (> 3)) (:measurement y (b ?who) :value (> 3)) (:measurement z (a ?who) :value (< 4))
+      :constraint (<= (- (start-of ?y) (end-of ?x)) 4s) (> (- (start ?z) (end ?y)) 2s)",
+    "(:in-order (:episode x (a uav) :quality :no-constraints :value (> 2)) (:delay 1s) (:episode y (b uav) :quality :no-constraints :value (> 2))
+      :constraint (and (< (duration-of ?x) 4s) (<= 1s (duration-of ?y))) (<= (- (start-of ?y) (end-of ?x)) 5s)",
+    "(:in-order (:episode x (a uav) :quality (:max-gap 3s) :value (> 1)) (:delay 0s 9s) (:measurement y (b uav) :value (> 2)) (:delay 3s)
+      :constraint (= (- (end-of ?x) (start-of ?x)) 3s)",
+    "(:in-order whole (:measurement x (a uav) :value (> 4)) (:measurement y (b uav) :value (< 4))
+      :constraint (< (- (end-of ?whole) (start-of ?whole)) 3s)",
+    "(:in-order (:measurement x (a uav) :value (> 4)) (go) (:measurement y (b uav) :value (< 4))
+      :constraint (< (- (start-of ?y) (start-of ?x)) 6s)",
 ];
 
 /// Returns the results of `condition` over `story`; with `late`, the samples of each variable arrive after those of the preceding one.
@@ -142,5 +207,12 @@ proptest! {
         let swept = results_over(&format!("{})", ORDERS[number]), &story, late, log);
         let tried = results_over(&format!("{} :constraint (< 1 2))", ORDERS[number]), &story, late, true);
         prop_assert_eq!(swept, tried, "{}", ORDERS[number]);
+    }
+
+    #[test]
+    fn limits_between_neighbours_are_constraints(story in stories(), number in 0..CONSTRAINED.len(), late: bool, log: bool) {
+        let swept = results_over(&format!("{})", CONSTRAINED[number]), &story, late, log);
+        let tried = results_over(&format!("{} (< 1 2))", CONSTRAINED[number]), &story, late, true);
+        prop_assert_eq!(swept, tried, "{}", CONSTRAINED[number]);
     }
 }

@@ -218,6 +218,8 @@ pub struct PointOrder {
     pub checked: Vec<usize>,
     /// True if a pattern variable occurs in the order: each set of bindings has separate chains.
     pub binds: bool,
+    /// For each point the least and the greatest time from the preceding one, according to constraints.
+    pub limits: Vec<(Duration, Duration)>,
 }
 
 /// A value test, prepared to be cheap for each sample.

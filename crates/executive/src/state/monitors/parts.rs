@@ -9,6 +9,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// State of an Allen relation between adjacent parts.
@@ -159,8 +160,8 @@ pub struct TimePart {
 }
 
 /// The instants of the samples of an episode that bound its intervals. A run of n samples has n (n + 1) / 2 pairs; an order needs only the
-/// instants, because a pair is a beginning followed by an end of the same run, after the least duration. The newest sample is separate,
-/// because a later arrival of its instant may still replace it.
+/// instants, because a pair is a beginning followed by an end of the same run, after at least the least and at most the greatest duration.
+/// The newest sample is separate, because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairPoints {
     /// Beginnings before the newest sample, in order of time.
@@ -169,8 +170,10 @@ pub struct PairPoints {
     pub ends: Vec<Satisfaction>,
     /// First and last sample of the runs that contain these instants, in order of time.
     pub runs: Vec<(Time, Time)>,
-    /// The first beginning of the last of these runs.
-    pub begun: Option<Time>,
+    /// The least and the greatest duration of a pair.
+    pub durations: (Duration, Duration),
+    /// Beginnings in the last of these runs: the first one, or with a greatest duration all that a later sample may still follow.
+    pub begun: VecDeque<Time>,
     /// The newest sample but one.
     pub settled_at: Option<Time>,
     /// The newest sample, if it satisfies the value constraints.
