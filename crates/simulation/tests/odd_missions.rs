@@ -28,5 +28,7 @@ mod measured_wind;
 mod still_air;
 #[path = "odd/strong_wind.rs"]
 mod strong_wind;
+#[path = "odd/told.rs"]
+mod told;
 #[path = "odd/waiting.rs"]
 mod waiting;
