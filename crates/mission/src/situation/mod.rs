@@ -19,6 +19,7 @@ pub use visit::{VehicleState, Visit};
 use crate::Mission;
 use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
+use crate::manoeuvres::zone_over;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use crate::wind_error::WindError;
@@ -27,7 +28,7 @@ use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::planned::{Location, PlannedActivity};
-use apex_model::problem::Plan;
+use apex_model::problem::{Plan, PlannedVisit};
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -375,7 +376,11 @@ impl Situation {
         let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {
-                plan.visits.iter().map(|visit| (visit.target.clone(), planned(visit.begin_s))).collect()
+                let detail = |visit: &PlannedVisit| match visit.quality.as_ref().and_then(zone_over) {
+                    Some(zone) => format!("{}; {zone}", planned(visit.begin_s)),
+                    None => planned(visit.begin_s),
+                };
+                plan.visits.iter().map(|visit| (visit.target.clone(), detail(visit))).collect()
             }
             // Times of these plans count from the instant at which the problem was posed.
             Plan::Surveillance(plan) => {
