@@ -81,8 +81,7 @@ impl Descent {
 fn circling_s(model: &VehicleModel, (from_m, to_m): (f64, f64), wind_mps: WindSpeedAt<'_>) -> f64 {
     let (high_mps, low_mps) = (wind_mps(from_m), wind_mps(to_m + 0.5 * model.final_approach_height_m));
     let cruise_mps = model.true_airspeed_m_s_cruise;
-    let true_per_indicated = 1.0 / libm::sqrt(density_ratio(to_m));
-    let approach_mps = (APPROACH_SHARE * model.indicated_airspeed_m_s_min * true_per_indicated).min(cruise_mps);
+    let approach_mps = approach_mps(model, to_m);
     let fast_mps = cruise_mps + high_mps;
     let bank_rad = (model.turns.bank_share * model.bank_deg_max).to_radians();
     let radius_m = TURN_WIDTH * travel::turn_radius_m(fast_mps, bank_rad);
@@ -93,6 +92,12 @@ fn circling_s(model: &VehicleModel, (from_m, to_m): (f64, f64), wind_mps: WindSp
     let down_s = (from_m - to_m - model.final_approach_height_m).max(0.0) / model.descent_rate_m_s_max;
     let circles = libm::ceil((down_s - out_s - around_s).max(0.0) / (2.0 * around_s));
     out_s + around_s * (1.0 + 2.0 * circles) + final_m / (approach_mps * (1.0 - share))
+}
+
+/// Returns the true airspeed of the final approach of a fixed wing at an altitude.
+pub(crate) fn approach_mps(model: &VehicleModel, altitude_m: f64) -> f64 {
+    let true_per_indicated = 1.0 / libm::sqrt(density_ratio(altitude_m));
+    (APPROACH_SHARE * model.indicated_airspeed_m_s_min * true_per_indicated).min(model.true_airspeed_m_s_cruise)
 }
 
 /// Returns the rate of descent of plans.

@@ -2,6 +2,7 @@
 
 pub mod acquisition;
 pub mod check_report;
+mod closing;
 pub mod clouds;
 pub mod comparison;
 mod costs;

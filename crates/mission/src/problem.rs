@@ -6,6 +6,7 @@ pub(crate) use timing::{GroundArrival, interval_windows, is_bound_to_seen};
 
 use super::situation::Situation;
 use super::{Fire, Mission, Site, TargetKind};
+use crate::closing::closing;
 use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
@@ -102,6 +103,7 @@ pub(crate) fn single_visits(
         // Plans end over the base at cruise altitude: the descent needs its time, as it needs its energy.
         end_s: Some(
             latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)
+                .min(base_open_until_s(mission, now_s))
                 - Descent::to_base(mission).time_s,
         ),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
@@ -122,6 +124,16 @@ pub(crate) fn single_visits(
 fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
     let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
     duration_s - end_margin_s * left.sqrt()
+}
+
+/// Returns the instant until which plans made at `now_s` land at the base because it closes for good, with the error of such times; infinity
+/// for a base that stays open, and for one that is closed already: it is the least of the evils then.
+pub(crate) fn base_open_until_s(mission: &Mission, now_s: f64) -> f64 {
+    let closing = closing(mission, (mission.start, mission.start_altitude_m)).filter(|closing| closing.at_s > now_s);
+    closing.map_or(f64::INFINITY, |closing| {
+        let ahead_s = closing.at_s - now_s;
+        closing.at_s - time_error_s(ahead_s).min(0.5 * ahead_s)
+    })
 }
 
 /// Targets of a problem, and pairs of names of which the first must precede the second.

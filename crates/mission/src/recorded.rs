@@ -169,7 +169,8 @@ fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError
 /// A record that cannot be read.
 pub fn report_until(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Report> {
     let (situation, flown) = folded_until(reader, mission, at)?;
-    Ok(report(mission, &situation, told(&flown), (at, "the flight was under way".to_string())))
+    let report = report(mission, &situation, told(&flown), (at, "the flight was under way".to_string()));
+    Ok(Report { failed_because: None, not_landed: None, ..report })
 }
 
 /// The report of the recorded flight, computed from its steps.

@@ -16,6 +16,10 @@ pub struct Report {
     pub mission: String,
     /// Instant and reason of its end.
     pub end: (Time, String),
+    /// Why the initial task failed; `None` if it did not, and while the flight continues.
+    pub failed_because: Option<String>,
+    /// A sentence about a vehicle that did not land; `None` if it is on the ground, and while the flight continues.
+    pub not_landed: Option<String>,
     /// Observations in order.
     pub visits: Vec<Visit>,
     /// Targets never observed, with the last reason given.
@@ -78,16 +82,30 @@ pub fn report(
             false => (name.clone(), reason_left_out(mission, target, &name, situation)),
         })
         .collect();
+    let ending = situation.ending();
+    let not_landed = ending.not_landed(mission, (&situation.vehicle, situation.wind_mps()), end.0);
     Report {
         mission: mission.settings.name.clone(),
         value: value(mission, situation, flown, end.0),
         end,
+        failed_because: ending.failed_because().map(str::to_string),
+        not_landed,
         visits: situation.visits.clone(),
         left_out,
-        notes: situation.notes.clone(),
+        notes: notes(situation),
         plans: situation.adopted,
         names: mission.targets.iter().map(|target| (target.id.clone(), target.name.clone())).collect(),
     }
+}
+
+/// Returns the notes of the flight, with one about a plan that no task flew.
+fn notes(situation: &Situation) -> Vec<Note> {
+    let mut notes = situation.notes.clone();
+    if let Some((at, why)) = situation.ending().idle_plan() {
+        let place = notes.partition_point(|note| note.at <= at);
+        notes.insert(place, Note { at, text: format!("this plan was not flown: {why}") });
+    }
+    notes
 }
 
 /// Returns the names of the observations of a target in plans: the target's name, or one for each wanted look.
@@ -126,6 +144,9 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     };
     match state {
         TargetState::Skipped => detail.clone(),
+        TargetState::Planned if let Some((_, why)) = situation.ending().idle_plan().filter(|idle| idle.0 <= *at) => {
+            format!("{detail}, but {why}")
+        }
         TargetState::Planned => format!("{detail}, but the flight ended before"),
         TargetState::Observing => format!("begun at {at} and interrupted"),
         TargetState::Observed => format!("observed at {at}"),

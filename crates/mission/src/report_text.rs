@@ -19,7 +19,12 @@ impl Report {
             self.left_out.iter().map(|(target, reason)| json!({"target": target, "reason": reason})).collect();
         let notes: Vec<Value> =
             self.notes.iter().map(|note| json!({"t": note.at.seconds(), "text": note.text})).collect();
-        let end = json!({"mission": self.mission, "t": self.end.0.seconds(), "reason": self.end.1});
+        let mut end = json!({"mission": self.mission, "t": self.end.0.seconds(), "reason": self.end.1});
+        for (key, text) in [("failed_because", &self.failed_because), ("not_landed", &self.not_landed)] {
+            if let (Some(text), Some(end)) = (text, end.as_object_mut()) {
+                end.insert(key.to_string(), json!(text));
+            }
+        }
         vec![
             ("end", end),
             ("score", self.value_json()),
@@ -69,6 +74,9 @@ impl Report {
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         writeln!(out, "\n{}: ended at {} because {}", self.mission, whole_seconds(self.end.0), self.end.1)?;
+        for line in self.failed_because.iter().chain(&self.not_landed) {
+            writeln!(out, "  {line}")?;
+        }
         match &self.value {
             MissionValue::Score(score) => score.write(out)?,
             MissionValue::Ignorance(cost, looks) => {

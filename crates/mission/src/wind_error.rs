@@ -6,21 +6,29 @@ use serde::{Deserialize, Serialize};
 
 /// Time over which measurements are averaged: gusts last for seconds, and a wrong forecast for hours.
 const AVERAGED_S: f64 = 120.0;
-/// Time for which plans assume that the forecast stays wrong in the same way.
+/// Time for which plans assume that the forecast stays wrong in the same way, and over which measurements count for the relation of the
+/// error to the forecast.
 const LASTING_S: f64 = 6.0 * 3600.0;
 /// Highest altitude of a layer of air.
 const HIGHEST_M: f64 = 1e5;
 
-/// Weight of the assumption that error and forecast are unrelated, m2/s: that of half an hour of forecasts that differ by 10 m/s.
-const UNRELATED_M2_PER_S: f64 = 180_000.0;
+/// Weight of the assumption that error and forecast are unrelated, m2/s: that of ten minutes of forecasts that differ by 10 m/s.
+const UNRELATED_M2_PER_S: f64 = 60_000.0;
+/// Weight of the assumption that the forecast is right where it forecasts still air, s. With the weight above, the error of a wind that is
+/// measured at one forecast alone is shared between a factor and an offset as if factors had a deviation of 0.33 and offsets of 4 m/s.
+const STILL_RIGHT_S: f64 = 400.0;
 /// Bounds of the relation: a forecast that is wrong by more is of no use elsewhere.
 const RELATION_MIN: f64 = -0.5;
 const RELATION_MAX: f64 = 1.5;
+/// Difference of the measured error from the one that the relation predicts, with which the past is forgotten within [`FORGOTTEN_S`]; with
+/// twice the difference in a quarter of the time. The wind has changed then.
+const SURPRISE_MPS: f64 = 4.0;
+const FORGOTTEN_S: f64 = 1_200.0;
 
 /// Difference of the measured wind from the forecast: averaged over the last minutes, and its relation to the forecast over the last hours.
 ///
-/// An error that was greater where more wind was forecast is expected to be so elsewhere, too. Without such evidence the error is taken to be
-/// the same everywhere.
+/// The error elsewhere is that of a line: an offset, and a part that grows with the forecast. Measurements in different winds tell the two
+/// apart; without them, most of the error in a strong wind is expected to grow with the forecast. Layers of air differ by their forecasts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct WindError {
     east_mps: f64,
@@ -46,10 +54,9 @@ struct Relation {
 }
 
 impl Relation {
-    /// Takes an error that lasted for `span_s` where `expected` was forecast.
-    fn take(&mut self, expected: [f64; 2], error: [f64; 2], span_s: f64) {
-        let kept = libm::exp(-span_s / LASTING_S);
-        let dot = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    /// Takes an error that lasted for `span_s` where `expected` was forecast, and the surprise about the error over the last minutes.
+    fn take(&mut self, expected: [f64; 2], error: [f64; 2], (span_s, surprise): (f64, f64)) {
+        let kept = libm::exp(-span_s / LASTING_S - span_s * surprise * surprise / FORGOTTEN_S);
         self.time_s = kept * self.time_s + span_s;
         self.square_m2_per_s = kept * self.square_m2_per_s + span_s * dot(expected, expected);
         self.product_m2_per_s = kept * self.product_m2_per_s + span_s * dot(expected, error);
@@ -60,16 +67,35 @@ impl Relation {
         add(&mut self.error_m, error);
     }
 
-    /// Returns the change of the error with the forecast, m/s for each m/s; 0 without evidence.
-    fn slope(&self) -> f64 {
+    /// Returns the change of the error with the forecast, m/s for each m/s, where `error` is met now and `expected` is forecast.
+    fn slope(&self, expected: [f64; 2], error: [f64; 2]) -> f64 {
+        let (mut varied, mut together) = (0.0, 0.0);
+        if self.time_s > 0.0 {
+            varied = (self.square_m2_per_s - dot(self.expected_m, self.expected_m) / self.time_s).max(0.0);
+            together = self.product_m2_per_s - dot(self.expected_m, self.error_m) / self.time_s;
+        }
+        let still = STILL_RIGHT_S * dot(expected, expected);
+        let slope = (together + STILL_RIGHT_S * dot(expected, error)) / (varied + still + UNRELATED_M2_PER_S);
+        slope.clamp(RELATION_MIN, RELATION_MAX)
+    }
+
+    /// Returns the difference of `error` from the mean error so far, which changes with the forecast by `slope`, in units of a difference
+    /// that lets the past be forgotten; 0 before the first error.
+    fn surprise(&self, slope: f64, expected: [f64; 2], error: [f64; 2]) -> f64 {
         if self.time_s <= 0.0 {
             return 0.0;
         }
-        let means = |a: [f64; 2], b: [f64; 2]| a.into_iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / self.time_s;
-        let varied = self.square_m2_per_s - means(self.expected_m, self.expected_m);
-        let together = self.product_m2_per_s - means(self.expected_m, self.error_m);
-        (together / (varied.max(0.0) + UNRELATED_M2_PER_S)).clamp(RELATION_MIN, RELATION_MAX)
+        let parts = self.error_m.into_iter().zip(self.expected_m).zip(expected).zip(error);
+        let squares = parts.map(|(((error_m, expected_m), expected), error)| {
+            let predicted = error_m / self.time_s + slope * (expected - expected_m / self.time_s);
+            (error - predicted) * (error - predicted)
+        });
+        libm::sqrt(squares.sum()) / SURPRISE_MPS
     }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Correction of forecast winds: a factor, and the wind that is added to the product, m/s.
@@ -104,19 +130,29 @@ impl WindError {
             .into_iter()
             .zip(error.into_iter().chain(expected))
             .for_each(|(mean, value)| *mean += share * (value - *mean));
+        let (mean_expected, mean_error) = self.means();
+        let slope = self.relation.slope(mean_expected, mean_error);
+        let surprise = self.relation.surprise(slope, mean_expected, mean_error);
         // What happened during a gap of the measurements is not known.
-        self.relation.take(expected, error, span_s.min(AVERAGED_S));
+        self.relation.take(expected, error, (span_s.min(AVERAGED_S), surprise));
         self.at_s = Some(now_s);
     }
 
     /// Returns the correction of forecast winds.
     pub(crate) fn correction(&self) -> Correction {
-        let slope = self.relation.slope();
+        let (expected, error) = self.means();
+        let slope = self.relation.slope(expected, error);
+        let ([expected_east, expected_north], [east, north]) = (expected, error);
         Correction {
             factor: 1.0 + slope,
-            east_mps: self.east_mps - slope * self.expected_east_mps,
-            north_mps: self.north_mps - slope * self.expected_north_mps,
+            east_mps: east - slope * expected_east,
+            north_mps: north - slope * expected_north,
         }
+    }
+
+    /// Returns the forecast and its error over the last minutes, east and north.
+    fn means(&self) -> ([f64; 2], [f64; 2]) {
+        ([self.expected_east_mps, self.expected_north_mps], [self.east_mps, self.north_mps])
     }
 
     /// Returns the forecast for a plan made at `now_s`: corrected for six hours, then unchanged. `None` if nothing was measured.
@@ -168,7 +204,8 @@ mod tests {
     fn a_gust_counts_little_and_a_wrong_forecast_counts_after_minutes() {
         let mut error = WindError::default();
         error.take(blowing(12.0, 0.0), blowing(10.0, 0.0), 0.0);
-        assert_eq!(error.correction().of(blowing(10.0, 1.0)), blowing(12.0, 1.0), "the first measurement counts");
+        let corrected = error.correction().of(blowing(10.0, 0.0));
+        assert!((corrected.east_mps - 12.0).abs() < 1e-9 && corrected.north_mps == 0.0, "the first measurement counts");
         error.take(blowing(40.0, 0.0), blowing(10.0, 0.0), 5.0);
         assert!((error.east_mps - 3.1).abs() < 0.1, "{error:?}");
         for second in 1..=600 {
@@ -177,22 +214,47 @@ mod tests {
         assert!((error.east_mps - 20.0).abs() < 1.0 && (error.north_mps + 20.0).abs() < 1.1, "{error:?}");
     }
 
-    /// A wind of twice the forecast, measured where 5 and where 25 m/s are forecast, is expected to be twice the forecast of 10 m/s; measured
-    /// at one forecast, and in winds that differ by the same 10 m/s everywhere, the error is the same elsewhere.
+    /// Flies for hours at the given forecasts, in winds from the west that are a function of the forecast; returns the corrected wind where
+    /// 10 m/s are forecast.
+    fn corrected_of_10(winds: &dyn Fn(f64) -> f64, forecasts: [f64; 2]) -> f64 {
+        let mut error = WindError::default();
+        for second in 0..14_400 {
+            let forecast = forecasts[usize::from(second >= 7_200)];
+            error.take(blowing(winds(forecast), 0.0), blowing(forecast, 0.0), f64::from(second));
+        }
+        error.correction().of(blowing(10.0, 0.0)).east_mps
+    }
+
+    /// A wind of twice the forecast, measured where 5 and where 25 m/s are forecast, is expected to be twice the forecast of 10 m/s, and a
+    /// wind that differs by the same 10 m/s everywhere to differ by about as much here. Measured at one forecast, most of the error is
+    /// expected to grow with it: without that, 35 m/s were expected here.
     #[test]
     fn an_error_grows_with_the_forecast_where_it_was_seen_to() {
-        let fly = |winds: &dyn Fn(f64) -> f64, forecasts: [f64; 2]| {
-            let mut error = WindError::default();
-            for second in 0..14_400 {
-                let forecast = forecasts[usize::from(second >= 7_200)];
-                error.take(blowing(winds(forecast), 0.0), blowing(forecast, 0.0), f64::from(second));
+        let twice = corrected_of_10(&|forecast| 2.0 * forecast, [5.0, 25.0]);
+        assert!((19.0..22.0).contains(&twice), "{twice}");
+        let more = corrected_of_10(&|forecast| forecast + 10.0, [5.0, 25.0]);
+        assert!((17.5..20.01).contains(&more), "{more}");
+        let unknown = corrected_of_10(&|forecast| 2.0 * forecast, [25.0, 25.0]);
+        assert!((20.0..24.0).contains(&unknown), "{unknown}");
+    }
+
+    /// After hours of a right forecast in various winds, the wind is doubled. Ten minutes at one altitude tell what it is at another, as
+    /// hours of measurements did not: the old ones count no longer.
+    #[test]
+    fn a_wind_that_changes_lets_the_past_be_forgotten() {
+        let mut error = WindError::default();
+        let mut fly = |from_s: u32, until_s: u32, factor: f64, forecast: &dyn Fn(u32) -> f64| {
+            for second in from_s..until_s {
+                let forecast = forecast(second);
+                error.take(blowing(factor * forecast, 0.0), blowing(forecast, 0.0), f64::from(second));
             }
-            error.correction().of(blowing(10.0, 0.0)).east_mps
+            error.correction()
         };
-        let twice = fly(&|forecast| 2.0 * forecast, [5.0, 25.0]);
-        assert!((20.0..23.0).contains(&twice), "{twice}");
-        assert!((fly(&|forecast| 2.0 * forecast, [25.0, 25.0]) - 35.0).abs() < 0.01);
-        assert!((fly(&|forecast| forecast + 10.0, [5.0, 25.0]) - 20.0).abs() < 0.01);
+        let right = fly(0, 30_000, 1.0, &|second| 8.0 + f64::from(second / 3_000 % 3) * 6.0);
+        assert!((right.of(blowing(25.0, 0.0)).east_mps - 25.0).abs() < 0.1, "{right:?}");
+        let doubled = fly(30_000, 30_600, 2.0, &|_| 20.0);
+        let (low, here) = (doubled.of(blowing(8.0, 0.0)).east_mps, doubled.of(blowing(20.0, 0.0)).east_mps);
+        assert!((15.0..20.5).contains(&low) && (39.0..41.0).contains(&here), "{low} {here}: {doubled:?}");
     }
 
     #[test]
@@ -217,10 +279,11 @@ mod tests {
         let field = error.field(&forecast, 3_600.0).unwrap();
         let at = |altitude_m, hours: f64| {
             let wind = wind::at(&field, Position::new(40.0, -120.0), altitude_m, hours * 3600.0);
-            (wind.east_mps, wind.north_mps)
+            [wind.east_mps, wind.north_mps].map(|mps| (mps * 1e6).round() / 1e6)
         };
-        assert_eq!((at(5e3, 2.0), at(5e3, 5.0)), ((15.0, 5.0), (20.0, 5.0)));
-        assert_eq!((at(5e3, 6.9), at(5e3, 7.1), at(5e3, 20.0)), ((20.0, 5.0), (15.0, 0.0), (15.0, 0.0)));
-        assert_eq!((at(1e4, 2.0), at(1e4, 8.0)), ((5.0, 5.0), (0.0, 0.0)), "air without a forecast counts as still");
+        // A fifth of the error grows with the forecast: it is a factor of 1.2 and an offset.
+        assert_eq!([at(5e3, 2.0), at(5e3, 5.0)], [[15.0, 5.0], [21.0, 5.0]]);
+        assert_eq!([at(5e3, 6.9), at(5e3, 7.1), at(5e3, 20.0)], [[21.0, 5.0], [15.0, 0.0], [15.0, 0.0]]);
+        assert_eq!([at(1e4, 2.0), at(1e4, 8.0)], [[3.0, 5.0], [0.0, 0.0]], "air without a forecast counts as still");
     }
 }

@@ -24,9 +24,13 @@ mod low_sun;
 mod low_zone;
 #[path = "odd/measured_wind.rs"]
 mod measured_wind;
+#[path = "odd/partly_shut.rs"]
+mod partly_shut;
 #[path = "odd/still_air.rs"]
 mod still_air;
 #[path = "odd/strong_wind.rs"]
 mod strong_wind;
+#[path = "odd/told.rs"]
+mod told;
 #[path = "odd/waiting.rs"]
 mod waiting;

@@ -8,7 +8,7 @@ use super::operator_plan::HUMAN;
 use super::solve::{Deliberation, PLAN_VISITS_MAX, SolveOptions};
 use crate::Mission;
 use crate::descent::Descent;
-use crate::problem::NoPlan;
+use crate::problem::{NoPlan, base_open_until_s};
 use apex_model::problem::{Light, Plan, Problem, SingleVisitProblem, SingleVisitVehicle, WindField};
 use apex_planning::solver::{Environment, WorkBudget, units_in};
 use apex_runtime::invocation::Invocations;
@@ -104,7 +104,8 @@ fn single_visits(problem: &Problem) -> Option<&SingleVisitProblem> {
 /// Returns the latest arrival over the base after which the vehicle still lands as early as required, and with its reserve.
 fn latest_s(mission: &Mission, problem: &SingleVisitProblem) -> f64 {
     let before_s = mission.requirements.landed_before_end_s.unwrap_or(0.0);
-    let ends_s = mission.settings.duration.seconds() - before_s - Descent::to_base(mission).time_s;
+    let open_s = mission.settings.duration.seconds().min(base_open_until_s(mission, problem.start_s));
+    let ends_s = open_s - before_s - Descent::to_base(mission).time_s;
     let vehicle = &problem.vehicle;
     let endurance_s = vehicle.endurance_s - vehicle.endurance_reserve_s;
     let burn_s = match vehicle.fuel_flow_kg_per_s {

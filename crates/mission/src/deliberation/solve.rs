@@ -1,7 +1,8 @@
 //! Solves a posed problem: chooses a planner, runs it isolated and within its budget, and checks its plan.
 
+use crate::closing::closing;
 use crate::descent::Descent;
-use crate::problem::{NoPlan, survey, trouble};
+use crate::problem::{NoPlan, base_open_until_s, survey, trouble};
 use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
@@ -171,6 +172,7 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
 pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     name_zones(mission, solved);
     name_battery(mission, solved);
+    name_closing(mission, solved);
     name_unseen(mission, solved, is_open);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
@@ -222,6 +224,34 @@ fn name_battery(mission: &Mission, solved: &mut Deliberation) {
             reserve_s / 60.0
         );
         left_out.reason = left_out.reason.replace(ENDURANCE, &named);
+    }
+}
+
+/// The planners' words for the limit that the end of the mission sets, and those after it in reasons of left-out targets.
+const MISSION_END: &str = "the end of the mission";
+const LEAVES: &str = " leaves";
+
+/// Replaces the name of the limit by the closing of the base, if the base closes before the mission ends.
+fn name_closing(mission: &Mission, solved: &mut Deliberation) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    for left_out in &mut plan.left_out {
+        left_out.reason = with_closing(mission, problem.start_s, &left_out.reason);
+    }
+}
+
+/// Returns a reason of planners in which the closing of the base, if the base closes before the mission ends, stands for the end of the
+/// mission.
+pub(super) fn with_closing(mission: &Mission, now_s: f64, reason: &str) -> String {
+    let is_earlier = base_open_until_s(mission, now_s) < mission.settings.duration.seconds();
+    match closing(mission, (mission.start, mission.start_altitude_m)).filter(|_| is_earlier) {
+        Some(closing) => {
+            let (zone, at) = (&closing.zone.name, Time::from_seconds(closing.at_s));
+            let why = format!("zone {zone} closes the base at {at} until the mission ends");
+            let named = reason
+                .replace(&format!("{MISSION_END}{LEAVES}"), &format!("the time until the base closes{LEAVES}: {why}"));
+            named.replace(MISSION_END, &format!("the time until the base closes ({why})"))
+        }
+        None => reason.to_string(),
     }
 }
 

@@ -122,15 +122,21 @@ pub(super) fn closed_by<'a>(
     altitude_m: f64,
 ) -> Option<&'a AirspaceZone> {
     const STEPS: u32 = 20;
-    let rest = TimeWindow { from_s: wish.from_s, until_s: wish.mission.settings.duration.seconds() };
     let closes = |zone: &&AirspaceZone| {
-        let always = zone.active.from_s <= rest.from_s && zone.active.until_s >= rest.until_s;
-        let level = zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max;
         let met = |(from, to): &(Position, Position)| {
             let at = |step: u32| geodesy::interpolate(*from, *to, f64::from(step) / f64::from(STEPS));
             (0..=STEPS).any(|step| distance_m(zone, at(step)) == 0.0)
         };
-        always && level && lines.iter().any(met)
+        lines.iter().any(met)
     };
-    zones_near(wish).find(closes)
+    zones_closed(wish, altitude_m).find(closes)
+}
+
+/// Returns the restricted zones near the target that are closed at `altitude_m` for the whole rest of the mission.
+pub(super) fn zones_closed<'a>(wish: &'a Wish<'_>, altitude_m: f64) -> impl Iterator<Item = &'a AirspaceZone> {
+    let rest = TimeWindow { from_s: wish.from_s, until_s: wish.mission.settings.duration.seconds() };
+    zones_near(wish).filter(move |zone| {
+        let always = zone.active.from_s <= rest.from_s && zone.active.until_s >= rest.until_s;
+        always && zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max
+    })
 }

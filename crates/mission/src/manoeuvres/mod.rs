@@ -5,6 +5,7 @@ mod camera;
 mod drafts;
 mod flying;
 mod growth;
+mod partial;
 mod picture_heights;
 mod picture_runs;
 mod scanner;
@@ -12,11 +13,16 @@ mod synthesised;
 mod vantage;
 mod wish;
 
+pub(crate) use scanner::zone_over;
 pub(crate) use wish::Wish;
 
 use crate::observing::carries_scanner;
 use apex_model::problem::Manoeuvre;
 
+/// Reasons for which no manoeuvre of library "manoeuvres" is a way to observe a look.
+const SCANNER_ONLY: &str =
+    "manoeuvres take pictures, and this look is made by the line scanner; `camera` names a camera";
+const GROWTH_ONLY: &str = "the ground by which a fire has grown has no name in the program, which a manoeuvre needs";
 /// Maximum number of manoeuvres of one look that planners get.
 const MANOEUVRES_MAX: usize = 8;
 
@@ -28,7 +34,8 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let model = &wish.mission.model;
     match &wish.fire.pictures.camera {
         None if carries_scanner(model) => {
-            let sweeps = best(scanner::sweeps(wish)?, |sweep| &sweep.manoeuvre);
+            let sweeps = scanner::sweeps(wish).map_err(|why| without_manoeuvres(wish, why, SCANNER_ONLY))?;
+            let sweeps = best(sweeps, |sweep| &sweep.manoeuvre);
             Ok(sweeps.into_iter().map(|sweep| sweep.explained(wish)).collect())
         }
         _ => Ok(best(with_camera(wish)?, |manoeuvre| manoeuvre)),
@@ -39,8 +46,10 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
 /// target.
 fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let simple = camera::ways(wish);
-    // No manoeuvre can be flown around the ground by which a fire has grown: it has no name in PDL.
-    if !synthesised::are_flown(wish.mission) || wish.fire.grid.is_partial() {
+    if wish.fire.grid.is_partial() {
+        return simple.map_err(|why| without_manoeuvres(wish, why, GROWTH_ONLY));
+    }
+    if !synthesised::are_flown(wish.mission) {
         return simple;
     }
     let paths = camera::camera(wish).and_then(|camera| synthesised::alternatives(wish, &camera));
@@ -50,6 +59,12 @@ fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
         (Err(simple), Err(paths)) if simple == paths => Err(simple),
         (Err(simple), Err(paths)) => Err(format!("{simple}; by a manoeuvre: {paths}")),
     }
+}
+
+/// Returns the reason for which there is no other way, with the one for which no manoeuvre of library "manoeuvres" is a way, if the program
+/// uses that library.
+fn without_manoeuvres(wish: &Wish<'_>, why: String, more: &str) -> String {
+    if synthesised::are_flown(wish.mission) { format!("{why}; by a manoeuvre: {more}") } else { why }
 }
 
 /// Returns the Pareto front of value and time, the highest value first; a long front is thinned evenly.

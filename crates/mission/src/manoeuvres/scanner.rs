@@ -4,6 +4,7 @@
 use super::altitudes::{self, closed_by};
 use super::flying::{FlownLines, fly};
 use super::growth::{LineGround, line_grounds, useful};
+use super::partial::{ClosedGround, OpenLines};
 use super::wish::Wish;
 use crate::ground::MissionGround;
 use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
@@ -32,6 +33,8 @@ struct SweepDraft {
     flown: FlownLines,
     /// Upper bound of its value, by the swath and the pixels at the nadir: for a selection before predictions.
     promise: f64,
+    /// Name of a zone that closes part of the ground.
+    shut_by: Option<String>,
 }
 
 /// Returns the sweeps with the points that they are predicted to add.
@@ -58,6 +61,7 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
                     Some(zone) => {
                         // Of the closed altitudes, the lowest is nearest to a lower face, the highest to an upper one.
                         closed = Some((altitude_m, zone));
+                        drafts.extend(partly(wish, &scanner, (&draft, spacing.1), zone));
                     }
                 },
             }
@@ -96,7 +100,7 @@ fn draft(
     (ground, (name, swath_m)): (&LineGround, (&str, f64)),
     altitude_m: f64,
 ) -> Result<SweepDraft, String> {
-    let Wish { mission, target, fire, look, .. } = wish;
+    let Wish { mission, target, fire, .. } = wish;
     let height_m = altitude_m - target.elevation_m;
     let wind = wind::at(&mission.forecast, target.position, altitude_m, wish.from_s);
     // The strip wanders by as much as the wings may roll on a valid line.
@@ -133,13 +137,41 @@ fn draft(
     let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
     let start_m = START_S * (mission.model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));
     let lines: Vec<(Position, Position)> = lines.into_iter().map(|line| earlier(line, (ahead_m, start_m))).collect();
-    let flown = flown(&lines)?;
+    let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { ground.name });
+    drafted(wish, scanner, (name, altitude_m), OpenLines { lines, share })
+}
+
+/// Returns lines with their flight and promise.
+fn drafted(
+    wish: &Wish<'_>,
+    scanner: &PredictedScanner,
+    (name, altitude_m): (String, f64),
+    OpenLines { lines, share }: OpenLines,
+) -> Result<SweepDraft, String> {
+    let Wish { mission, target, look, .. } = wish;
+    let flown = fly(&lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast)?;
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
-    let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
+    let pixel_m = scanner.setting.mode.nadir_pixel_m(altitude_m - target.elevation_m);
     let promise = share * clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
-    let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { ground.name });
-    Ok(SweepDraft { name, altitude_m, lines, flown, promise })
+    Ok(SweepDraft { name, altitude_m, lines, flown, promise, shut_by: None })
+}
+
+/// Returns what remains open of a sweep that a zone closes: its open parts, and lines along an edge of the zone.
+fn partly(
+    wish: &Wish<'_>,
+    scanner: &PredictedScanner,
+    (draft, swath_m): (&SweepDraft, f64),
+    zone: &AirspaceZone,
+) -> Vec<SweepDraft> {
+    let Some(ground) = ClosedGround::new(wish, draft.altitude_m) else { return Vec::new() };
+    let found = [("open", ground.cut(&draft.lines, swath_m)), ("beside", ground.beside(swath_m))];
+    let drafts = found.into_iter().filter_map(|(word, lines)| {
+        let name = format!("{word}-{}-{}", zone.name, draft.name);
+        let open = drafted(wish, scanner, (name, draft.altitude_m), lines?).ok()?;
+        Some(SweepDraft { shut_by: Some(zone.name.clone()), ..open })
+    });
+    drafts.collect()
 }
 
 /// Returns the lines along the outline and true if they take less time than the swept ones; the swept ones and false otherwise.
@@ -182,6 +214,8 @@ pub(super) struct Sweep {
     pub(super) manoeuvre: Manoeuvre,
     /// Looks of its lines.
     looks: TargetLooks,
+    /// Name of a zone that closes part of the ground.
+    shut_by: Option<String>,
 }
 
 impl Sweep {
@@ -191,7 +225,7 @@ impl Sweep {
             return self.manoeuvre;
         }
         let quality = factors(wish, &self.looks, true).unwrap_or(self.manoeuvre.quality);
-        Manoeuvre { quality, ..self.manoeuvre }
+        Manoeuvre { quality: shut(quality, self.shut_by.as_deref()), ..self.manoeuvre }
     }
 }
 
@@ -213,7 +247,7 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> 
         })
         .collect();
     let looks = looks(wish, scanner, &lines);
-    let quality = factors(wish, &looks, false)?;
+    let quality = shut(factors(wish, &looks, false)?, draft.shut_by.as_deref());
     let manoeuvre = Manoeuvre {
         name: draft.name,
         altitude_m: draft.altitude_m,
@@ -224,7 +258,28 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> 
         quality,
         pictures: None,
     };
-    (manoeuvre.quality.product() > 0.0).then_some(Sweep { manoeuvre, looks })
+    (manoeuvre.quality.product() > 0.0).then_some(Sweep { manoeuvre, looks, shut_by: draft.shut_by })
+}
+
+/// Returns the factors with the zone that closes part of the ground among the causes of their losses.
+fn shut(mut quality: QualityFactors, zone: Option<&str>) -> QualityFactors {
+    if let Some(zone) = zone.filter(|_| quality.coverage.factor < 1.0) {
+        let known = std::mem::take(&mut quality.coverage.cause);
+        let joined = if known.is_empty() { known } else { format!("{known}, ") };
+        quality.coverage.cause = format!("{joined}{SHUT_BY}{zone}{SHUT}");
+    }
+    quality
+}
+
+/// Words around the name of a zone that closes part of the ground.
+const SHUT_BY: &str = "zone ";
+const SHUT: &str = " closes part of the ground";
+
+/// Returns the words about a zone that closes part of the ground, of the causes of a coverage; `None` if they name none.
+pub(crate) fn zone_over(quality: &QualityFactors) -> Option<&str> {
+    let cause = quality.coverage.cause.as_str();
+    let words = cause.rsplit_once(", ").map_or(cause, |(_, last)| last);
+    (words.starts_with(SHUT_BY) && words.ends_with(SHUT)).then_some(words)
 }
 
 /// Returns the wanted look alone: a manoeuvre is planned for it.

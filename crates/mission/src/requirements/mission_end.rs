@@ -4,6 +4,7 @@ use super::commanded::FlightOrder;
 use super::commanded_route::chart_distance_m;
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
+use crate::closing::closing;
 use crate::descent::Descent;
 use crate::vehicle::way_altitude_m_max;
 use apex_geo::geodesy::{self, Position};
@@ -30,16 +31,15 @@ impl<'a> Scene<'a> {
         if matches!(self.order, Some(FlightOrder::Land(_))) {
             return None;
         }
-        let left_s = self.mission.settings.duration.seconds() - before_s - self.now_s;
         let base = self.base();
         // The commanded way home has its detours already.
         let home_m = self.way_home_m(base.position);
         let detour = home_m.map_or(DETOUR, |home_m| home_m / geodesy::distance_m(self.here, base.position).max(1.0));
-        let mut margin = self.landed_s(left_s, self.present(), &base, detour.max(1.0));
+        let mut margin = self.landed_s(before_s, self.present(), &base, detour.max(1.0));
         let (mut site, mut response) = (base, Response::LandAt);
         // Without enough time for the way home, the flight continues until another landing place is the last one in reach.
         if margin < -before_s
-            && let Some((other, other_s)) = self.site_of_most_time(left_s).filter(|(_, other_s)| *other_s > margin)
+            && let Some((other, other_s)) = self.site_of_most_time(before_s).filter(|(_, other_s)| *other_s > margin)
         {
             (site, margin, response) = (other, other_s, Response::LandElsewhere);
         }
@@ -50,7 +50,7 @@ impl<'a> Scene<'a> {
         } else {
             self.first_below(|state| {
                 let there = (self.plane.position(state.point), state.altitude_m, state.after_s);
-                self.landed_s(left_s, there, &site, DETOUR)
+                self.landed_s(before_s, there, &site, DETOUR)
             })
         };
         Some(Reading {
@@ -78,10 +78,11 @@ impl<'a> Scene<'a> {
         (self.here, self.flown.altitude_m, 0.0)
     }
 
-    /// Returns the part of `left_s` that remains after a landing at a site, from a position, an altitude, and an instant after now.
+    /// Returns the time that remains after a landing at a site until `before_s` before the mission ends, or before the site closes, from a
+    /// position, an altitude, and an instant after now.
     fn landed_s(
         &self,
-        left_s: f64,
+        before_s: f64,
         (from, altitude_m, after_s): (Position, f64, f64),
         site: &LandingSite<'_>,
         detour: f64,
@@ -90,13 +91,25 @@ impl<'a> Scene<'a> {
         let arrives_s = self.now_s + after_s + way_s.unwrap_or_default();
         let wind_mps = |altitude_m: f64| self.wind_over_mps(site.position, altitude_m, arrives_s);
         let descent_s = Descent::new(&self.mission.model, (altitude_m, site.elevation_m), &wind_mps).time_s;
-        mission_end(left_s - after_s, way_s, descent_s).max(-NO_WAY_S)
+        mission_end(self.open_s(site) - before_s - after_s, way_s, descent_s).max(-NO_WAY_S)
+    }
+
+    /// Returns the time until the mission ends or the site closes for good, whichever is earlier. A site that has closed is open for no time
+    /// where another one is open; else the end of the mission counts, because a landing there is the least of the evils.
+    fn open_s(&self, site: &LandingSite<'_>) -> f64 {
+        let left_s = self.mission.settings.duration.seconds() - self.now_s;
+        let Some(closing) = closing(self.mission, (site.position, site.elevation_m)) else { return left_s };
+        match closing.at_s - self.now_s {
+            open_s if open_s > 0.0 => open_s.min(left_s),
+            _ if self.landing_sites().any(|other| !self.is_shut(&other)) => 0.0,
+            _ => left_s,
+        }
     }
 
     /// Returns the landing site that leaves most time, of those outside of restricted zones.
-    fn site_of_most_time(&self, left_s: f64) -> Option<(LandingSite<'a>, f64)> {
+    fn site_of_most_time(&self, before_s: f64) -> Option<(LandingSite<'a>, f64)> {
         let open = self.landing_sites().filter(|site| !self.is_shut(site));
-        let sites = open.map(|site| (site, self.landed_s(left_s, self.present(), &site, DETOUR)));
+        let sites = open.map(|site| (site, self.landed_s(before_s, self.present(), &site, DETOUR)));
         sites.max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 

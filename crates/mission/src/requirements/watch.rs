@@ -87,6 +87,11 @@ impl Watch {
         self.flown.edr
     }
 
+    /// Returns the speed of the wind as last measured.
+    pub(crate) fn wind_mps(&self) -> Option<f64> {
+        self.flown.wind_mps
+    }
+
     /// Returns the error of the forecast of the wind as measured.
     pub(crate) fn wind_error(&self) -> &WindError {
         &self.flown.wind_error

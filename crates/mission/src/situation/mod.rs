@@ -4,11 +4,13 @@
 #[cfg(test)]
 mod believed_tests;
 mod contingency;
+mod ending;
 mod event;
 mod scan_line;
 mod updates;
 mod visit;
 
+pub(crate) use ending::Ending;
 pub use event::MissionEvent;
 pub use scan_line::ScanLine;
 pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
@@ -17,6 +19,7 @@ pub use visit::{VehicleState, Visit};
 use crate::Mission;
 use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
+use crate::manoeuvres::zone_over;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use crate::wind_error::WindError;
@@ -25,7 +28,7 @@ use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::planned::{Location, PlannedActivity};
-use apex_model::problem::Plan;
+use apex_model::problem::{Plan, PlannedVisit};
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -99,6 +102,8 @@ pub struct Situation {
     pub links: LinkMemory,
     /// Outcomes of tests and the diagnoses derived from them.
     pub diagnosis: DiagnosisService,
+    /// Facts about the end of the flight.
+    ending: Ending,
     /// Additions of the last step to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
@@ -114,6 +119,7 @@ impl Situation {
         if agent != 0 {
             return;
         }
+        self.ending.observe(batch, effects);
         let mut moved = false;
         for event in &batch.events {
             match &event.kind {
@@ -172,6 +178,11 @@ impl Situation {
         self.watch.edr()
     }
 
+    /// Returns the speed of the wind as last measured.
+    pub(crate) fn wind_mps(&self) -> Option<f64> {
+        self.watch.wind_mps()
+    }
+
     /// Returns the mission with the forecast of the wind as corrected by measurements.
     pub(crate) fn in_measured_wind(&self, mission: Mission, now_s: f64) -> Mission {
         match self.wind_error().field(&mission.forecast, now_s) {
@@ -183,6 +194,11 @@ impl Situation {
     /// Returns the error of the forecast of the wind as measured.
     pub(crate) fn wind_error(&self) -> &WindError {
         self.watch.wind_error()
+    }
+
+    /// Returns what is known about the end of the flight.
+    pub(crate) fn ending(&self) -> &Ending {
+        &self.ending
     }
 
     fn open_visit(&mut self) -> Option<&mut Visit> {
@@ -354,11 +370,17 @@ impl Situation {
     fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
         self.note(now, format!("new plan: {summary}"));
         self.adopted = self.adopted.saturating_add(1);
-        let Some(made) = self.answers.remove(&request) else { return };
+        let made = self.answers.remove(&request);
+        self.ending.take_plan(now, request, made.as_ref().is_some_and(|made| !made.plan.targets().is_empty()));
+        let Some(made) = made else { return };
         let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {
-                plan.visits.iter().map(|visit| (visit.target.clone(), planned(visit.begin_s))).collect()
+                let detail = |visit: &PlannedVisit| match visit.quality.as_ref().and_then(zone_over) {
+                    Some(zone) => format!("{}; {zone}", planned(visit.begin_s)),
+                    None => planned(visit.begin_s),
+                };
+                plan.visits.iter().map(|visit| (visit.target.clone(), detail(visit))).collect()
             }
             // Times of these plans count from the instant at which the problem was posed.
             Plan::Surveillance(plan) => {

@@ -7,6 +7,7 @@ use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::record::RecordReader;
+use apex_runtime::target_state::TargetState;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -132,6 +133,15 @@ impl Flown {
     pub(crate) fn left_out(&self, target: &str) -> String {
         let found = self.outcome.report.left_out.iter().find(|(name, _)| name == target);
         found.unwrap_or_else(|| panic!("{target} was not left out:\n{}", self.text())).1.clone()
+    }
+
+    /// Returns the details of all changes of a target to a state, in order.
+    pub(crate) fn target_details(&self, target: &str, state: TargetState) -> Vec<String> {
+        let reader = RecordReader::open(&self.record).unwrap();
+        let mission = apex_mission::recorded::mission_of(&reader).unwrap().unwrap();
+        let situation = apex_mission::recorded::situation_at(&reader, &mission, Time::END).unwrap();
+        let changes = situation.target_changes.into_iter();
+        changes.filter(|change| change.target == target && change.state == state).map(|change| change.detail).collect()
     }
 
     /// Positions inside a box of degrees, between two altitudes and two instants.

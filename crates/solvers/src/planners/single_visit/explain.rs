@@ -3,6 +3,7 @@
 use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
 use crate::routing::travel::PointKey;
+use apex_geo::sun;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_planning::obstacle::{Obstacle, TimeLimit};
 use apex_planning::solver::{Budget, WorkBudget};
@@ -123,10 +124,17 @@ fn late(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
 
 fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
     let trouble = of_itself(schedule, target, trouble);
-    match schedule.problem.targets.get(target).map(|target| target.light) {
-        Some(Light::Day) => format!("{trouble} by daylight"),
-        Some(Light::Night) => format!("{trouble} by night"),
-        _ => trouble,
+    let problem = schedule.problem;
+    let Some(target) = problem.targets.get(target) else { return trouble };
+    let (noun, time) = match target.light {
+        Light::Day => ("day", "by daylight"),
+        Light::Night => ("night", "by night"),
+        Light::Any => return trouble,
+    };
+    let (from_s, until_s) = (problem.start_s, schedule.limit_s);
+    match sun::light_windows(target.light, target.position, problem.zero_unix_s, from_s, until_s).is_empty() {
+        true => format!("it is not {noun} there before the flight must end"),
+        false => format!("{trouble} {time}"),
     }
 }
 
