@@ -137,7 +137,8 @@ fn draft(
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
-    let promise = share * clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
+    let clarity = clarity(scanner, edr, (height_m, mission.model.true_airspeed_m_s_cruise));
+    let promise = share * clear_share * clarity * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { ground.name });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
 }
