@@ -116,8 +116,8 @@ pub struct TargetLooks {
     cells: usize,
     /// The last look of each cell in the last pass.
     last: Vec<u32>,
-    /// First instant of a look with a clarity above 0.
-    first_valid_s: Option<f64>,
+    /// Each strip or picture with a look whose clarity is above 0: its instant, and of such looks the one with the finest pixels.
+    sightings: Vec<(f64, CellLook)>,
 }
 
 impl TargetLooks {
@@ -172,7 +172,7 @@ impl TargetLooks {
         let plane = grid.plane();
         let last = &mut self.last;
         let looks = &mut pass.looks;
-        let (mut is_seen, mut is_valid) = (false, false);
+        let (mut is_seen, mut finest): (bool, Option<CellLook>) = (false, None);
         grid.rasterise(seen.polygon, |cell, middle| {
             let share = fraction(middle);
             let offset = middle.minus(from.plus(share, advance));
@@ -194,12 +194,13 @@ impl TargetLooks {
                 glint: seen.sun.map_or(1.0, |sun| glint(plane.east_north(offset), height_m, sun) as f32),
             };
             is_seen = true;
-            is_valid |= worth(&facts.weights) * f64::from(look.glint) > 0.0;
+            let is_valid = worth(&facts.weights) * f64::from(look.glint) > 0.0;
+            if is_valid && finest.is_none_or(|finest| look.pixel_across_m < finest.pixel_across_m) {
+                finest = Some(look);
+            }
             keep(&pass.strips, facts, (looks, last), look, needs);
         });
-        if is_valid {
-            self.first_valid_s = Some(self.first_valid_s.map_or(facts.time_s, |first_s| first_s.min(facts.time_s)));
-        }
+        self.sightings.extend(finest.map(|look| (facts.time_s, look)));
         if is_seen {
             pass.strips.push(facts);
         }
@@ -235,23 +236,18 @@ impl TargetLooks {
             TargetPass { strips: pass.strips.clone(), looks }
         });
         let passes = passes.collect();
-        let (remarks, first_valid_s) = (self.remarks.clone(), self.first_valid_s);
-        TargetLooks { passes, remarks, cells: to.len(), last: Vec::new(), first_valid_s }
+        let (remarks, sightings) = (self.remarks.clone(), self.sightings.clone());
+        TargetLooks { passes, remarks, cells: to.len(), last: Vec::new(), sightings }
     }
 
     /// Returns the first instant of a look with a clarity above 0 (a valid look); `None` without such a look.
     pub fn first_valid_s(&self) -> Option<f64> {
-        self.first_valid_s
+        self.sightings.iter().map(|(time_s, _)| *time_s).reduce(f64::min)
     }
 
-    /// Returns the looks with a clarity above 0, with their instants in seconds.
+    /// Returns a look with a clarity above 0 of each strip or picture that has one, with its instant in seconds.
     pub(crate) fn valid(&self) -> impl Iterator<Item = (&CellLook, f64)> {
-        self.passes.iter().flat_map(|pass| {
-            pass.looks.iter().filter_map(|look| {
-                let strip = pass.strip(look)?;
-                (worth(&strip.weights) * f64::from(look.glint) > 0.0).then_some((look, strip.time_s))
-            })
-        })
+        self.sightings.iter().map(|(time_s, look)| (look, *time_s))
     }
 }
 

@@ -106,6 +106,12 @@ fn the_first_picture_determines_whether_a_target_was_seen_before_another() {
 }
 
 #[test]
+fn each_of_several_pictures_in_a_row_is_a_valid_look() {
+    let flown = flown(vec![valve("valve", wanted())], &[(10.0, 0.0), (50.0, 0.0), (90.0, 40.0), (91.0, 200.0)]);
+    assert_eq!(flown.valid_looks_s("valve"), [10.0, 50.0, 90.0], "the last one is too coarse");
+}
+
+#[test]
 fn a_stare_keeps_few_looks() {
     let every_second: Vec<(f64, f64)> = (0..3_600).map(|number| (f64::from(number), 0.0)).collect();
     let flown = flown(vec![valve("valve", wanted())], &every_second);
