@@ -359,7 +359,8 @@ def trace(record: str | Path) -> list[dict[str, Any]]:
     MissionError
         The record cannot be read.
     """
-    return [json.loads(line) for line in _apex.trace_json(Path(record)).splitlines()]
+    # Texts of messages may hold other ends of lines, such as U+2028.
+    return [json.loads(line) for line in _apex.trace_json(Path(record)).split("\n") if line]
 
 
 def fork(

@@ -175,7 +175,7 @@ class Monitor:
         Raises
         ------
         InputError
-            The arrays differ in length or have more than one dimension; an instant is not a number.
+            The arrays differ in length or have more than one dimension; an instant or a value is not a number.
 
         Examples
         --------
@@ -190,7 +190,7 @@ class Monitor:
             raise InputError(f"instants have {instants.ndim} dimensions, values {given.ndim}; one each is expected")
         known = self._variable(variable)
         if given.dtype.kind != "b":
-            self._session.samples(known, instants, np.ascontiguousarray(given, dtype=np.float64))
+            self._session.samples(known, instants, np.ascontiguousarray(_numbers(given, "a value")))
         elif len(instants) != len(given):
             raise InputError(f"there are {len(instants)} instants for {len(given)} values")
         else:
@@ -359,14 +359,28 @@ class Monitor:
         raise InputError(f"say which variable was measured: variable=...; the condition names {names}")
 
 
+def _numbers(given: npt.NDArray[Any], what: str) -> npt.NDArray[np.float64]:
+    """Convert to float64; text and complex numbers are errors."""
+    try:
+        if given.dtype.kind == "c":
+            raise TypeError("complex numbers have no order")
+        return given.astype(np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} is not a number: {error}") from error
+
+
 def _nanoseconds(t: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     """Convert instants to whole nanoseconds."""
     if t.dtype.kind in "mM":
         unit = "timedelta64[ns]" if t.dtype.kind == "m" else "datetime64[ns]"
         if np.isnat(t).any():
             raise InputError("an instant is not a time (NaT)")
-        return np.ascontiguousarray(t.astype(unit).astype(np.int64))
-    seconds = t.astype(np.float64)
+        exact = t.astype(unit)
+        # NumPy wraps around silently. Units finer than nanoseconds lose digits, but are never out of reach.
+        if np.datetime_data(t.dtype)[0] not in {"ps", "fs", "as"} and not np.array_equal(exact.astype(t.dtype), t):
+            raise InputError("an instant is more than 292 years from the origin")
+        return np.ascontiguousarray(exact.astype(np.int64))
+    seconds = _numbers(t, "an instant")
     if not np.isfinite(seconds).all():
         raise InputError("an instant is not a finite number of seconds")
     if np.abs(seconds).max(initial=0.0) > 9.2e9:

@@ -87,6 +87,9 @@ impl Session {
             })?,
             Err(_) => from_python(form)?,
         };
+        if !matches!(form, Value::List(_) | Value::Symbol(_)) {
+            return Err(input(format!("{form} is not a message; write (WORD ..)")));
+        }
         self.session.event(form, Time(nanoseconds_of(at)?));
         Ok(())
     }

@@ -222,11 +222,20 @@ pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bou
     }
 }
 
+/// Maximum depth of nested lists; a list that contains itself is deeper.
+const LIST_DEPTH_MAX: usize = 64;
+/// Units of NumPy that are finer than a nanosecond: all of their instants are in reach, and conversion drops digits.
+const FINER_UNITS: [&str; 3] = ["ps", "fs", "as"];
+
 /// Converts a value of Python to a value of PDL.
 ///
 /// # Errors
 /// `InputError` if PDL has no corresponding value.
 pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    converted(value, 0)
+}
+
+fn converted(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
     if value.is_none() {
         // A missing measurement.
         return Ok(Value::Real(f64::NAN));
@@ -250,10 +259,18 @@ pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::Quantity(quantity.0));
     }
     if value.cast::<PyList>().is_ok() || value.cast::<PyTuple>().is_ok() {
-        let items = value.try_iter()?.map(|item| from_python(&item?)).collect::<PyResult<Vec<_>>>()?;
+        if depth == LIST_DEPTH_MAX {
+            return Err(input(format!("lists are nested deeper than {LIST_DEPTH_MAX}, or a list contains itself")));
+        }
+        let items = value.try_iter()?.map(|item| converted(&item?, depth + 1)).collect::<PyResult<Vec<_>>>()?;
         return Ok(Value::list(items));
     }
-    if value.get_type().name()?.to_cow()? == "timedelta64" {
+    let name = value.get_type().name()?.to_cow()?.into_owned();
+    // A truth value of NumPy is another type than the `bool` of Python.
+    if name == "bool" || name == "bool_" {
+        return value.is_truthy().map(Value::truth);
+    }
+    if name == "timedelta64" {
         return nanoseconds_of(value).map(|nanoseconds| Value::Duration(Duration(nanoseconds)));
     }
     // Numbers of other libraries, such as NumPy's scalars.
@@ -279,9 +296,17 @@ pub(crate) fn nanoseconds_of(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
     let name = instant.get_type().name()?.to_cow()?.into_owned();
     if name == "timedelta64" || name == "datetime64" {
         let unit = if name == "timedelta64" { "timedelta64[ns]" } else { "datetime64[ns]" };
-        let nanoseconds: i64 =
-            instant.call_method1("astype", (unit,))?.call_method1("astype", ("int64",))?.extract()?;
-        return if nanoseconds == i64::MIN { Err(wrong("not a time")) } else { Ok(nanoseconds) };
+        let exact = instant.call_method1("astype", (unit,))?;
+        let nanoseconds: i64 = exact.call_method1("astype", ("int64",))?.extract()?;
+        if nanoseconds == i64::MIN {
+            return Err(wrong("not a time"));
+        }
+        let kind = instant.getattr("dtype")?;
+        let scale = instant.py().import("numpy")?.call_method1("datetime_data", (&kind,))?.get_item(0)?;
+        // The conversion wraps around silently.
+        let is_kept = exact.call_method1("astype", (&kind,))?.eq(instant)?;
+        let is_fine = FINER_UNITS.contains(&scale.extract::<String>()?.as_str());
+        return if is_kept || is_fine { Ok(nanoseconds) } else { Err(wrong("too far away")) };
     }
     if name == "timedelta" {
         let [days, seconds, microseconds] = ["days", "seconds", "microseconds"];

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from apex_autonomy import Mission, MissionError, Planner, PlanningError, fly, fork, replay, report
+from apex_autonomy import Mission, MissionError, Planner, PlanningError, fly, fork, replay, report, trace
 
 WATCH = Path(__file__).parents[2] / "crates/cli/tests/missions/plain-watch"
 SHORT_S = 1200
@@ -172,3 +172,12 @@ def test_failures_name_place_and_help(tmp_path):
         replay(tmp_path / "no.apex")
     with pytest.raises(ValueError, match="until_s"):
         fly(Mission.load(WATCH), record=tmp_path / "no.apex", until_s=0)
+
+
+def test_a_trace_with_other_ends_of_lines_in_its_texts_is_read(flown, tmp_path):
+    _, flight = flown
+    said = "a\u2028b\u0085c"
+    note = {"t": 610, "event": f'(note "{said}")'}
+    fork(flight.record, 600, output=tmp_path / "noted.apex", inputs=[note], until_s=620)
+    events = [line["form"] for line in trace(tmp_path / "noted.apex") if line["kind"] == "event"]
+    assert f'(note "{said}")' in events

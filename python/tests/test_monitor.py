@@ -225,3 +225,35 @@ def test_former_names_still_work_and_warn():
     with pytest.warns(DeprecationWarning, match="errors"):
         assert monitor.troubles() == monitor.errors() == []
     assert apex_autonomy.Judgement is apex_autonomy.ConditionStatus
+
+
+def test_instants_out_of_reach_are_refused_instead_of_wrapped_around():
+    far = np.datetime64("2500-01-01")
+    for instant in [far, np.timedelta64(10**12, "s"), np.datetime64("1500-01-01T00:00:00")]:
+        with pytest.raises(InputError, match="too far away"):
+            Monitor("(rssi m < 20)").push(instant, 1)
+        with pytest.raises(InputError, match="292 years"):
+            Monitor("(rssi m < 20)").extend(np.array([instant]), [1.0])
+    near = Monitor("(rssi m < 20)")
+    near.extend(np.array(["2026-08-01"], dtype="datetime64[D]"), [1.0])
+    near.push(np.datetime64("2026-08-02"), 1)
+    assert near.now_ns == np.datetime64("2026-08-02", "ns").astype(np.int64)
+    fine = Monitor("(rssi m < 20)")
+    fine.extend(np.array([1_500], dtype="timedelta64[ps]"), [1.0])
+    fine.push(np.timedelta64(2_500, "ps"), 1)
+    assert fine.now_ns == 2
+
+
+def test_values_that_are_no_numbers_are_refused_and_truth_values_of_numpy_are_truth_values():
+    for values in (["a", "b"], [1j, 2.0]):
+        with pytest.raises(InputError, match="a value is not a number"):
+            Monitor("(rssi m < 20)").extend([1, 2], values)
+    with pytest.raises(InputError, match="an instant is not a number"):
+        Monitor("(rssi m < 20)").extend(["noon"], [1.0])
+    assert len(Monitor("(armed uav = t)").push(1, np.True_)) == 1
+    circle: list = []
+    circle.append(circle)
+    with pytest.raises(InputError, match="contains itself"):
+        Monitor("(rssi m < 20)").push(1, circle)
+    with pytest.raises(InputError, match="5 is not a message"):
+        Monitor("(go)").event(1, 5)

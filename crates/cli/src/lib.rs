@@ -29,12 +29,14 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Runs the command with these arguments (the program's name first) and planners. It prints its own output; an answer of `clap`, such as
-/// `--help`, ends the process.
+/// Runs the command with these arguments (the program's name first) and planners. It prints its own output, also that of `--help`.
 ///
 /// Planners that do not ship work in separate processes: this program is started again for each problem.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> ExitCode {
-    let options = Options::parse_from(arguments);
+    let options = match Options::try_parse_from(arguments) {
+        Ok(options) => options,
+        Err(answer) => return output::print_answer(&answer),
+    };
     // A profile measures planners without the time that a process takes to begin.
     let planners = match options.command {
         Command::Solver(_) | Command::Profile(_) => planners,

@@ -7,6 +7,7 @@ use std::cell::Cell;
 use std::fmt;
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::Path;
+use std::process::ExitCode;
 use std::rc::Rc;
 
 /// Prints to standard output.
@@ -57,6 +58,20 @@ pub fn print_rendered(text: impl fmt::Display) -> CliResult {
     match write!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(error)),
         Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Prints an answer of `clap`: a help text, the version, or an error in the arguments. Returns its exit code, 1 if a text that the user
+/// asked for cannot be written.
+pub fn print_answer(answer: &clap::Error) -> ExitCode {
+    let printed = answer.print().and_then(|()| io::stdout().flush());
+    match printed {
+        Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
+            let error = unwritable(error);
+            print_error(&error);
+            error.exit_code()
+        }
+        Ok(()) | Err(_) => ExitCode::from(if answer.use_stderr() { 2 } else { 0 }),
     }
 }
 

@@ -30,6 +30,17 @@ fn without_changes_the_forked_flight_is_the_recorded_one() {
 }
 
 #[test]
+fn a_fork_at_the_end_ends_for_the_same_reason() {
+    let desk = Desk::with_flight();
+    let ended = desk.apex(&["score", "flight.apex", "--json"]).well().json_lines().swap_remove(0)["end"].clone();
+    let at = ended["t"].to_string();
+    let fork = ["fork", "flight.apex", "--at", &*at, "--output", "f.apex", "--json"];
+    let reports = desk.apex(&fork).well().json_lines().swap_remove(0);
+    assert_eq!(reports["forked"]["end"], ended);
+    assert_eq!(reports["recorded"], reports["forked"]);
+}
+
+#[test]
 fn wind_and_seed_change_the_flight_after_the_instant_and_not_before() {
     let desk = flown();
     let lines = |record: &str| desk.apex(&["trace", record, "--json"]).well().json_lines();
@@ -71,10 +82,71 @@ fn what_cannot_be_forked_is_refused_with_the_reason() {
     desk.apex(&["fork", "r.apex", "--at", "2h"]).complained(2, &["lies outside of the record"]);
     desk.apex(&["fork", "r.apex", "--at", "5min", "--plan", "castle"])
         .complained(2, &["`castle`", "name targets among"]);
+    desk.apex(&["fork", "r.apex", "--at", "5min", "--plan", "home"]).complained(2, &["`home`", "name targets among"]);
+    desk.apex(&["fork", "r.apex", "--at", "5min", "--until", "4min"])
+        .complained(2, &["the end at 0:04:00 is before 0:05:00"]);
     desk.apex(&["fork", "r.apex", "--at", "5min", "--wind-factor", "-1"]).complained(2, &["--wind-factor"]);
     desk.apex(&["fork", "r.apex", "--at", "5min", "--output", "r.apex"]).complained(2, &["`--output`"]);
     desk.write("early.jsonl", "{\"t\": 10, \"event\": \"(target-gone barn)\"}\n");
     desk.apex(&["fork", "r.apex", "--at", "5min", "--inputs", "early.jsonl"]).complained(2, &["is not after"]);
     desk.apex(&["fork", "r.apex", "--at", "5min", "--seed", "3", "--until", "6min", "--output", "f.apex"]).well();
     desk.apex(&["fork", "f.apex", "--at", "5min"]).complained(2, &["it is itself a fork (seed 3)"]);
+}
+
+#[test]
+fn a_refused_fork_leaves_an_older_record_as_it_was() {
+    let desk = flown();
+    desk.write("early.jsonl", "{\"t\": 10, \"event\": \"(target-gone barn)\"}\n");
+    desk.apex(&["fork", "r.apex", "--at", "5min", "--until", "6min", "--output", "f.apex"]).well();
+    let before = std::fs::read(desk.path("f.apex")).unwrap();
+    for change in [["--plan", "castle"], ["--inputs", "early.jsonl"]] {
+        let fork = ["fork", "r.apex", "--at", "5min", "--output", "f.apex"];
+        desk.apex(&[&fork[..], &change[..]].concat()).complained(2, &["help: "]);
+        assert!(std::fs::read(desk.path("f.apex")).unwrap() == before, "{change:?}");
+    }
+}
+
+/// Sends a request to a server at `address` and returns its answer.
+#[cfg(unix)]
+#[allow(clippy::unwrap_used, reason = "a test without a server has failed")]
+fn answer(address: &str, method: &str, body: &str) -> String {
+    use std::io::{Read, Write};
+    let mut stream = std::net::TcpStream::connect(address).unwrap();
+    let length = body.len();
+    write!(
+        stream,
+        "{method} /api/forks HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Content-Length: {length}\r\n\r\n{body}"
+    )
+    .unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+#[test]
+#[cfg(unix)]
+fn a_server_refuses_at_once_what_cannot_be_forked() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+    let desk = flown();
+    let mut command = desk.command(&["serve", "r.apex", "--port", "0"]);
+    let mut server = command.stdout(Stdio::piped()).spawn().unwrap();
+    let mut said = String::new();
+    BufReader::new(server.stdout.take().unwrap()).read_line(&mut said).unwrap();
+    let address = said.split("http://").nth(1).unwrap().split('/').next().unwrap().trim().to_string();
+    for (body, reason) in [
+        ("{\"at_ns\": 9000000000000}", "lies outside of the record"),
+        ("{\"at_ns\": -1}", "lies outside of the record"),
+        ("{\"at_ns\": 300000000000, \"plan\": [\"castle\"]}", "`castle`"),
+        ("{\"at_ns\": 300000000000, \"inputs\": [{\"t\": 10, \"event\": \"(target-gone barn)\"}]}", "is not after"),
+    ] {
+        let told = answer(&address, "POST", body);
+        assert!(told.starts_with("HTTP/1.1 422") && told.contains(reason), "{body}: {told}");
+    }
+    let listed = answer(&address, "GET", "");
+    assert!(listed.ends_with("[]"), "{listed}");
+    assert!(Command::new("kill").args(["-TERM", &server.id().to_string()]).status().unwrap().success());
+    server.wait().unwrap();
+    assert_eq!(desk.names(), ["m", "r.apex"]);
 }

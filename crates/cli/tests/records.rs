@@ -183,7 +183,10 @@ fn a_flight_that_was_cut_off_is_marked_incomplete() {
 fn output_on_a_full_disk_is_a_failure_and_no_panic() {
     let desk = Desk::with_flight();
     desk.write("p.pdl", common::GREETINGS);
-    let commands: [&[&str]; 8] = [
+    let commands: [&[&str]; 11] = [
+        &["--help"],
+        &["fly", "--help"],
+        &["--version"],
         &["check", "p.pdl"],
         &["fmt", "-"],
         &["run", "p.pdl"],

@@ -1,11 +1,11 @@
 //! Fork: continues a recorded flight from an instant on with other inputs, another plan, or another vehicle's world.
 
-use crate::Mission;
 use crate::crew;
 use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
 use crate::flight::{FlightOutcome, MissionFlight};
 use crate::recording::read;
+use crate::{Mission, TargetKind};
 use apex_model::event::EventKind;
 use apex_model::problem::WindField;
 use apex_model::time::{Duration, Time};
@@ -23,6 +23,32 @@ pub struct Changes {
     pub inputs: Vec<Input>,
     /// Targets to visit in this order instead of planning; empty for normal planning.
     pub plan: Vec<String>,
+}
+
+impl Changes {
+    /// Checks that the changes can be made after `at`.
+    ///
+    /// # Errors
+    /// An input that is not after the instant, or an unknown target.
+    pub fn check(&self, mission: &Mission, at: Time) -> MissionResult {
+        if let Some(early) = self.inputs.iter().find(|input| input.at <= at) {
+            return Err(MissionError::data(format!(
+                "an input at {} is not after {at}, where the fork begins",
+                early.at
+            ))
+            .help("give inputs that come later, or fork earlier"));
+        }
+        let targets = || mission.targets.iter().filter(|target| !matches!(target.kind, TargetKind::Base));
+        let known = |id: &&String| targets().any(|target| target.goes_by(id));
+        match self.plan.iter().find(|id| !known(id)) {
+            Some(unknown) => {
+                let ids: Vec<&str> = targets().map(|target| target.id.as_str()).collect();
+                Err(MissionError::data(format!("the plan names `{unknown}`, which is not a target of this mission"))
+                    .help(format!("name targets among {}", ids.join(", "))))
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 /// A recorded flight that is to be continued from `at` on.
@@ -53,7 +79,7 @@ impl Fork<'_> {
         observers: &mut [&mut dyn Observer],
     ) -> MissionResult<FlightOutcome> {
         let Fork { reader, mission, means, at } = self;
-        self::check(&mission, &changes, at)?;
+        changes.check(&mission, at)?;
         let mut inputs = MissionFlight::terms(&mission, None).inputs;
         inputs.extend(imposed(&changes.plan, at));
         inputs.extend(changes.inputs);
@@ -66,22 +92,6 @@ impl Fork<'_> {
             flown.map_err(|error| MissionError::flight("the recorded flight cannot be continued").because(error))?;
         let report = deliberator.report((end.at, end.reason.text()));
         Ok(FlightOutcome { end, report, planned_for: deliberator.planned_for() })
-    }
-}
-
-fn check(mission: &Mission, changes: &Changes, at: Time) -> MissionResult {
-    if let Some(early) = changes.inputs.iter().find(|input| input.at <= at) {
-        return Err(MissionError::data(format!("an input at {} is not after {at}, where the fork begins", early.at))
-            .help("give inputs that come later, or fork earlier"));
-    }
-    let known = |id: &&String| mission.targets.iter().any(|target| target.goes_by(id));
-    match changes.plan.iter().find(|id| !known(id)) {
-        Some(unknown) => {
-            let ids: Vec<&str> = mission.targets.iter().map(|target| target.id.as_str()).collect();
-            Err(MissionError::data(format!("the plan names `{unknown}`, which is not a target of this mission"))
-                .help(format!("name targets among {}", ids.join(", "))))
-        }
-        None => Ok(()),
     }
 }
 

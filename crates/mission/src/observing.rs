@@ -5,7 +5,7 @@ use crate::clouds::{CloudDeck, clear_share};
 use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
-use apex_observation::clarity::{AttitudeHold, share_within};
+use apex_observation::clarity::{AttitudeHold, expected_rate_weight, share_within};
 use apex_observation::predict::{AirConditions, Conditions, PredictedScanner};
 use apex_observation::result::LossCause;
 use apex_observation::sensor::{CameraSetting, Gimbal, RateLimits, RollLimits, ScannerMode};
@@ -39,9 +39,16 @@ pub(crate) const TIMING: [LossCause; 7] = [
     LossCause::Interval,
 ];
 
-/// Returns the share of valid lines in turbulence of this eddy dissipation rate, m^(2/3)/s.
-pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64) -> f64 {
-    scanner.setting.roll.map_or(1.0, |roll| share_within(scanner.hold.roll_sigma_deg(edr), &roll))
+/// Returns the clarity of lines in turbulence of this eddy dissipation rate, m^(2/3)/s: the share of valid lines, times the weight of the
+/// shift between lines at a height and ground speed.
+pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64, (height_m, ground_speed_mps): (f64, f64)) -> f64 {
+    let PredictedScanner { setting, hold } = scanner;
+    let valid = setting.roll.map_or(1.0, |roll| share_within(hold.roll_sigma_deg(edr), &roll));
+    let shift = setting.rates.zip(setting.scan_rate_hz_at(height_m, ground_speed_mps)).map(|(limits, scan_rate_hz)| {
+        let rate_rad_s = hold.roll_rate_sigma_deg_s(edr).to_radians();
+        expected_rate_weight(rate_rad_s / setting.mode.roll_rate_rad_s_per_pixel(scan_rate_hz), &limits)
+    });
+    valid * shift.unwrap_or(1.0)
 }
 
 /// Returns the line scanner of a vehicle in the mode in which it is used, with the vehicle's attitude errors; `None` if it carries none.
@@ -55,8 +62,11 @@ pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
         line_overlap: scanner.overlap_share,
     };
     let roll = RollLimits { valid_deg: model.level_roll_deg_max, zero_deg: None };
+    let motion = model.sensors.iter().find(|sensor| sensor.scanner_mode().is_some()).map(|sensor| &sensor.model.motion);
+    let rates =
+        motion.map(|motion| RateLimits { full_pixels: motion.shift_px_valid, zero_pixels: motion.shift_px_zero });
     Some(PredictedScanner {
-        setting: ScannerSetting { mode, roll: Some(roll), rates: None, scan_rate_hz: None, is_ready: true },
+        setting: ScannerSetting { mode, roll: Some(roll), rates, scan_rate_hz: None, is_ready: true },
         hold: hold_of(model),
     })
 }

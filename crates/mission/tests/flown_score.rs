@@ -303,6 +303,15 @@ fn points_seen_one_by_one_agree_with_the_score() {
 }
 
 #[test]
+fn shaking_wings_shift_lines_although_they_stay_level() {
+    let mission = mission(&[fire("here", &box_of(GROUND.0, GROUND.1), r#""value": 100, "resolution_m": 20"#)]).unwrap();
+    // 9 degrees a second at 25 lines a second: 5 pixels, of which 2 count in full and 6 not at all.
+    let roll_deg = |flown_m: f64| if (flown_m / SPEED_MPS / 0.2).round() % 2.0 == 0.0 { 0.9 } else { -0.9 };
+    let score = flown(&mission, &two_lines(MIDNIGHT_S).map(|line| Line { roll_deg, ..line }));
+    near(look(&score, "here").flown.factors.clarity, (6.0 - 9f64.to_radians() / (25.0 * PIXEL_RAD)) / 4.0, 0.01);
+}
+
+#[test]
 fn targets_that_make_no_sense_are_refused_by_name() {
     let ground = box_of(GROUND.0, GROUND.1);
     let refused = |properties: &str| mission(&[fire("here", &ground, properties)]).unwrap_err();

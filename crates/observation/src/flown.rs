@@ -12,6 +12,7 @@ use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{Ground, OFF_NADIR_DEG_MAX};
 use crate::grid::{AreaError, GridSettings, TargetGrid};
+use crate::look_needs::LookNeeds;
 use crate::looks::{CellLook, StripFacts, TargetLooks};
 use crate::pictures::{PictureView, add_picture};
 use crate::result::Remark;
@@ -350,8 +351,10 @@ impl TargetObservations {
                 let middle = first.interpolate(&last, share - 0.5 / pieces as f64);
                 let facts = self.facts(from, to, (start, end), middle.roll_deg, rates, setting);
                 let sun = self.sun(zero_unix_s + facts.time_s);
-                if add_between(&mut self.looks, &self.grid, (start, end), setting.mode.pixel_rad(), sun, facts, terrain)
-                {
+                let pixel_rad = setting.mode.pixel_rad();
+                let needs = LookNeeds { target: &self.target, centre: self.grid.plane().centre(), zero_unix_s };
+                let context = (terrain, Some(&needs));
+                if add_between(&mut self.looks, &self.grid, (start, end), pixel_rad, sun, facts, context) {
                     self.last_seen_s = to.time_s;
                 }
             }

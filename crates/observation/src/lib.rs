@@ -10,6 +10,7 @@ pub mod flown;
 pub mod footprint;
 pub mod grid;
 pub mod growth;
+pub mod look_needs;
 pub mod looks;
 pub mod manoeuvres;
 pub mod pictures;

@@ -2,11 +2,12 @@
 //!
 //! Only measured properties are kept: geometry, time and weights of clarity. The value of a look for a wanted look is computed later
 //! (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, plus one for each look of the same
-//! pass that is better in one respect and worse in another than the cell's last look.
+//! pass that is better in one respect and worse in another than the cell's last look, and one a minute where a sensor stares.
 
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
 use crate::grid::TargetGrid;
+use crate::look_needs::LookNeeds;
 use crate::plane::Point;
 use crate::result::Remark;
 use serde::{Deserialize, Serialize};
@@ -115,6 +116,8 @@ pub struct TargetLooks {
     cells: usize,
     /// The last look of each cell in the last pass.
     last: Vec<u32>,
+    /// Each strip or picture with a look whose clarity is above 0: its instant, and of such looks the one with the finest pixels.
+    sightings: Vec<(f64, CellLook)>,
 }
 
 impl TargetLooks {
@@ -150,6 +153,17 @@ impl TargetLooks {
         facts: StripFacts,
         terrain: Option<&dyn Ground>,
     ) -> bool {
+        self.add_needed(grid, seen, facts, (terrain, None))
+    }
+
+    /// Like [`TargetLooks::add`]. A look replaces an earlier one of the same cell only if it serves the `needs` of the target as well.
+    pub fn add_needed(
+        &mut self,
+        grid: &TargetGrid,
+        seen: &SeenGround<'_>,
+        facts: StripFacts,
+        (terrain, needs): (Option<&dyn Ground>, Option<&LookNeeds<'_>>),
+    ) -> bool {
         let Some(pass) = self.passes.last_mut() else { return false };
         let (fraction, strip) = (seen.fraction(), pass.strips.len() as u32);
         let [from, to] = seen.foot;
@@ -158,7 +172,7 @@ impl TargetLooks {
         let plane = grid.plane();
         let last = &mut self.last;
         let looks = &mut pass.looks;
-        let mut is_seen = false;
+        let (mut is_seen, mut finest): (bool, Option<CellLook>) = (false, None);
         grid.rasterise(seen.polygon, |cell, middle| {
             let share = fraction(middle);
             let offset = middle.minus(from.plus(share, advance));
@@ -180,8 +194,13 @@ impl TargetLooks {
                 glint: seen.sun.map_or(1.0, |sun| glint(plane.east_north(offset), height_m, sun) as f32),
             };
             is_seen = true;
-            keep(&pass.strips, facts, looks, last, look);
+            let is_valid = worth(&facts.weights) * f64::from(look.glint) > 0.0;
+            if is_valid && finest.is_none_or(|finest| look.pixel_across_m < finest.pixel_across_m) {
+                finest = Some(look);
+            }
+            keep(&pass.strips, facts, (looks, last), look, needs);
         });
+        self.sightings.extend(finest.map(|look| (facts.time_s, look)));
         if is_seen {
             pass.strips.push(facts);
         }
@@ -217,47 +236,58 @@ impl TargetLooks {
             TargetPass { strips: pass.strips.clone(), looks }
         });
         let passes = passes.collect();
-        TargetLooks { passes, remarks: self.remarks.clone(), cells: to.len(), last: Vec::new() }
+        let (remarks, sightings) = (self.remarks.clone(), self.sightings.clone());
+        TargetLooks { passes, remarks, cells: to.len(), last: Vec::new(), sightings }
     }
 
     /// Returns the first instant of a look with a clarity above 0 (a valid look); `None` without such a look.
     pub fn first_valid_s(&self) -> Option<f64> {
-        self.valid().map(|(_, time_s)| time_s).reduce(f64::min)
+        self.sightings.iter().map(|(time_s, _)| *time_s).reduce(f64::min)
     }
 
-    /// Returns the looks with a clarity above 0, with their instants in seconds.
+    /// Returns a look with a clarity above 0 of each strip or picture that has one, with its instant in seconds.
     pub(crate) fn valid(&self) -> impl Iterator<Item = (&CellLook, f64)> {
-        self.passes.iter().flat_map(|pass| {
-            pass.looks.iter().filter_map(|look| {
-                let strip = pass.strip(look)?;
-                let weights = &strip.weights;
-                let worth = weights.roll * weights.steady() * weights.clear_share * f64::from(look.glint);
-                (worth > 0.0).then_some((look, strip.time_s))
-            })
-        })
+        self.sightings.iter().map(|(time_s, look)| (look, *time_s))
     }
 }
 
+/// Returns the clarity of a strip without glint.
+fn worth(weights: &ClarityWeights) -> f64 {
+    weights.roll * weights.steady() * weights.clear_share
+}
+
 /// Adds a look of the pass, unless the last look of the same cell is at least as good in every respect; replaces that look if the new
-/// one is at least as good.
-fn keep(strips: &[StripFacts], facts: StripFacts, looks: &mut Vec<CellLook>, last: &mut [u32], look: CellLook) {
+/// one is at least as good. Of predicted looks, the better one by `needs` is kept alone: they succeed or fail together.
+fn keep(
+    strips: &[StripFacts],
+    facts: StripFacts,
+    (looks, last): (&mut Vec<CellLook>, &mut [u32]),
+    look: CellLook,
+    needs: Option<&LookNeeds<'_>>,
+) {
     let Some(latest) = last.get_mut(look.cell as usize) else { return };
     let Some(earlier) = looks.get_mut(*latest as usize) else {
         *latest = looks.len() as u32;
         looks.push(look);
         return;
     };
-    let worth = |weights: &ClarityWeights| weights.roll * weights.steady() * weights.clear_share;
-    let new_worth = worth(&facts.weights);
-    let earlier_worth = strips.get(earlier.strip as usize).map_or(new_worth, |strip| worth(&strip.weights));
-    let (new, old) = (new_worth * f64::from(look.glint), earlier_worth * f64::from(earlier.glint));
+    // The strip of the new look is added after its looks.
+    let earlier_facts = strips.get(earlier.strip as usize).copied().unwrap_or(facts);
+    let (new, old) =
+        (worth(&facts.weights) * f64::from(look.glint), worth(&earlier_facts.weights) * f64::from(earlier.glint));
     let finer = look.pixel_across_m <= earlier.pixel_across_m && look.pixel_along_m <= earlier.pixel_along_m;
     let coarser = look.pixel_across_m >= earlier.pixel_across_m && look.pixel_along_m >= earlier.pixel_along_m;
-    if new <= old && coarser {
+    let (is_beaten, is_better) = (new <= old && coarser, new >= old && finer);
+    let (this, that) = ((look.look_cosine, facts.time_s), (earlier.look_cosine, earlier_facts.time_s));
+    let covers = |kept, other| needs.is_none_or(|needs| needs.covers(kept, other, facts.is_flown));
+    if is_beaten && covers(that, this) {
         return;
     }
-    if new >= old && finer {
-        *earlier = look;
+    let replaces = is_better && covers(this, that);
+    if replaces || (!facts.is_flown && (is_beaten || is_better)) {
+        if replaces || is_beaten {
+            *earlier = look;
+        }
         return;
     }
     *latest = looks.len() as u32;

@@ -8,6 +8,7 @@ use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
 use crate::grid::TargetGrid;
+use crate::look_needs::LookNeeds;
 use crate::looks::{SeenGround, StripFacts, TargetLooks};
 use crate::plane::Point;
 use crate::predict::PredictionContext;
@@ -89,7 +90,8 @@ pub fn add_picture(
         sun,
     };
     let terrain = (grid.slope_max() > 0.0).then_some(ground);
-    looks.add(grid, &seen, facts, terrain)
+    let needs = LookNeeds { target, centre: plane.centre(), zero_unix_s };
+    looks.add_needed(grid, &seen, facts, (terrain, Some(&needs)))
 }
 
 /// Returns the result of a target after planned pictures. Pictures of one pass succeed or fail together, like those of one line; separate

@@ -9,6 +9,7 @@ use crate::attitude::Attitude;
 use crate::clarity::{AttitudeHold, ClarityWeights, expected_rate_weight, share_within};
 use crate::footprint::Ground;
 use crate::grid::TargetGrid;
+use crate::look_needs::LookNeeds;
 use crate::looks::{StripFacts, TargetLooks};
 use crate::result::{Remark, TargetResult};
 use crate::strip::{ScanLine, ScannerSetting, add_between, hiding, scan_line};
@@ -196,6 +197,7 @@ fn add_line(
         scan_line(time_s, position, line.altitude_m, &attitude, half_field_rad, context.ground, target.elevation_m)
     };
     let terrain = hiding(grid, context.ground, half_field_rad);
+    let needs = LookNeeds { target, centre: grid.plane().centre(), zero_unix_s: context.zero_unix_s };
     let mut before: Option<ScanLine> = piece(0);
     for index in 1..=count {
         let here = piece(index);
@@ -205,7 +207,8 @@ fn add_line(
                 let sun = solar_position(last.position, context.zero_unix_s + facts.time_s);
                 (sun.azimuth_deg, 90.0 - sun.elevation_deg)
             });
-            add_between(looks, grid, (first, last), scanner.setting.mode.pixel_rad(), sun, facts, terrain);
+            let context = (terrain, Some(&needs));
+            add_between(looks, grid, (first, last), scanner.setting.mode.pixel_rad(), sun, facts, context);
         }
         before = here;
     }

@@ -6,6 +6,7 @@ use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground, GroundHit};
 use crate::grid::TargetGrid;
+use crate::look_needs::LookNeeds;
 use crate::looks::{SeenGround, StripFacts, TargetLooks};
 use crate::sensor::{RateLimits, RollLimits, ScannerMode};
 use apex_geo::geodesy::{Position, RAD_PER_DEG, wrap_180};
@@ -45,7 +46,8 @@ pub fn scan_line(
     Some(ScanLine { time_s, position, altitude_m, left: there(left), right: there(right), height_m })
 }
 
-/// Adds the ground between two scan lines to the seen ground of a target. Returns true if any cell was seen.
+/// Adds the ground between two scan lines to the seen ground of a target. `context` is that of [`TargetLooks::add_needed`]. Returns true
+/// if any cell was seen.
 pub fn add_between(
     looks: &mut TargetLooks,
     grid: &TargetGrid,
@@ -53,7 +55,7 @@ pub fn add_between(
     pixel_rad: f64,
     sun: Option<(f64, f64)>,
     facts: StripFacts,
-    terrain: Option<&dyn Ground>,
+    context: (Option<&dyn Ground>, Option<&LookNeeds<'_>>),
 ) -> bool {
     let (first, last) = lines;
     let plane = grid.plane();
@@ -69,7 +71,7 @@ pub fn add_between(
         pixel_rad,
         sun,
     };
-    looks.add(grid, &seen, facts, terrain)
+    looks.add_needed(grid, &seen, facts, context)
 }
 
 /// Returns the ground if it is steep enough to hide cells from a sensor with this half field of view.

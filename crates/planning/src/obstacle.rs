@@ -65,7 +65,7 @@ impl fmt::Display for Obstacle {
                 let alone = if *alone { ALONE } else { "" };
                 match limit {
                     TimeLimit::Flight(name) => write!(f, "needs {} more than {name}{LEAVES}{alone}", spoken(*over_s)),
-                    TimeLimit::Horizon => write!(f, "needs {over_s:.0} s more than {HORIZON}{alone}"),
+                    TimeLimit::Horizon => write!(f, "needs {:.0} s more than {HORIZON}{alone}", libm::ceil(*over_s)),
                     TimeLimit::OtherVisits => write!(f, "needs {} more than {OTHER_VISITS}{alone}", spoken(*over_s)),
                 }
             }

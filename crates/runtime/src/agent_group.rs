@@ -86,7 +86,7 @@ impl<'a> AgentGroup<'a> {
         let reasons: Option<Vec<(&Symbol, &String)>> =
             self.agents.iter().map(|agent| Some((&agent.name, agent.finished.as_ref()?))).collect();
         match reasons?.as_slice() {
-            [_] => Some("the agent is finished".into()),
+            [(_, reason)] => Some((*reason).clone()),
             several => {
                 let words: Vec<String> = several.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();
                 Some(format!("all agents are done; {}", words.join("; ")))

@@ -63,7 +63,12 @@ pub fn fork(
     terms: ForkTerms<'_>,
     output: &Path,
 ) -> MissionResult<Forked> {
-    let mission = Arc::new(forkable(reader, at)?);
+    // An older record at `output` is replaced only by a fork that can be flown.
+    let mission = Arc::new(check_fork(reader, at, &changes)?);
+    if let Some(until) = terms.until.filter(|until| *until < at) {
+        return Err(MissionError::data(format!("the end at {until} is before {at}, where the fork begins"))
+            .help("give a later end, or fork earlier"));
+    }
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     if real(output).is_some() && real(output) == real(reader.path()) {
         let message = "the forked flight would overwrite the record that it continues";
@@ -96,6 +101,16 @@ pub fn fork(
     let forked = fork.fly(&mut vehicle, change, changes, terms, &mut observers)?;
     forked.store(&mut recorder).map_err(recording::written)?;
     Ok(Forked { recorded: recorded::report_of(reader, &mission)?, forked })
+}
+
+/// Returns the mission of a record that can be forked at `at` with these changes. No file is changed.
+///
+/// # Errors
+/// As [`fork`], except those of the output and of the flight.
+pub fn check_fork(reader: &RecordReader, at: Time, changes: &Changes) -> MissionResult<Mission> {
+    let mission = forkable(reader, at)?;
+    changes.check(&mission, at)?;
+    Ok(mission)
 }
 
 /// Returns the mission of a record that can be forked at `at`.

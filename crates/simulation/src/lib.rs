@@ -7,7 +7,7 @@ mod runs;
 mod world;
 
 pub use flight::{create_record, create_record_with, fly, fly_to_the_end, pace_of};
-pub use fork::{ForkTerms, Forked, WorldChanges, fork};
+pub use fork::{ForkTerms, Forked, WorldChanges, check_fork, fork};
 pub use runs::{
     IgnoranceSummary, JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs,
 };

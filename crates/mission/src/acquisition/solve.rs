@@ -12,7 +12,7 @@ use crate::requirements::sun_margin_deg;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, PathPose, Scene};
+use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, PathPose, Scene, rounded_down, rounded_up};
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use apex_observation::timing::sun::solar_position;
@@ -118,10 +118,10 @@ fn height_miss(
     let highest_m = goal.resolution_m / instrument.pixel_rad();
     let lowest_m = lowest_m(mission, goal);
     if highest_m < lowest_m {
-        let works_m = lowest_m * instrument.pixel_rad();
+        let works_m = rounded_up(lowest_m * instrument.pixel_rad(), 3);
         let why = format!(
             "`{name}` needs {highest_m:.0} m above the target or less for pixels of {} m, `{}` flies no lower than {lowest_m:.0} m; \
-             {works_m:.3} m works",
+             {works_m} m works",
             goal.resolution_m, mission.model.name
         );
         misses.push(Miss { by: (lowest_m - highest_m) / lowest_m * 0.5, why });
@@ -173,7 +173,8 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
     let minutes = (0..24 * 60).find(|minute| {
         fits(solar_position(goal.position, zero_unix_s + at_s + 60.0 * f64::from(*minute)).elevation_deg)
     });
-    let later = minutes.map_or_else(String::new, |minute| format!("; in {:.1} h it does", f64::from(minute) / 60.0));
+    let later = minutes
+        .map_or_else(String::new, |minute| format!("; in {} h it does", rounded_up(f64::from(minute) / 60.0, 1)));
     let limit = least_deg.or(most_deg).unwrap_or(0.0);
     let side = if is_dark { "at least" } else { "at most" };
     Err(format!("{whose}, with the sun {side} at {limit:.0} degrees; it is at {sun_deg:.0} degrees{later}"))
@@ -217,12 +218,12 @@ fn judged(
         misses.push(Miss { by, why: format!("{at} {why}") });
     }
     if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
-        let why = format!("{at} is predicted a {figure} of {found:.2}, {wanted:.2} is wanted");
+        let why = format!("{at} is predicted a {figure} of {}, {wanted:.2} is wanted", rounded_down(found, 2));
         misses.push(Miss { by: (wanted - found) / wanted, why });
     }
     let end_s = start.at_s + travel_s + forecast.time_s;
     if let Some(by_s) = goal.by_s.filter(|by_s| end_s > *by_s) {
-        let why = format!("{at} ends at {end_s:.0} s, `:by` is {by_s:.0} s");
+        let why = format!("{at} ends at {} s, `:by` is {by_s:.0} s", rounded_up(end_s, 0));
         misses.push(Miss { by: (end_s - by_s) / end_s, why });
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;

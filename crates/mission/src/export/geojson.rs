@@ -2,6 +2,7 @@
 
 use super::chart::{Chart, ChartPoint, ChartTarget, digits, milliseconds};
 use super::civil::utc;
+use apex_geo::geodesy::wrap_180;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use serde_json::{Map, Value, json};
 
@@ -109,12 +110,20 @@ fn target(chart: &Chart, target: &ChartTarget) -> Value {
 
 fn zone(zone: &AirspaceZone) -> Value {
     let corner = |corner: &Position| json!([digits(corner.longitude_deg), digits(corner.latitude_deg)]);
-    let mut ring: Vec<Value> = zone.corners.iter().map(corner).collect();
-    if clockwise(&zone.corners) {
-        ring.reverse();
-    }
-    // A ring ends at its first point.
-    ring.extend(ring.first().cloned());
+    let ring = |corners: &Vec<Position>| {
+        let mut ring: Vec<Value> = corners.iter().map(corner).collect();
+        if clockwise(corners) {
+            ring.reverse();
+        }
+        // A ring ends at its first point.
+        ring.extend(ring.first().cloned());
+        json!([ring])
+    };
+    let parts: Vec<Value> = parts_beside_the_date_line(&zone.corners).iter().map(ring).collect();
+    let geometry = match parts.as_slice() {
+        [part] => json!({"type": "Polygon", "coordinates": part}),
+        parts => json!({"type": "MultiPolygon", "coordinates": parts}),
+    };
     let mut facts = Map::new();
     facts.insert("altitude_m_min".into(), json!(zone.altitude_m_min));
     facts.insert("altitude_m_max".into(), json!(zone.altitude_m_max));
@@ -125,7 +134,47 @@ fn zone(zone: &AirspaceZone) -> Value {
         ZoneKind::Restricted => "restricted",
         ZoneKind::Permitted => "permitted",
     };
-    feature(kind, &zone.name, json!({"type": "Polygon", "coordinates": [ring]}), facts)
+    feature(kind, &zone.name, geometry, facts)
+}
+
+/// Returns the polygon, or its parts on both sides of the 180th meridian if it crosses that.
+fn parts_beside_the_date_line(corners: &[Position]) -> Vec<Vec<Position>> {
+    let mut unrolled: Vec<Position> = Vec::with_capacity(corners.len());
+    for corner in corners {
+        let before_deg = unrolled.last().map_or(corner.longitude_deg, |before| before.longitude_deg);
+        let longitude_deg = before_deg + wrap_180(corner.longitude_deg - before_deg);
+        unrolled.push(Position { longitude_deg, ..*corner });
+    }
+    let Some(outside) = unrolled.iter().find(|corner| corner.longitude_deg.abs() > 180.0) else {
+        return vec![corners.to_vec()];
+    };
+    let sense = 1.0_f64.copysign(outside.longitude_deg);
+    let beyond_deg = |corner: &Position| sense * corner.longitude_deg - 180.0;
+    let here = clip(&unrolled, |corner| -beyond_deg(corner));
+    let mut there = clip(&unrolled, beyond_deg);
+    there.iter_mut().for_each(|corner| corner.longitude_deg -= sense * 360.0);
+    let is_wide = |part: &Vec<Position>| part.iter().any(|corner| corner.longitude_deg.abs() < 180.0);
+    [here, there].into_iter().filter(is_wide).collect()
+}
+
+/// Returns the part of a polygon where `side` is not negative (Sutherland and Hodgman).
+fn clip(corners: &[Position], side: impl Fn(&Position) -> f64) -> Vec<Position> {
+    let mut kept = Vec::with_capacity(corners.len() + 2);
+    for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let (from_side, to_side) = (side(from), side(to));
+        if from_side >= 0.0 {
+            kept.push(*from);
+        }
+        if from_side * to_side < 0.0 {
+            let share = from_side / (from_side - to_side);
+            let between = |a: f64, b: f64| a + share * (b - a);
+            kept.push(Position {
+                latitude_deg: between(from.latitude_deg, to.latitude_deg),
+                longitude_deg: between(from.longitude_deg, to.longitude_deg),
+            });
+        }
+    }
+    kept
 }
 
 /// Returns true if the ring is clockwise; RFC 7946 requires outer rings counterclockwise.
@@ -153,6 +202,31 @@ mod tests {
         assert_eq!(json!(back), json!([[[-179.0, 2.0], [-180.0, 1.0]], [[180.0, 1.0], [179.0, 0.0]]]));
         assert_eq!(json!(split_at_the_date_line(&[at(0.0, 180.0), at(0.0, -180.0)])).as_array().map(Vec::len), Some(2));
         assert!(split_at_the_date_line(&[at(0.0, 1.0)]).is_empty() && split_at_the_date_line(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_zone_over_the_180th_meridian_is_two_polygons() {
+        let corners = [(0.0, 179.0), (0.0, -178.0), (1.0, -178.0), (1.0, 179.0)];
+        let active = apex_model::problem::TimeWindow { from_s: -FOREVER_S, until_s: FOREVER_S };
+        let zone_of = |corners: &[(f64, f64)]| AirspaceZone {
+            name: "range".into(),
+            kind: ZoneKind::Restricted,
+            corners: corners.iter().map(|(north, east)| Position::new(*north, *east)).collect(),
+            altitude_m_min: 0.0,
+            altitude_m_max: 9000.0,
+            active,
+        };
+        let expected = json!({"type": "MultiPolygon", "coordinates": [
+            [[[179.0, 0.0], [180.0, 0.0], [180.0, 1.0], [179.0, 1.0], [179.0, 0.0]]],
+            [[[-180.0, 0.0], [-178.0, 0.0], [-178.0, 1.0], [-180.0, 1.0], [-180.0, 0.0]]],
+        ]});
+        assert_eq!(zone(&zone_of(&corners))["geometry"], expected);
+        let back: Vec<(f64, f64)> = corners.iter().rev().copied().collect();
+        assert_eq!(zone(&zone_of(&back))["geometry"]["type"], "MultiPolygon");
+        let touching = [(0.0, 180.0), (0.0, -178.0), (1.0, -178.0), (1.0, 180.0)];
+        assert_eq!(zone(&zone_of(&touching))["geometry"]["type"], "Polygon");
+        let west = [(0.0, 170.0), (0.0, 180.0), (1.0, 180.0)];
+        assert_eq!(zone(&zone_of(&west))["geometry"]["type"], "Polygon");
     }
 
     #[test]

@@ -3,12 +3,15 @@
 use super::altitudes::{permitted_bands, zones_near};
 use super::wish::Wish;
 use apex_geo::geodesy::RAD_PER_DEG;
+use apex_observation::manoeuvres::rounded_up;
 use apex_observation::sensor::CameraSetting;
 
 /// Altitude error of a vehicle in metres, in addition to the distance to keep from ground and zones.
 const LEVEL_M: f64 = 3.0;
 /// Relative difference below which two heights count as equal.
 const APART_SHARE: f64 = 0.04;
+/// Decimals of a pixel size in metres that is printed.
+const PIXEL_DECIMALS: usize = 3;
 /// Greatest planned height, as a share of the height at which pixels lose all value.
 const WORTH_SHARE: f64 = 0.95;
 
@@ -30,10 +33,10 @@ pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -
     let coarsest_m = WORTH_SHARE * look.resolution.zero_multiple.max(1.0 / WORTH_SHARE) * wanted_m;
     let highest_m = seen_m + height_m(coarsest_m);
     if lowest_m > highest_m {
-        let finest_m = (lowest_m - seen_m) / height_m(1.0);
+        let finest_m = rounded_up((lowest_m - seen_m) / height_m(1.0), PIXEL_DECIMALS);
         return Err(format!(
             "`{}` needs {:.0} m above it or lower for pixels of {wanted_m} m, the vehicle stays {:.0} m above it (requirement \
-             terrain); {finest_m:.3} m works",
+             terrain); {finest_m} m works",
             camera.name,
             highest_m - seen_m,
             lowest_m - seen_m,

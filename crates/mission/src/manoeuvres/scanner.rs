@@ -152,8 +152,10 @@ fn drafted(
     let flown = fly(&lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast)?;
     let air = ForecastAir::new(mission);
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
-    let pixel_m = scanner.setting.mode.nadir_pixel_m(altitude_m - target.elevation_m);
-    let promise = share * clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
+    let height_m = altitude_m - target.elevation_m;
+    let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
+    let clarity = clarity(scanner, edr, (height_m, mission.model.true_airspeed_m_s_cruise));
+    let promise = share * clear_share * clarity * look.resolution.factor(pixel_m, pixel_m);
     Ok(SweepDraft { name, altitude_m, lines, flown, promise, shut_by: None })
 }
 

@@ -4,7 +4,7 @@
 //! Either an arch of constant distance in a vertical plane, or a level pass. `beta` is the elevation angle of the vehicle as seen from
 //! the target; the camera is depressed by that angle, so a mount with a limit of -90 degrees reaches it overhead.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_down};
 use super::scene::{Scene, along};
 use super::track::{Element, Sight, Track, TrackPoint};
 use super::{Craft, Instrument};
@@ -180,11 +180,11 @@ impl Arc {
         let most = craft.acceleration_mps2.min(craft.braking_mps2);
         let because = format!("{} cannot change its speed faster", craft.name);
         limit("an acceleration", "m/s2")
-            .at_most(self.acceleration_mps2, most, &because, || format!("{most:.1} m/s2 works"))?;
+            .at_most(self.acceleration_mps2, most, &because, || format!("{} m/s2 works", rounded_down(most, 1)))?;
         let yaw = limit("a yaw rate", "deg/s");
         let most = craft.yaw_rate_deg_s;
         yaw.at_most(self.yaw_rate_deg_s, most, &format!("{} cannot turn its nose faster", craft.name), || {
-            format!("{most:.0} deg/s works")
+            format!("{} deg/s works", rounded_down(most, 0))
         })?;
         self.check_climb(craft)?;
         self.check_tilt_rate(instrument)?;
@@ -197,7 +197,7 @@ impl Arc {
         let most = craft.climb_mps_max.min(craft.descent_mps_max);
         let limit = Limit { manoeuvre: Self::NAME, figure: "a climb", unit: "m/s" };
         limit.at_most(self.speed_mps * share, most, &format!("{} cannot climb or descend faster", craft.name), || {
-            format!("a speed of {:.1} m/s works, or a level pass", most / share)
+            format!("a speed of {} m/s works, or a level pass", rounded_down(most / share, 1))
         })
     }
 
@@ -211,14 +211,12 @@ impl Arc {
         let figures = self.figures(camera.high_deg);
         let most = camera.mount.rate_deg_s;
         limit("a tilt rate", "deg/s").at_most(figures.tilt_rate_deg_s, most, "the mount cannot tilt faster", || {
-            format!("a speed of {:.1} m/s works", self.speed_mps * most / figures.tilt_rate_deg_s)
+            format!("a speed of {} m/s works", rounded_down(self.speed_mps * most / figures.tilt_rate_deg_s, 1))
         })?;
         let drift = limit("an angle flown while turning", "degrees");
         drift.at_most(figures.turn_drift_deg, camera.high_deg, "the target leaves the picture", || {
-            format!(
-                "a turning speed of {:.1} m/s works",
-                self.turn_speed_mps * camera.high_deg / figures.turn_drift_deg
-            )
+            let slower = self.turn_speed_mps * camera.high_deg / figures.turn_drift_deg;
+            format!("a turning speed of {} m/s works", rounded_down(slower, 1))
         })
     }
 
@@ -230,14 +228,13 @@ impl Arc {
         let rearward = Limit { manoeuvre: Self::NAME, figure: "an airspeed tail first", unit: "m/s" };
         let because = format!("{} cannot fly faster tail first", craft.name);
         rearward.at_most((self.speed_mps - tail).abs(), craft.rearward_mps_max, &because, || {
-            match scene.wind_from_deg() {
-                Some(from) => format!(
-                    "a speed of {:.1} m/s works, or a motion towards {:.0} degrees, with the wind",
-                    (craft.rearward_mps_max + tail).max(0.0),
-                    apex_geo::geodesy::wrap_360(from + 180.0)
-                ),
-                None => format!("a speed of {:.1} m/s works", craft.rearward_mps_max),
-            }
+            let (fastest_mps, from) = (craft.rearward_mps_max + tail, scene.wind_from_deg());
+            let with_wind = from.map(|from| {
+                let towards_deg = apex_geo::geodesy::wrap_360(from + 180.0);
+                format!("a motion towards {towards_deg:.0} degrees, with the wind")
+            });
+            let slower = (fastest_mps > 0.0).then(|| format!("a speed of {} m/s works", rounded_down(fastest_mps, 1)));
+            [slower, with_wind].into_iter().flatten().collect::<Vec<_>>().join(", or ")
         })?;
         let sideways = Limit { manoeuvre: Self::NAME, figure: "a crosswind", unit: "m/s" };
         let because = format!("{} cannot hold its position in a stronger crosswind", craft.name);

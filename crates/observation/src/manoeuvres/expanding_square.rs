@@ -1,6 +1,6 @@
 //! Expanding square search (IAMSAR): legs of S, S, 2 S, 2 S, .. around a datum, each turned by 90 degrees.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_up};
 use super::scene::{Scene, along};
 use super::track::{Element, Sight, Track, TrackPoint, chord_m_max, fillet_m, rounded, tangent_m, wide_fillet_m};
 use super::{Craft, Instrument};
@@ -63,7 +63,7 @@ impl ExpandingSquare {
         let least_m = 2.0 * tangent_m(90.0, fillet_m(airspeed_mps, craft, scene));
         let limit = Limit { manoeuvre: Self::NAME, figure: "a spacing", unit: "m" };
         let because = format!("{} needs two turn radii between corners", craft.name);
-        limit.at_least(self.spacing_m, least_m, &because, || format!("{least_m:.0} m works"))
+        limit.at_least(self.spacing_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
     pub(crate) fn track(

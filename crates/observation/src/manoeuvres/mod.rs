@@ -35,7 +35,7 @@ pub use manoeuvre::{FlightPath, Manoeuvre};
 pub use modes::{AttitudeMode, DataHandling, PayloadUse, SpeedProfile};
 pub use orbit::Orbit;
 pub use pirouette::Pirouette;
-pub use refusal::Refusal;
+pub use refusal::{Refusal, rounded_down, rounded_up};
 pub use scene::{Instrument, Scene};
 pub use sector_search::SectorSearch;
 pub use spiral::Spiral;

@@ -1,7 +1,7 @@
 //! Modes of flying and recording along a path, each as a value: attitude, speed, payload and data.
 
 use super::craft::Craft;
-use super::refusal::{Limit, Refusal};
+use super::refusal::{Limit, Refusal, rounded_down, rounded_up};
 use super::scene::{Instrument, Scene};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::plane::Point;
@@ -192,9 +192,12 @@ fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft
     let airspeed_mps = airspeed_of(track_deg, speed_mps, wind);
     let limit = Limit { manoeuvre, figure: "a true airspeed", unit: "m/s" };
     let (low, high) = (craft.true_airspeed_mps_min, craft.true_airspeed_mps_max);
-    let near = |airspeed: f64| move || format!("{airspeed:.1} m/s works");
-    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} cannot fly slower", craft.name), near(low))?;
-    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} cannot fly faster", craft.name), near(high))
+    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} cannot fly slower", craft.name), || {
+        format!("{} m/s works", rounded_up(low, 1))
+    })?;
+    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} cannot fly faster", craft.name), || {
+        format!("{} m/s works", rounded_down(high, 1))
+    })
 }
 
 /// Returns the true airspeed of a ground speed along a track.
@@ -234,7 +237,7 @@ impl PayloadUse {
                     bank_deg,
                     roll.valid_deg,
                     "lines of the scanner are valid only with the wings level",
-                    || format!("a radius of {least_m:.0} m works, or a sweep"),
+                    || format!("a radius of {} m works, or a sweep", rounded_up(least_m, 0)),
                 )?;
             }
         }

@@ -1,7 +1,7 @@
 //! Orbit: circles over ground around the target, seen from all sides.
 
 use super::craft::circle_bank_deg;
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_up};
 use super::scene::Scene;
 use super::track::{Element, Sight, Track, TrackPoint, arc_points, chord_m_max};
 use super::{Craft, Instrument};
@@ -77,7 +77,7 @@ impl Orbit {
         let limit = Limit { manoeuvre: Self::NAME, figure: "a radius", unit: "m" };
         let because =
             format!("{} cannot turn more tightly with {:.0} degrees of bank in this wind", craft.name, craft.bank_deg);
-        limit.at_least(self.radius_m, least_m, &because, || format!("{least_m:.0} m works"))
+        limit.at_least(self.radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
     pub(crate) fn track(

@@ -1,6 +1,6 @@
 //! Pirouette: the vehicle hovers and turns on the spot; its camera sees a ring of the ground.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_down, rounded_up};
 use super::scene::Scene;
 use super::track::{Element, Sight, Track, TrackPoint};
 use super::{Craft, Instrument};
@@ -83,8 +83,12 @@ impl Pirouette {
         };
         let (low, high) = camera.mount.tilt_deg;
         let tilt = limit("a tilt", "degrees");
-        tilt.at_least(-self.depression_deg, low, "the mount cannot tilt lower", || format!("{low:.0} degrees works"))?;
-        tilt.at_most(-self.depression_deg, high, "the mount cannot tilt higher", || format!("{high:.0} degrees works"))
+        tilt.at_least(-self.depression_deg, low, "the mount cannot tilt lower", || {
+            format!("{} degrees works", rounded_up(low, 0))
+        })?;
+        tilt.at_most(-self.depression_deg, high, "the mount cannot tilt higher", || {
+            format!("{} degrees works", rounded_down(high, 0))
+        })
     }
 
     pub(crate) fn track(

@@ -51,6 +51,31 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
+/// Greatest number of decimals of a rounded limit.
+const DECIMALS_MAX: usize = 9;
+
+/// Returns a lower limit as text with `decimals`, rounded up: the number as printed keeps the limit, too.
+pub fn rounded_up(limit: f64, decimals: usize) -> String {
+    let printed: f64 = format!("{limit:.decimals$}").parse().unwrap_or(limit);
+    let step = libm::pow(10.0, -(decimals as f64));
+    format!("{:.decimals$}", if printed < limit { printed + step } else { printed })
+}
+
+/// Returns an upper limit as text with `decimals`, rounded down: the number as printed keeps the limit, too. A positive limit gets more
+/// decimals if it would be printed as 0.
+pub fn rounded_down(limit: f64, decimals: usize) -> String {
+    for decimals in decimals..=DECIMALS_MAX {
+        let printed: f64 = format!("{limit:.decimals$}").parse().unwrap_or(limit);
+        let step = libm::pow(10.0, -(decimals as f64));
+        let printed = if printed > limit { printed - step } else { printed };
+        let text = format!("{printed:.decimals$}");
+        if limit <= 0.0 || text.parse::<f64>().is_ok_and(|printed| printed > 0.0) {
+            return text;
+        }
+    }
+    limit.to_string()
+}
+
 /// A figure of a manoeuvre that is checked against a limit.
 pub(crate) struct Limit<'a> {
     pub(crate) manoeuvre: &'a str,

@@ -1,6 +1,6 @@
 //! Sector search (IAMSAR): three triangles through a datum, 3 x 3 legs of the radius with turns of 120 degrees.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_up};
 use super::scene::{Scene, along};
 use super::track::{Element, Sight, Track, TrackPoint, chord_m_max, fillet_m, rounded, tangent_m, wide_fillet_m};
 use super::{Craft, Instrument};
@@ -52,7 +52,7 @@ impl SectorSearch {
         let least_m = 2.0 * tangent_m(120.0, fillet_m(airspeed_mps, craft, scene));
         let limit = Limit { manoeuvre: Self::NAME, figure: "a radius", unit: "m" };
         let because = format!("{} needs room for two turns of 120 degrees on a leg", craft.name);
-        limit.at_least(self.radius_m, least_m, &because, || format!("{least_m:.0} m works"))
+        limit.at_least(self.radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
     pub(crate) fn track(

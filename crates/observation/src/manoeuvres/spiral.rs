@@ -1,6 +1,6 @@
 //! Spiral: circles of growing (or shrinking) radius around the target, one swath apart.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_up};
 use super::scene::{Scene, along};
 use super::track::{CHORD_DEG, Element, Sight, Track, TrackPoint, chord_m_max};
 use super::{Craft, Instrument};
@@ -76,7 +76,7 @@ impl Spiral {
         let least_m = if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) };
         let limit = Limit { manoeuvre: Self::NAME, figure: "an inner radius", unit: "m" };
         let because = format!("{} cannot turn more tightly at {airspeed_mps:.0} m/s in this wind", craft.name);
-        limit.at_least(self.inner_radius_m, least_m, &because, || format!("{least_m:.0} m works"))
+        limit.at_least(self.inner_radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
     pub(crate) fn track(

@@ -1,6 +1,6 @@
 //! Stand-off: a line parallel to the target at the distance that gives the wanted look angle. For targets that must not be overflown.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_down};
 use super::scene::Scene;
 use super::straight_over::StraightOver;
 use super::track::{Sight, Track, lines_with_turns};
@@ -63,7 +63,9 @@ impl StandOff {
         };
         let limit = Limit { manoeuvre: Self::NAME, figure: "a look angle", unit: "degrees" };
         limit.at_most(self.look_angle_deg, most_deg, because, || {
-            format!("{most_deg:.0} degrees works, {:.0} m aside", self.height_m * libm::tan(most_deg * RAD_PER_DEG))
+            let nearest = rounded_down(most_deg, 0);
+            let aside_m = self.height_m * libm::tan(nearest.parse().unwrap_or(most_deg) * RAD_PER_DEG);
+            format!("{nearest} degrees works, {aside_m:.0} m aside")
         })
     }
 

@@ -1,6 +1,6 @@
 //! Strafe: the vehicle moves sideways along a line or facade, with the nose and the camera at right angles to it.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_down};
 use super::scene::{Scene, along};
 use super::track::{Element, Sight, Track, TrackPoint};
 use super::{Craft, Instrument};
@@ -64,7 +64,12 @@ impl Strafe {
         let most = craft.sideways_mps_max;
         let because = format!("{} cannot fly faster sideways", craft.name);
         limit("an airspeed sideways", "m/s").at_most((self.speed_mps - tail).abs(), most, &because, || {
-            format!("a speed of {:.1} m/s works", (most + tail).max(0.0))
+            match most + tail {
+                fastest_mps if fastest_mps > 0.0 => {
+                    format!("a speed of {} m/s works", rounded_down(fastest_mps, 1))
+                }
+                _ => "turn the track away from the wind".to_string(),
+            }
         })
     }
 

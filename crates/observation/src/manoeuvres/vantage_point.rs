@@ -1,6 +1,6 @@
 //! Vantage point: a place on a sphere around the target from which it is seen best, held for some time.
 
-use super::refusal::{Limit, Refusal, positive};
+use super::refusal::{Limit, Refusal, positive, rounded_up};
 use super::scene::{Scene, along};
 use super::track::{Element, Sight, Track, TrackPoint};
 use super::{Craft, Instrument};
@@ -110,7 +110,7 @@ impl VantagePoint {
         if !craft.can_hover {
             let because = format!("{} cannot hover", craft.name);
             let least_m = craft.circle_radius_m_min(craft.true_airspeed_mps, scene.wind_mps());
-            let nearest = format!("an orbit of {least_m:.0} m works");
+            let nearest = format!("an orbit of {} m works", rounded_up(least_m, 0));
             return Err(limit("a slowest airspeed", "m/s").refusal(
                 craft.true_airspeed_mps_min,
                 0.0,

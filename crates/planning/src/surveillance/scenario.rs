@@ -369,7 +369,7 @@ impl<'a> Scenario<'a> {
         }
         let over_s = there_s + dwell_s + home_s - self.limit_s;
         if self.limit_s < self.problem.horizon_s {
-            return format!("needs {over_s:.0} s more than endurance leaves");
+            return format!("needs {:.0} s more than endurance leaves", libm::ceil(over_s));
         }
         Obstacle::Late { over_s, limit: TimeLimit::Horizon, alone: false }.to_string()
     }

@@ -13,7 +13,7 @@ use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::Control;
 use apex_runtime::ports::Observer;
-use apex_simulation::{ForkTerms, Forked, WorldChanges, fork};
+use apex_simulation::{ForkTerms, Forked, WorldChanges, check_fork, fork};
 use axum::Json;
 use axum::extract::rejection::{JsonRejection, PathRejection};
 use axum::extract::{Path as UrlPath, State};
@@ -67,6 +67,7 @@ fn start(state: &Arc<AppState>, request: &ForkRequest) -> ApiResult<Arc<ForkFlig
     let what_if = state.what_if()?;
     let record = state.record.clone().ok_or_else(no_record)?;
     let changes = request.changes(&*what_if.read)?;
+    check_fork(&state.reader()?, Time(request.at_ns), &changes)?;
     let mut forks = what_if.forks.list();
     if forks.iter().any(|flight| flight.end().is_none()) {
         return Err(ApiError {

@@ -256,12 +256,12 @@ impl<'a> Schedule<'a> {
             return Infeasibility::Impossible("there is no such target".to_string());
         };
         let duration_s = target.manoeuvres.get(choice.manoeuvre).map_or(0.0, |manoeuvre| manoeuvre.duration_s);
-        let is_wanted_later =
-            target.windows.is_empty() || target.windows.iter().any(|window| ready_s <= window.until_s);
-        let over_s = ready_s + duration_s - self.limit_s;
-        match is_wanted_later && over_s > 0.0 {
-            true => Infeasibility::TooLate { over_s },
-            false => Infeasibility::Impossible(closed_window(&target.name)),
+        let later = target.windows.iter().filter(|window| ready_s <= window.until_s);
+        let opens_s = later.map(|window| window.from_s.max(ready_s)).reduce(f64::min);
+        let begin_s = if target.windows.is_empty() { Some(ready_s) } else { opens_s };
+        match begin_s.map(|begin_s| begin_s + duration_s - self.limit_s).filter(|over_s| *over_s > 0.0) {
+            Some(over_s) => Infeasibility::TooLate { over_s },
+            None => Infeasibility::Impossible(closed_window(&target.name)),
         }
     }
 

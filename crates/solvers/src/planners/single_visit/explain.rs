@@ -158,7 +158,12 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     }
     let over_s = end_s - schedule.limit_s;
     if over_s > 0.0 {
-        return Err(Infeasibility::TooLate { over_s });
+        // Without a limit on the time, the visit may still be impossible, or have to wait.
+        return Err(match schedule.visit(PointKey::Start, start_s, choice) {
+            Err(Infeasibility::Impossible(trouble)) => Infeasibility::Impossible(trouble),
+            Err(Infeasibility::TooLate { over_s: waited_s }) => Infeasibility::TooLate { over_s: over_s.max(waited_s) },
+            Ok(_) | Err(Infeasibility::Order) => Infeasibility::TooLate { over_s },
+        });
     }
     let visit = schedule.visit(PointKey::Start, start_s, choice)?;
     let end_s = schedule.home_at_s(exit, visit.end_s)?;

@@ -61,6 +61,25 @@ fn a_target_inside_restricted_airspace_is_named_and_others_are_flown_around() {
 }
 
 #[test]
+fn more_time_is_named_only_where_it_would_help() {
+    let mut problem = few(4, 60_000.0);
+    let long = solve(&problem, 50_000).unwrap();
+    let begin_s = long.visits.iter().find(|visit| visit.target == "Zaca").unwrap().begin_s;
+    // Its window closes before the aircraft can be there, and the flight is too short for it as well.
+    problem.targets[0].windows = vec![TimeWindow { from_s: 0.0, until_s: 60.0 }];
+    problem.vehicle.endurance_s = problem.vehicle.endurance_reserve_s + 600.0;
+    let short = solve(&problem, 50_000).unwrap();
+    assert_eq!(reason(&short, "Zaca"), "its last time window closes before the vehicle can be there");
+    // A window after the end of the flight: with the time named, and a minute for the way home, it is visited.
+    problem.vehicle.endurance_s = problem.vehicle.endurance_reserve_s + 2.0 * begin_s + 9_000.0;
+    let opens_s = 4.0 * begin_s + 30_000.0;
+    problem.targets[0].windows = vec![TimeWindow { from_s: opens_s, until_s: opens_s + 9_000.0 }];
+    let short = solve(&problem, 50_000).unwrap();
+    let why = reason(&short, "Zaca");
+    assert!(why.starts_with("needs ") && why.ends_with("endurance leaves, even alone"), "{why}");
+}
+
+#[test]
 fn windows_order_light_and_timing_are_obeyed() {
     let mut problem = few(4, 60_000.0);
     problem.precedence = vec![("Moonlight".into(), "Lick".into())];

@@ -1,0 +1,88 @@
+//! The nearest possible figure that a refusal states is possible: the manoeuvre with exactly this figure keeps the limit.
+
+use super::fixtures::*;
+use apex_observation::manoeuvres::*;
+
+/// Returns the first number of a text that says what works.
+fn stated(nearest: &str) -> Option<f64> {
+    let number = nearest.contains(" works").then(|| nearest.split(' ').find_map(|word| word.parse().ok()));
+    number.flatten()
+}
+
+/// Refuses `figure`, then tries what the refusal states; that may break another limit, but not the same one.
+#[track_caller]
+fn holds(of: impl Fn(f64) -> Manoeuvre, figure: f64, craft: &Craft, scene: &Scene) -> bool {
+    let Err(refusal) = of(figure).fly(craft, &camera(true), scene) else { return false };
+    let Some(nearest) = stated(&refusal.nearest) else { return false };
+    if let Err(again) = of(nearest).fly(craft, &camera(true), scene) {
+        assert_ne!(again.figure, refusal.figure, "{refusal}, and with that: {again}");
+    }
+    true
+}
+
+fn arced(arc: Arc) -> Manoeuvre {
+    with(FlightPath::Arc(arc), AttitudeMode::Pointing, SpeedProfile::GroundSpeed(8.0), PayloadUse::Video)
+}
+
+fn flown(path: FlightPath, speed_mps: f64) -> Manoeuvre {
+    with(path, AttitudeMode::Coordinated, SpeedProfile::Airspeed(speed_mps), PayloadUse::Video)
+}
+
+#[test]
+fn what_a_refusal_calls_possible_is_possible() {
+    let mut refused = [0; 8];
+    for number in 0..60 {
+        let step = f64::from(number);
+        let (speed_mps, wind_mps) = (12.0 + 0.083 * step, 0.071 * step);
+        let (craft, scene) = (mapper(), windy(wind_mps, 0.0));
+        let square = |spacing_m: f64| ExpandingSquare { spacing_m, rounds: 2, height_m: 60.0, first_track_deg: None };
+        let sector = |radius_m: f64| SectorSearch { radius_m, height_m: 60.0, first_track_deg: None };
+        let spiral = |inner_radius_m: f64| Spiral {
+            inner_radius_m,
+            outer_radius_m: 900.0,
+            spacing_m: 50.0,
+            height_m: 60.0,
+            from_deg: 0.0,
+            clockwise: true,
+            inward: false,
+        };
+        let paths: [&dyn Fn(f64) -> FlightPath; 4] = [
+            &|figure| FlightPath::Orbit(orbit(figure, 100.0)),
+            &|figure| FlightPath::ExpandingSquare(square(figure)),
+            &|figure| FlightPath::SectorSearch(sector(figure)),
+            &|figure| FlightPath::Spiral(spiral(figure)),
+        ];
+        for (count, path) in refused.iter_mut().zip(paths) {
+            *count += usize::from(holds(|figure| flown(path(figure), speed_mps), 3.0, &craft, &scene));
+        }
+        let around = |speed_mps: f64| flown(FlightPath::Orbit(orbit(900.0, 100.0)), speed_mps);
+        let slow = Craft { true_airspeed_mps_max: 20.0 + 0.013 * step, ..craft.clone() };
+        refused[4] += usize::from(holds(around, 60.0, &slow, &still()));
+        let helicopter = Craft { yaw_rate_deg_s: 10.0 + 0.37 * step, ..helicopter() };
+        let arc = |speed_mps: f64| arced(Arc { speed_mps, ..arch() });
+        refused[5] += usize::from(holds(
+            arc,
+            20.0 + step,
+            &Craft { yaw_rate_deg_s: 90.0, ..helicopter.clone() },
+            &windy(0.0, 0.11 * step),
+        ));
+        let turning = |yaw_rate_deg_s: f64| arced(Arc { yaw_rate_deg_s, ..arch() });
+        refused[6] += usize::from(holds(turning, 80.0, &helicopter, &still()));
+        let slowing = |acceleration_mps2: f64| arced(Arc { acceleration_mps2, ..arch() });
+        let weak = Craft { braking_mps2: 0.01 + 0.007 * step, yaw_rate_deg_s: 90.0, ..helicopter };
+        refused[7] += usize::from(holds(slowing, 9.0, &weak, &still()));
+    }
+    assert!(refused.iter().all(|count| *count > 20), "{refused:?}");
+}
+
+#[test]
+fn limits_are_printed_on_their_possible_side() {
+    assert_eq!(
+        [rounded_up(57.4, 0), rounded_up(58.0, 0), rounded_up(0.0123, 3), rounded_up(-89.6, 0)],
+        ["58", "58", "0.013", "-89"]
+    );
+    assert_eq!(
+        [rounded_down(57.6, 0), rounded_down(1.1, 1), rounded_down(0.04, 1), rounded_down(-20.4, 0)],
+        ["57", "1.1", "0.04", "-21"]
+    );
+}
