@@ -20,8 +20,3 @@ pub mod rederive;
 pub mod rules;
 pub mod scenario;
 pub mod verdict;
-
-/// The guide on functions of the host program: its example runs as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/guides/host-functions.md")]
-pub struct HostFunctionsGuide;

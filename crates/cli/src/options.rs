@@ -378,7 +378,7 @@ pub struct ServeOptions {
     /// Another flight record that the page can show next to the first one; can be given several times.
     #[arg(long, value_name = "RECORD", requires = "record")]
     pub with: Vec<PathBuf>,
-    /// Let programs and pages of this machine fly the missions in this folder: its sub-folders with a `mission.pdl`.
+    /// Let programs and pages with access to this server fly the missions in this folder: its sub-folders with a `mission.pdl`.
     #[arg(long, value_name = "FOLDER")]
     pub missions: Option<PathBuf>,
     /// The folder of the records of these flights; default is the current folder.
