@@ -2,7 +2,7 @@
 
 use super::endings::known_truth;
 use super::kinds::{Kind, Kinds};
-use super::walk::sides;
+use super::walk::{self, sides};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, Timing};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::{Library, RESOURCE_LEVEL, ResourceKind};
@@ -48,10 +48,6 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             .or_else(|| statistic(&episode.stats, condition.place, library))
             .or_else(|| trend(&episode.trend, condition.place, library)),
         ConditionKind::Event { timing, .. } => duration(timing, condition.place, library),
-        ConditionKind::Cyclic(cyclic) => cyclic
-            .options
-            .iter()
-            .find_map(|(name, constraints)| never(name, constraints, Some(0.0), condition.place, library)),
         ConditionKind::Delay(least, Some(most)) => {
             let (from, to) = (number(least, library)?, number(most, library)?);
             (from > to).then(|| Impossible {
@@ -69,7 +65,9 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
                 "write `(:delay D)` for the time since the creation of the task, or `(+ (start-of +this-task+) D)`";
             Some(Impossible { place: from.place, reason, help })
         }
-        _ => None,
+        kind => walk::options(kind)
+            .iter()
+            .find_map(|(name, constraints)| never(name, constraints, Some(0.0), condition.place, library)),
     }
 }
 

@@ -332,8 +332,7 @@ impl<'l> UsedNames<'l> {
                 [&timing.start, &timing.end, &timing.duration].into_iter().for_each(|each| self.constraints(each));
             }
             ConditionKind::TaskState { state, .. } => self.predicates(state),
-            ConditionKind::Cyclic(cyclic) => cyclic.options.iter().for_each(|(_, each)| self.constraints(each)),
-            _ => {}
+            _ => walk::options(&condition.kind).iter().for_each(|(_, each)| self.constraints(each)),
         }
     }
 }

@@ -8,6 +8,7 @@ use apex_model::procedure::{
     Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, ResourceNeed, Step, Transitions,
 };
 use apex_model::source::Place;
+use apex_model::symbol::Symbol;
 
 /// Receives every expression, outer ones before inner ones.
 pub(crate) type Visit<'v, 'l> = &'v mut dyn FnMut(&'l Expr);
@@ -135,13 +136,19 @@ pub(crate) fn condition<'l>(root: &'l Condition, visit: Visit<'_, 'l>) {
             template(goal, visit);
             exprs(std::iter::once(interval).chain(time_limit).chain(count_limit), visit);
         }
-        ConditionKind::Cyclic(cyclic) => {
-            pattern(&cyclic.variable.object, visit);
-            cyclic.options.iter().for_each(|(_, each)| constraints(each, visit));
-        }
+        ConditionKind::Cyclic(cyclic) => pattern(&cyclic.variable.object, visit),
         ConditionKind::TaskEnded(_) | ConditionKind::Not(_) => {}
     }
+    options(&root.kind).iter().for_each(|(_, each)| constraints(each, visit));
     parts(root).iter().for_each(|part| condition(part, visit));
+}
+
+/// Returns the constraints of a condition by the names of its options; empty for conditions whose constraints have fields.
+pub(crate) fn options(kind: &ConditionKind) -> &[(Symbol, Vec<Constraint>)] {
+    match kind {
+        ConditionKind::Cyclic(cyclic) => &cyclic.options,
+        _ => &[],
+    }
 }
 
 fn timing<'l>(timing: &'l Timing, visit: Visit<'_, 'l>) {

@@ -84,7 +84,7 @@ mod tests {
             (r#"{"source": "1", "class": "feed"}"#, "begins with a letter"),
             (r#"{"source": "a\u001bb", "class": "feed"}"#, "expected a name"),
             (r#"{"source": 3, "class": "feed"}"#, "\"source\" is 3"),
-            (r#"{"source": "a", "class": "feed", "rate": 3}"#, "\"rate\" is not known"),
+            (r#"{"source": "a", "class": "feed", "rate": 3}"#, "unknown member \"rate\""),
         ] {
             let refusal = read(line).unwrap().unwrap_err();
             assert!(refusal.contains(fault), "{line}: {refusal}");
