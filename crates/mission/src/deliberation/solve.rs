@@ -239,8 +239,7 @@ fn name_closing(mission: &Mission, solved: &mut Deliberation) {
     }
 }
 
-/// Returns a reason of planners in which the closing of the base, if the base closes before the mission ends, stands for the end of the
-/// mission.
+/// Returns a reason of planners in which the closing of the base replaces the end of the mission, if the base closes earlier.
 pub(super) fn with_closing(mission: &Mission, now_s: f64, reason: &str) -> String {
     let is_earlier = base_open_until_s(mission, now_s) < mission.settings.duration.seconds();
     match closing(mission, (mission.start, mission.start_altitude_m)).filter(|_| is_earlier) {

@@ -5,6 +5,7 @@ mod camera;
 mod drafts;
 mod flying;
 mod growth;
+mod open_spans;
 mod partial;
 mod picture_heights;
 mod picture_runs;

@@ -3,13 +3,15 @@
 //!
 //! A line is open where it keeps the distance that ways keep from zones. Where a zone ends it, space for turning away is left, and in front
 //! of its beginning also the lead-in.
-//! Bound: O(lines x steps x edges of zones) for cutting, O(cells x lines) for the selection.
+//! Bound: O(lines x edges of zones) for cutting, O(cells x lines) for the selection; lines are laid along at most [`CHORDS_MAX`] sides of
+//! each zone.
 
 use super::altitudes::zones_closed;
+use super::open_spans::open_spans;
 use super::wish::Wish;
 use crate::vehicle::turn_radius_m;
 use crate::ways::lead_in_s;
-use apex_geo::plane::{self, Plane, Point, point_to_segment};
+use apex_geo::plane::{Plane, Point, point_to_segment};
 use apex_geo::wind;
 use apex_model::problem::{AirspaceZone, Position};
 
@@ -18,9 +20,10 @@ const MARGIN_SHARE: f64 = 1.1;
 const MARGIN_MORE_M: f64 = 100.0;
 /// Space for turning away from a zone, in radii.
 const TURN_RADII: f64 = 2.5;
-/// Distance between the compared points of a line, and the greatest number of them.
-const STEP_M: f64 = 100.0;
-const STEPS_MAX: f64 = 500.0;
+/// Part of the distance to keep that a line is never nearer to a zone.
+const KEPT_SHARE: f64 = 0.99;
+/// Maximum number of sides of a zone along which lines are laid; consecutive edges of a zone with more corners count as one side.
+const CHORDS_MAX: usize = 40;
 /// A shorter part of a line is not flown.
 const PART_M_MIN: f64 = 500.0;
 /// Distance between lines along an edge, as a share of the swath; such a line begins and ends this far outside of the ground: the scanner
@@ -88,10 +91,13 @@ impl<'a> ClosedGround<'a> {
     /// Returns lines along the edge of a zone from which most of the ground is seen, and their share of it; `None` without such lines.
     pub(super) fn beside(&self, swath_m: f64) -> Option<OpenLines> {
         let mut best: Option<OpenLines> = None;
-        for (from, to) in self.zones.iter().flat_map(|corners| plane::edges(corners)) {
-            let Some(along) = to.minus(from).unit() else { continue };
+        for side in self.zones.iter().flat_map(|corners| sides(corners)) {
+            let (Some(from), Some(to)) = (side.first(), side.last()) else { continue };
+            let Some(along) = to.minus(*from).unit() else { continue };
             let left = Point { x: -along.y, y: along.x };
             for out in [left, Point { x: -left.x, y: -left.y }] {
+                let farthest_m = side.iter().map(|corner| out.dot(corner.minus(*from))).fold(0.0, f64::max);
+                let from = from.plus(farthest_m, out);
                 let rows = self.rows((from, along, out), swath_m);
                 let Some(found) = self.in_order(rows.into_iter(), swath_m) else { continue };
                 if best.as_ref().is_none_or(|best| found.share > best.share) {
@@ -151,11 +157,11 @@ impl<'a> ClosedGround<'a> {
         loop {
             let begins = left.iter().enumerate();
             let begins = begins.flat_map(|(number, part)| part.iter().flatten().map(move |line| (number, *line)));
-            let in_reach = begins.filter(|(_, line)| group.is_empty() || self.is_way_open(here, line.0));
             let away_m = |line: &FlatLine| line.0.minus(here).length();
-            let Some((number, line)) = in_reach.min_by(|(_, a), (_, b)| away_m(a).total_cmp(&away_m(b))) else {
-                return group;
-            };
+            let mut begins: Vec<(usize, FlatLine)> = begins.collect();
+            begins.sort_by(|(_, a), (_, b)| away_m(a).total_cmp(&away_m(b)));
+            let in_reach = |(_, line): &(usize, FlatLine)| group.is_empty() || self.is_way_open(here, line.0);
+            let Some((number, line)) = begins.into_iter().find(in_reach) else { return group };
             left.swap_remove(number);
             here = line.1;
             group.push(line);
@@ -166,22 +172,7 @@ impl<'a> ClosedGround<'a> {
     fn parts(&self, (from, to): FlatLine) -> Vec<FlatLine> {
         let length_m = to.minus(from).length();
         let Some(along) = to.minus(from).unit() else { return Vec::new() };
-        let steps = libm::ceil(length_m / STEP_M).clamp(1.0, STEPS_MAX);
-        let at_m = |step: f64| length_m * step / steps;
-        let mut runs: Vec<(f64, f64)> = Vec::new();
-        let mut open_from = None;
-        for step in 0..=steps as u32 {
-            let here_m = at_m(f64::from(step));
-            match (self.is_open(from.plus(here_m, along)), open_from) {
-                (true, None) => open_from = Some(here_m),
-                (false, Some(since_m)) => {
-                    runs.push((since_m, at_m(f64::from(step) - 1.0)));
-                    open_from = None;
-                }
-                _ => {}
-            }
-        }
-        runs.extend(open_from.map(|since_m| (since_m, length_m)));
+        let runs = open_spans((from, to), &self.zones, KEPT_SHARE * self.keep_m);
         let shortened = runs.into_iter().map(|(begin_m, end_m)| {
             let begin_m = if begin_m > 0.0 { begin_m + self.turn_m } else { begin_m };
             (begin_m, if end_m < length_m { end_m - self.turn_m } else { end_m })
@@ -196,14 +187,9 @@ impl<'a> ClosedGround<'a> {
     }
 
     fn is_way_open(&self, from: Point, to: Point) -> bool {
-        let steps = libm::ceil(to.minus(from).length() / STEP_M).clamp(1.0, STEPS_MAX);
-        (0..=steps as u32).all(|step| self.is_open(from.plus(f64::from(step) / steps, to.minus(from))))
-    }
-
-    fn is_open(&self, point: Point) -> bool {
-        self.zones.iter().all(|corners| {
-            !plane::inside(point, corners) && plane::segment_to_edges(point, point, corners) >= 0.99 * self.keep_m
-        })
+        let length_m = to.minus(from).length();
+        let is_whole = |(begin_m, end_m): &(f64, f64)| *begin_m == 0.0 && *end_m == length_m;
+        length_m == 0.0 || open_spans((from, to), &self.zones, KEPT_SHARE * self.keep_m).first().is_some_and(is_whole)
     }
 
     /// Returns the share of the ground within half a swath of lines.
@@ -214,6 +200,14 @@ impl<'a> ClosedGround<'a> {
         let near: f64 = self.cells.iter().filter(|(middle, _)| is_near(middle)).map(|(_, weight)| weight).sum();
         if total > 0.0 { near / total } else { 0.0 }
     }
+}
+
+/// Returns the sides of a polygon: its edges, or runs of consecutive edges if it has many, each as its corners in order.
+fn sides(corners: &[Point]) -> impl Iterator<Item = Vec<Point>> + '_ {
+    let edges = corners.len().div_ceil(CHORDS_MAX).max(1);
+    let side =
+        move |first: usize| corners.iter().cycle().skip(first).take(edges.min(corners.len() - first) + 1).copied();
+    (0..corners.len()).step_by(edges).map(move |first| side(first).collect())
 }
 
 /// Open lines in the order of their flight.

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 
 const VARIABLES: [&str; 3] = ["x", "y", "slow"];
 
-/// Generates an episode of one of the variables. Its duration and its greatest gap are multiples of half a second; a gap of 0 is no
-/// constraint.
+/// Generates an episode of one of the variables. Its duration and its greatest gap are multiples of half a second; a gap of 0 is not
+/// constrained.
 fn episode() -> impl Strategy<Value = String> {
     (0usize..16, 0i64..3, 0i64..5, 0i64..5).prop_map(|(which, bound, duration, gap)| {
         let variable = VARIABLES[if which == 15 { 2 } else { which % 2 }];
