@@ -22,6 +22,8 @@ const INITIAL: TaskId = TaskId(0);
 const COMMANDS_MAX: usize = 64;
 /// A command that failed at most this long before the end belongs to its reason, s.
 const RECENT_S: f64 = 3_600.0;
+/// A longer command is shown by its name alone: the coordinates of a way say nothing to a reader.
+const COMMAND_CHARACTERS_MAX: usize = 60;
 /// Maximum number of goals that are remembered; more than any mission has.
 const GOALS_MAX: usize = 1_000;
 /// Maximum number of failures from the initial task down to the first one.
@@ -87,7 +89,7 @@ impl Ending {
     fn take<'e>(&mut self, now: Time, effect: &'e Effect, failures: &mut BTreeMap<TaskId, &'e Cause>) {
         match effect {
             Effect::Command { command, form, .. } => {
-                self.commands.insert(*command, (now, form.to_string()));
+                self.commands.insert(*command, (now, command_text(form)));
                 while self.commands.len() > COMMANDS_MAX {
                     self.commands.pop_first();
                 }
@@ -236,5 +238,29 @@ impl Ending {
             );
         }
         Some(sentence)
+    }
+}
+
+/// Returns a command as the report shows it: whole, or its name for a long one.
+fn command_text(form: &Value) -> String {
+    let whole = form.to_string();
+    match form.head() {
+        Some(head) if whole.chars().count() > COMMAND_CHARACTERS_MAX => format!("({head} ..)"),
+        _ => whole,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_commands_are_shown_by_their_names() {
+        let command = |places: usize| {
+            let place = Value::list([34.7982, -119.59357, 4673.0].map(Value::Real));
+            Value::list(std::iter::once(Value::symbol("join-line")).chain(std::iter::repeat_n(place, places)))
+        };
+        assert_eq!(command_text(&command(1)), "(join-line (34.7982 -119.59357 4673.0))");
+        assert_eq!(command_text(&command(3)), "(join-line ..)");
     }
 }
