@@ -47,7 +47,7 @@ const USAGE: &str = "usage: cargo xtask tidy                check the rules of t
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    match run(&root(), &words) {
+    match root().and_then(|root| run(&root, &words)) {
         Ok(text) => {
             println!("{text}");
             ExitCode::SUCCESS
@@ -78,8 +78,17 @@ fn run(root: &Path, words: &[&str]) -> Result<String, String> {
     }
 }
 
-/// Returns the top folder of the project: the parent of this package.
-fn root() -> PathBuf {
-    let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    package.parent().map(PathBuf::from).unwrap_or(package)
+/// Returns the top folder of the project that contains the working directory: the nearest folder with `xtask/Cargo.toml`.
+///
+/// The folder in which this program was compiled is not used: a build that was copied with its tree would check the tree that it was
+/// copied from.
+///
+/// # Errors
+/// The working directory, if it is outside a project.
+fn root() -> Result<PathBuf, String> {
+    let here = std::env::current_dir().map_err(|error| format!("cannot read the working directory: {error}"))?;
+    let root = here.ancestors().find(|folder| folder.join("xtask/Cargo.toml").is_file());
+    root.map(PathBuf::from).ok_or_else(|| {
+        format!("{}: neither this folder nor one above it holds xtask/Cargo.toml; run in the project", here.display())
+    })
 }

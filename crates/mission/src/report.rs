@@ -16,9 +16,9 @@ pub struct Report {
     pub mission: String,
     /// Instant and reason of its end.
     pub end: (Time, String),
-    /// Why the initial task failed; `None` if it did not, and while the flight continues.
+    /// Reason for which the initial task failed; `None` if it did not, and while the flight continues.
     pub failed_because: Option<String>,
-    /// A sentence about a vehicle that did not land; `None` if it is on the ground, and while the flight continues.
+    /// Statement about a vehicle that did not land; `None` if it is on the ground, and while the flight continues.
     pub not_landed: Option<String>,
     /// Observations in order.
     pub visits: Vec<Visit>,

@@ -30,7 +30,7 @@ mod partly_shut;
 mod still_air;
 #[path = "odd/strong_wind.rs"]
 mod strong_wind;
-#[path = "odd/told.rs"]
-mod told;
+#[path = "odd/unplanned_end.rs"]
+mod unplanned_end;
 #[path = "odd/waiting.rs"]
 mod waiting;

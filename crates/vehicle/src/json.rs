@@ -21,7 +21,7 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// Describes the value for a message: a list by its length, an object by its kind, every other value by itself.
+    /// Describes the value for a message: a list by its length, an object by its kind, every other value as it is written.
     pub(crate) fn describe(&self) -> String {
         match self {
             Node::Null => "null".to_owned(),

@@ -5,16 +5,16 @@
 use apex_geo::plane::{Point, edges, inside};
 
 /// Part of a line, by the distances of its ends from the beginning of the line, m.
-pub(super) type Span = (f64, f64);
+pub(super) type OpenSpan = (f64, f64);
 
 /// Returns the parts of the segment `from`-`to` that are outside of all polygons and at least `keep_m`, which is above 0, from their edges,
 /// in order. A segment of length zero has no parts.
-pub(super) fn open_spans((from, to): (Point, Point), polygons: &[Vec<Point>], keep_m: f64) -> Vec<Span> {
+pub(super) fn open_spans((from, to): (Point, Point), polygons: &[Vec<Point>], keep_m: f64) -> Vec<OpenSpan> {
     let length_m = to.minus(from).length();
     let Some(along) = to.minus(from).unit() else { return Vec::new() };
     let near = |(a, b): (Point, Point)| near_edge((from, along), (a, b), keep_m);
     let all = polygons.iter().flat_map(|corners| edges(corners)).filter_map(near);
-    let mut closed: Vec<Span> = all.filter(|(begin, end)| *begin < length_m && *end > 0.0).collect();
+    let mut closed: Vec<OpenSpan> = all.filter(|(begin, end)| *begin < length_m && *end > 0.0).collect();
     closed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut open, mut since_m) = (Vec::new(), 0.0);
     for (begin_m, end_m) in closed {
@@ -36,7 +36,7 @@ pub(super) fn open_spans((from, to): (Point, Point), polygons: &[Vec<Point>], ke
 
 /// Returns the part of the straight line through `from` that is nearer than `keep_m` to the edge `a`-`b`; `None` without such a part. The
 /// points near an edge are a convex set, so the part is one: the span over both discs around the ends and the rectangle between them.
-fn near_edge((from, along): (Point, Point), (a, b): (Point, Point), keep_m: f64) -> Option<Span> {
+fn near_edge((from, along): (Point, Point), (a, b): (Point, Point), keep_m: f64) -> Option<OpenSpan> {
     // Most edges are far away on one side.
     let asides = [a, b].map(|end| along.cross(end.minus(from)));
     if asides.iter().all(|aside| *aside >= keep_m) || asides.iter().all(|aside| *aside <= -keep_m) {
@@ -52,8 +52,8 @@ fn near_edge((from, along): (Point, Point), (a, b): (Point, Point), keep_m: f64)
     found.reduce(|all, each| (all.0.min(each.0), all.1.max(each.1)))
 }
 
-/// Returns the part of the line through `from` that is beside the edge `a`-`b`, nearer than `keep_m`.
-fn near_rectangle((from, along): (Point, Point), (a, b): (Point, Point), keep_m: f64) -> Option<Span> {
+/// Returns the part of the line through `from` alongside the edge `a`-`b`, nearer than `keep_m`.
+fn near_rectangle((from, along): (Point, Point), (a, b): (Point, Point), keep_m: f64) -> Option<OpenSpan> {
     let edge = b.minus(a).unit()?;
     let here = from.minus(a);
     let beside = within((edge.dot(here), edge.dot(along)), (0.0, b.minus(a).length()))?;
@@ -63,7 +63,7 @@ fn near_rectangle((from, along): (Point, Point), (a, b): (Point, Point), keep_m:
 }
 
 /// Returns where `start + s * slope` lies within bounds; `None` if it does so nowhere.
-fn within((start, slope): (f64, f64), (least, greatest): (f64, f64)) -> Option<Span> {
+fn within((start, slope): (f64, f64), (least, greatest): (f64, f64)) -> Option<OpenSpan> {
     if slope == 0.0 {
         return (least < start && start < greatest).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }

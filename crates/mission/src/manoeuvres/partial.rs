@@ -89,7 +89,7 @@ impl<'a> ClosedGround<'a> {
     }
 
     /// Returns lines along the edge of a zone from which most of the ground is seen, and their share of it; `None` without such lines.
-    pub(super) fn beside(&self, swath_m: f64) -> Option<OpenLines> {
+    pub(super) fn along_edge(&self, swath_m: f64) -> Option<OpenLines> {
         let mut best: Option<OpenLines> = None;
         for side in self.zones.iter().flat_map(|corners| sides(corners)) {
             let (Some(from), Some(to)) = (side.first(), side.last()) else { continue };
@@ -108,7 +108,7 @@ impl<'a> ClosedGround<'a> {
         best
     }
 
-    /// Returns lines beside the edge through `from`, the first as near to it as lines may be, each as long as the ground in its swath.
+    /// Returns lines along the edge through `from`, the first as near to it as lines may be, each as long as the ground in its swath.
     fn rows(&self, (from, along, out): (Point, Point, Point), swath_m: f64) -> Vec<FlatLine> {
         let seen: Vec<(f64, f64)> =
             self.cells.iter().map(|(middle, _)| (along.dot(middle.minus(from)), out.dot(middle.minus(from)))).collect();
@@ -130,7 +130,7 @@ impl<'a> ClosedGround<'a> {
         rows
     }
 
-    /// Cuts lines, and puts their parts in order. Parts between which a zone lies cannot be flown one after the other: of the groups that
+    /// Cuts lines, and puts their parts in order. Parts between which a zone lies cannot be flown in sequence: of the groups that
     /// can, the one that sees most is returned; `None` if there is none.
     fn in_order(&self, lines: impl Iterator<Item = FlatLine>, swath_m: f64) -> Option<OpenLines> {
         let both = |(from, to): FlatLine| [(from, to), (to, from)].map(|line| self.can_begin(line).then_some(line));

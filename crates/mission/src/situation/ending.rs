@@ -48,7 +48,7 @@ pub(crate) struct Ending {
     commands: BTreeMap<CommandId, (Time, String)>,
     /// The last command whose failure ended a task: its instant, and what failed.
     failed_command: Option<(Time, String)>,
-    /// Why the initial task failed.
+    /// Reason for which the initial task failed.
     failed_because: Option<String>,
     /// Goals of requests without an answer.
     goals: BTreeMap<SolveRequestId, String>,
@@ -167,7 +167,7 @@ impl Ending {
         self.failed_command.as_ref().is_some_and(|(at, _)| (now - *at).seconds() <= RECENT_S)
     }
 
-    /// Returns a cause in words that need no numbers of the record.
+    /// Returns a cause as text without numbers of the record.
     fn words(&self, cause: &Cause) -> String {
         let form = |command: &CommandId| match self.commands.get(command) {
             Some((_, form)) => format!("the command {form}"),
@@ -205,7 +205,7 @@ impl Ending {
         self.failed_because.as_deref()
     }
 
-    /// Returns a sentence about a vehicle that did not land; `None` if it is on the ground. `wind_mps` is the wind as last measured.
+    /// Returns a statement about a vehicle that did not land; `None` if it is on the ground. `wind_mps` is the wind as last measured.
     pub(crate) fn not_landed(
         &self,
         mission: &Mission,

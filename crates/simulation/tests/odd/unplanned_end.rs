@@ -1,4 +1,4 @@
-//! What a report says about flights that do not end as planned.
+//! Reports of flights that do not end as planned.
 
 use crate::harness::{area, collection, feature, fly, home, point, program};
 
