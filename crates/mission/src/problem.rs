@@ -1,12 +1,12 @@
 //! Poses a planning problem from a mission and its present situation.
 
+pub(crate) mod limits;
 mod timing;
 
 pub(crate) use timing::{GroundArrival, interval_windows, is_bound_to_seen};
 
 use super::situation::Situation;
 use super::{Fire, Mission, Site, TargetKind};
-use crate::closing::closing;
 use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
@@ -82,7 +82,7 @@ pub(crate) fn single_visits(
     let energy = energy(mission, situation);
     let start = here(mission, situation);
     let (targets, precedence) = wanted(mission, known, asked)?;
-    Ok(SingleVisitProblem {
+    let mut problem = SingleVisitProblem {
         targets,
         vehicle: SingleVisitVehicle {
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
@@ -94,6 +94,7 @@ pub(crate) fn single_visits(
             fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,
             endurance_s: energy.endurance_s,
             endurance_reserve_s: energy.reserve_s + energy.landing_s,
+            endurance_limit: None,
             turn_radius_m: turn_radius_m(model),
         },
         start,
@@ -101,11 +102,8 @@ pub(crate) fn single_visits(
         start_s: now_s,
         base: Some(mission.start),
         // Plans end over the base at cruise altitude: the descent needs its time, as it needs its energy.
-        end_s: Some(
-            latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)
-                .min(base_open_until_s(mission, now_s))
-                - Descent::to_base(mission).time_s,
-        ),
+        end_s: Some(limits::end_s(mission, now_s) - Descent::to_base(mission).time_s),
+        end_limit: limits::end(mission, now_s, limits::latest_end_s(mission, now_s)),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.iter().map(|zone| timed(&grown(zone, mission), now_s)).collect(),
@@ -116,24 +114,9 @@ pub(crate) fn single_visits(
         crew: mission.crew.clone(),
         failure: mission.failure,
         travel: None,
-    })
-}
-
-/// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and shrinks with
-/// the remaining time: delays of single legs are assumed to be independent, so their sum grows with the root of the time.
-fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
-    let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
-    duration_s - end_margin_s * left.sqrt()
-}
-
-/// Returns the instant until which plans made at `now_s` land at the base because it closes for good, with the error of such times; infinity
-/// for a base that stays open, and for one that is closed already: it is the least of the evils then.
-pub(crate) fn base_open_until_s(mission: &Mission, now_s: f64) -> f64 {
-    let closing = closing(mission, (mission.start, mission.start_altitude_m)).filter(|closing| closing.at_s > now_s);
-    closing.map_or(f64::INFINITY, |closing| {
-        let ahead_s = closing.at_s - now_s;
-        closing.at_s - time_error_s(ahead_s).min(0.5 * ahead_s)
-    })
+    };
+    problem.vehicle.endurance_limit = limits::endurance(mission, &problem.vehicle);
+    Ok(problem)
 }
 
 /// Targets of a problem, and pairs of names of which the first must precede the second.

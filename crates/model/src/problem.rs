@@ -13,7 +13,7 @@ mod travel_times;
 pub use left_out::LeftOut;
 pub use place::{AirspaceZone, Area, FOREVER_S, LandingPlace, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 pub use single_visit::{
-    CrewMember, FailureTerm, Light, Manoeuvre, PictureWork, PlannedVisit, QualityFactor, QualityFactors,
+    CrewMember, FailureTerm, Light, Manoeuvre, NamedLimit, PictureWork, PlannedVisit, QualityFactor, QualityFactors,
     SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
 };
 pub use surveillance::{

@@ -38,8 +38,13 @@ pub enum Obstacle {
 /// Limit on the time of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TimeLimit {
-    /// The limit of the flight, by its name: `endurance`, `the end of the mission`.
-    Flight(String),
+    /// The limit of the flight.
+    Flight {
+        /// Its name: `endurance`, `the end of the mission`.
+        name: String,
+        /// Its cause, if the problem states one.
+        cause: Option<String>,
+    },
     /// The horizon of the plan.
     Horizon,
     /// The time between the other visits.
@@ -55,6 +60,8 @@ const ALONE: &str = ", even alone";
 const HORIZON: &str = "the horizon allows";
 const OTHER_VISITS: &str = "is left between the others";
 const LEAVES: &str = " leaves";
+/// Between a limit and its cause.
+const CAUSE: &str = ": ";
 /// Begin of the reason of a target that could be visited alone.
 const BETWEEN: &str = "does not fit between the others: ";
 
@@ -64,7 +71,10 @@ impl fmt::Display for Obstacle {
             Obstacle::Late { over_s, limit, alone } => {
                 let alone = if *alone { ALONE } else { "" };
                 match limit {
-                    TimeLimit::Flight(name) => write!(f, "needs {} more than {name}{LEAVES}{alone}", spoken(*over_s)),
+                    TimeLimit::Flight { name, cause } => {
+                        let cause = cause.as_ref().map_or_else(String::new, |cause| format!("{CAUSE}{cause}"));
+                        write!(f, "needs {} more than {name}{LEAVES}{cause}{alone}", spoken(*over_s))
+                    }
                     TimeLimit::Horizon => write!(f, "needs {:.0} s more than {HORIZON}{alone}", libm::ceil(*over_s)),
                     TimeLimit::OtherVisits => write!(f, "needs {} more than {OTHER_VISITS}{alone}", spoken(*over_s)),
                 }
@@ -99,10 +109,13 @@ impl Obstacle {
         let limit = match limit {
             HORIZON => TimeLimit::Horizon,
             OTHER_VISITS => TimeLimit::OtherVisits,
-            // A mission may add what the vehicle has: `the battery leaves: it has 40 min above its reserve of 11 min`.
             other => {
                 let (name, more) = other.split_once(LEAVES)?;
-                TimeLimit::Flight(Some(name).filter(|_| more.is_empty() || more.starts_with(": "))?.to_owned())
+                let cause = match more {
+                    "" => None,
+                    more => Some(more.strip_prefix(CAUSE)?.to_owned()),
+                };
+                TimeLimit::Flight { name: name.to_owned(), cause }
             }
         };
         Some(Obstacle::Late { over_s, limit, alone })
@@ -150,7 +163,8 @@ mod tests {
     fn obstacles() -> impl Strategy<Value = Obstacle> {
         let names = prop::sample::select(vec!["endurance", "the end of the mission", "the end of the night"]);
         let limit = prop_oneof![
-            names.prop_map(|name| TimeLimit::Flight(name.to_owned())),
+            (names, prop::option::of("[a-z0-9: ]{1,20}"))
+                .prop_map(|(name, cause)| TimeLimit::Flight { name: name.to_owned(), cause }),
             Just(TimeLimit::Horizon),
             Just(TimeLimit::OtherVisits),
         ];
@@ -202,7 +216,8 @@ mod tests {
             assert_eq!(Obstacle::parse(text), None, "{text}");
         }
         let battery = "needs 2 min more than the battery leaves: it has 40 min above its reserve of 11 min, even alone";
-        let expected = TimeLimit::Flight("the battery".into());
+        let cause = "it has 40 min above its reserve of 11 min".to_owned();
+        let expected = TimeLimit::Flight { name: "the battery".to_owned(), cause: Some(cause) };
         assert_eq!(Obstacle::parse(battery), Some(Obstacle::Late { over_s: 120.0, limit: expected, alone: true }));
     }
 }

@@ -8,7 +8,7 @@ use super::operator_plan::HUMAN;
 use super::solve::{Deliberation, PLAN_VISITS_MAX, SolveOptions};
 use crate::Mission;
 use crate::descent::Descent;
-use crate::problem::{NoPlan, base_open_until_s};
+use crate::problem::{NoPlan, limits};
 use apex_model::problem::{Light, Plan, Problem, SingleVisitProblem, SingleVisitVehicle, WindField};
 use apex_planning::solver::{Environment, WorkBudget, units_in};
 use apex_runtime::invocation::Invocations;
@@ -40,7 +40,9 @@ pub(super) fn solve_for_wind(
     let believed = Mission { forecast: wind.clone(), ..mission.clone() };
     let latest_s = latest_s(&believed, &posed);
     let vehicle = with_landing_reserve(posed.vehicle.clone(), mission, &believed);
-    let windy = SingleVisitProblem { wind, vehicle, end_s: Some(end_with_rest_s(mission, &posed, latest_s)), ..posed };
+    let end_limit = limits::end(&believed, posed.start_s, mission.settings.duration.seconds());
+    let end_s_with_rest = Some(end_with_rest_s(mission, &posed, latest_s));
+    let windy = SingleVisitProblem { wind, vehicle, end_s: end_s_with_rest, end_limit, ..posed };
     match &first {
         Err(NoPlan::Fault(_)) => return first,
         // The measured wind may permit visits: it may be better than the forecast, and it needs a smaller margin.
@@ -82,6 +84,7 @@ fn with_landing_reserve(mut vehicle: SingleVisitVehicle, mission: &Mission, beli
     if matches!(mission.model.energy, EnergyModel::Fuel(_)) {
         vehicle.fuel_reserve_kg += more;
     }
+    vehicle.endurance_limit = limits::endurance(believed, &vehicle);
     vehicle
 }
 
@@ -104,7 +107,7 @@ fn single_visits(problem: &Problem) -> Option<&SingleVisitProblem> {
 /// Returns the latest arrival over the base after which the vehicle still lands as early as required, and with its reserve.
 fn latest_s(mission: &Mission, problem: &SingleVisitProblem) -> f64 {
     let before_s = mission.requirements.landed_before_end_s.unwrap_or(0.0);
-    let open_s = mission.settings.duration.seconds().min(base_open_until_s(mission, problem.start_s));
+    let open_s = mission.settings.duration.seconds().min(limits::base_open_until_s(mission, problem.start_s));
     let ends_s = open_s - before_s - Descent::to_base(mission).time_s;
     let vehicle = &problem.vehicle;
     let endurance_s = vehicle.endurance_s - vehicle.endurance_reserve_s;

@@ -267,13 +267,9 @@ impl Question {
         });
         match solved {
             Err(NoPlan::NothingLeft(reason)) if (has_observed || !believed.weak_targets.is_empty()) && !is_imposed => {
-                let reason = solve::with_closing(&believed, from.1.seconds(), &reason);
                 SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
             }
-            Err(none) => {
-                let reason = solve::with_closing(&believed, from.1.seconds(), &none.to_string());
-                SolverAnswer { result: Err(reason), charged: Duration::ZERO }
-            }
+            Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
             Ok(mut solved) => {
                 solved.from = Some(from);
                 let is_open = |name: &str| !observed.iter().any(|seen| seen == name);

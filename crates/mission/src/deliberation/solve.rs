@@ -1,8 +1,6 @@
 //! Solves a posed problem: chooses a planner, runs it isolated and within its budget, and checks its plan.
 
-use crate::closing::closing;
-use crate::descent::Descent;
-use crate::problem::{NoPlan, base_open_until_s, survey, trouble};
+use crate::problem::{NoPlan, survey, trouble};
 use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
@@ -12,7 +10,6 @@ use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, SolverLimits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_TIMEOUT};
 use apex_runtime::ports::CancelToken;
-use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
 /// Result of one deliberation.
@@ -171,8 +168,6 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
 /// Like [`name_obstacles`], for the looks that are still open.
 pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     name_zones(mission, solved);
-    name_battery(mission, solved);
-    name_closing(mission, solved);
     name_unseen(mission, solved, is_open);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
@@ -202,55 +197,6 @@ fn name_unseen(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&s
                 plan.left_out.push(LeftOut { target: name, reason: format!("no way to observe it: {why}") });
             }
         }
-    }
-}
-
-/// The planners' words for the limit that energy sets, in reasons of left-out targets.
-const ENDURANCE: &str = "endurance leaves";
-
-/// Replaces the name of the limit by the battery's endurance above its reserve, if the battery limits the flight.
-fn name_battery(mission: &Mission, solved: &mut Deliberation) {
-    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
-    if !matches!(mission.model.energy, EnergyModel::Battery(_)) {
-        return;
-    }
-    let has_s = (problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s).max(0.0);
-    let landing_s = Descent::to_base(mission).energy / mission.model.drain_planned_per_s(mission.cruise_altitude_m());
-    let reserve_s = problem.vehicle.endurance_reserve_s - landing_s;
-    for left_out in &mut plan.left_out {
-        let named = format!(
-            "the battery leaves: it has {:.0} min above its reserve of {:.0} min and its landing",
-            has_s / 60.0,
-            reserve_s / 60.0
-        );
-        left_out.reason = left_out.reason.replace(ENDURANCE, &named);
-    }
-}
-
-/// The planners' words for the limit that the end of the mission sets, and those after it in reasons of left-out targets.
-const MISSION_END: &str = "the end of the mission";
-const LEAVES: &str = " leaves";
-
-/// Replaces the name of the limit by the closing of the base, if the base closes before the mission ends.
-fn name_closing(mission: &Mission, solved: &mut Deliberation) {
-    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
-    for left_out in &mut plan.left_out {
-        left_out.reason = with_closing(mission, problem.start_s, &left_out.reason);
-    }
-}
-
-/// Returns a reason of planners in which the closing of the base replaces the end of the mission, if the base closes earlier.
-pub(super) fn with_closing(mission: &Mission, now_s: f64, reason: &str) -> String {
-    let is_earlier = base_open_until_s(mission, now_s) < mission.settings.duration.seconds();
-    match closing(mission, (mission.start, mission.start_altitude_m)).filter(|_| is_earlier) {
-        Some(closing) => {
-            let (zone, at) = (&closing.zone.name, Time::from_seconds(closing.at_s));
-            let why = format!("zone {zone} closes the base at {at} until the mission ends");
-            let named = reason
-                .replace(&format!("{MISSION_END}{LEAVES}"), &format!("the time until the base closes{LEAVES}: {why}"));
-            named.replace(MISSION_END, &format!("the time until the base closes ({why})"))
-        }
-        None => reason.to_string(),
     }
 }
 

@@ -14,7 +14,6 @@ mod synthesised;
 mod vantage;
 mod wish;
 
-pub(crate) use scanner::zone_over;
 pub(crate) use wish::Wish;
 
 use crate::observing::carries_scanner;

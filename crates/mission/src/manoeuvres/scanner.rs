@@ -167,7 +167,7 @@ fn partly(
     zone: &AirspaceZone,
 ) -> Vec<SweepDraft> {
     let Some(ground) = ClosedGround::new(wish, draft.altitude_m) else { return Vec::new() };
-    let found = [("open", ground.cut(&draft.lines, swath_m)), ("beside", ground.beside(swath_m))];
+    let found = [("open", ground.cut(&draft.lines, swath_m)), ("along", ground.along_edge(swath_m))];
     let drafts = found.into_iter().filter_map(|(word, lines)| {
         let name = format!("{word}-{}-{}", zone.name, draft.name);
         let open = drafted(wish, scanner, (name, draft.altitude_m), lines?).ok()?;
@@ -268,20 +268,9 @@ fn shut(mut quality: QualityFactors, zone: Option<&str>) -> QualityFactors {
     if let Some(zone) = zone.filter(|_| quality.coverage.factor < 1.0) {
         let known = std::mem::take(&mut quality.coverage.cause);
         let joined = if known.is_empty() { known } else { format!("{known}, ") };
-        quality.coverage.cause = format!("{joined}{SHUT_BY}{zone}{SHUT}");
+        quality.coverage.cause = format!("{joined}zone {zone} closes part of the ground");
     }
     quality
-}
-
-/// Words around the name of a zone that closes part of the ground.
-const SHUT_BY: &str = "zone ";
-const SHUT: &str = " closes part of the ground";
-
-/// Returns the words about a zone that closes part of the ground, of the causes of a coverage; `None` if they name none.
-pub(crate) fn zone_over(quality: &QualityFactors) -> Option<&str> {
-    let cause = quality.coverage.cause.as_str();
-    let words = cause.rsplit_once(", ").map_or(cause, |(_, last)| last);
-    (words.starts_with(SHUT_BY) && words.ends_with(SHUT)).then_some(words)
 }
 
 /// Returns the wanted look alone: a manoeuvre is planned for it.

@@ -19,7 +19,6 @@ pub use visit::{VehicleState, Visit};
 use crate::Mission;
 use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
-use crate::manoeuvres::zone_over;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use crate::wind_error::WindError;
@@ -28,7 +27,7 @@ use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::planned::{Location, PlannedActivity};
-use apex_model::problem::{Plan, PlannedVisit};
+use apex_model::problem::{Plan, PlannedVisit, QualityFactor};
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -376,9 +375,11 @@ impl Situation {
         let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {
-                let detail = |visit: &PlannedVisit| match visit.quality.as_ref().and_then(zone_over) {
-                    Some(zone) => format!("{}; {zone}", planned(visit.begin_s)),
-                    None => planned(visit.begin_s),
+                let detail = |visit: &PlannedVisit| match visit.quality.as_ref().map(|quality| &quality.coverage) {
+                    Some(QualityFactor { factor, cause }) if (100.0 * factor).round() < 100.0 => {
+                        format!("{}; coverage {:.0} %: {cause}", planned(visit.begin_s), 100.0 * factor)
+                    }
+                    _ => planned(visit.begin_s),
                 };
                 plan.visits.iter().map(|visit| (visit.target.clone(), detail(visit))).collect()
             }

@@ -22,6 +22,9 @@ pub struct SingleVisitProblem {
     pub base: Option<Position>,
     /// Latest time at which the vehicle must have landed; `None` if only endurance and fuel limit it.
     pub end_s: Option<f64>,
+    /// Name of the limit `end_s`; `None`: the end of the mission.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_limit: Option<NamedLimit>,
     /// Civil time (seconds since 1970-01-01T00:00Z) of the problem's time zero, for the position of the sun.
     pub zero_unix_s: f64,
     /// `(earlier, later)`: if `later` is observed, then after `earlier`.
@@ -44,6 +47,16 @@ pub struct SingleVisitProblem {
     /// Airspace, wind and altitudes are then ignored, and positions are for display. `None`: the vehicle flies, and times follow from
     /// speed, wind and airspace.
     pub travel: Option<TravelTimes>,
+}
+
+/// Name of a limit on the time of a flight, as reasons of plans state it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NamedLimit {
+    /// What the limit leaves or allows, for example `the battery`.
+    pub name: String,
+    /// Cause of the limit, for example `it has 40 min above its reserve of 11 min and its landing`.
+    pub cause: String,
 }
 
 /// A target to be observed once.
@@ -198,6 +211,9 @@ pub struct SingleVisitVehicle {
     pub endurance_s: f64,
     /// Flight time that must be left at the end.
     pub endurance_reserve_s: f64,
+    /// Name of the limit that endurance and its reserve set; `None`: endurance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub endurance_limit: Option<NamedLimit>,
     /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor space. With a radius,
     /// targets are left and reached in the directions of their lines.
     #[serde(default)]

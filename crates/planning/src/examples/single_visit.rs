@@ -82,6 +82,7 @@ pub fn western_states(endurance_s: f64) -> SingleVisitProblem {
             fuel_flow_kg_per_s: 0.02,
             endurance_s,
             endurance_reserve_s: 1800.0,
+            endurance_limit: None,
             turn_radius_m: 0.0,
         },
         start: Position::new(34.905, -117.884),

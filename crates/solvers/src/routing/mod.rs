@@ -2,6 +2,7 @@
 //!
 //! Planners and bounds both import this folder; it imports neither.
 
+pub(crate) mod flight_limit;
 mod flown_legs;
 pub(crate) mod network;
 mod places;

@@ -1,5 +1,6 @@
 //! Evaluates an order of visits: times, feasibility and score.
 
+use super::flight_limit::FlightLimit;
 use super::travel::{PointKey, Times, Travel};
 use apex_geo::{geodesy, sun};
 use apex_metrics::mission_score;
@@ -81,7 +82,7 @@ pub(crate) struct Schedule<'a> {
     costs: Costs,
     /// Latest end of the flight, and the limit that causes it.
     pub(crate) limit_s: f64,
-    pub(crate) limit_name: &'static str,
+    pub(crate) limit: FlightLimit<'a>,
 }
 
 impl<'a> Schedule<'a> {
@@ -92,11 +93,9 @@ impl<'a> Schedule<'a> {
     pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Schedule<'a>, String> {
         apex_planning::validate::single_visit(problem)?;
         let mut travel = Travel::new(problem)?;
-        let (limit_s, limit_name) = limit(problem);
+        let (limit_s, limit) = FlightLimit::earliest(problem);
         if limit_s <= problem.start_s {
-            return Err(format!(
-                "there is no time to fly: {limit_name} allows no flight after the beginning of the plan"
-            ));
+            return Err(format!("there is no time to fly: {limit} allows no flight after the beginning of the plan"));
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
@@ -120,7 +119,7 @@ impl<'a> Schedule<'a> {
             }
         }
         let windows = begin_windows(problem, limit_s);
-        Ok(Schedule { problem, travel, windows, earlier, costs: Costs::new(problem), limit_s, limit_name })
+        Ok(Schedule { problem, travel, windows, earlier, costs: Costs::new(problem), limit_s, limit })
     }
 
     /// Judges `order` from its beginning.
@@ -193,7 +192,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// Returns a flight without visits: home, if the vehicle is elsewhere. If travel times are given, or the vehicle is at the base, there
-    /// is no flight.
+    /// is nothing to fly.
     ///
     /// # Errors
     /// No way leads home, or the flight would end too late.
@@ -215,7 +214,7 @@ impl<'a> Schedule<'a> {
         match idle {
             Infeasibility::TooLate { over_s } => format!(
                 "there is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows",
-                self.limit_name
+                self.limit
             ),
             Infeasibility::Impossible(why) => format!("there is no plan: {why}"),
             Infeasibility::Order => "there is no plan: the order of the targets cannot be kept".to_string(),
@@ -345,18 +344,6 @@ impl Costs {
         let loss = failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost;
         self.fixed + self.per_hour * hours + mission_score::failure_probability(failure, hours) * loss
     }
-}
-
-/// Returns the latest end of the flight, and the limit that causes it.
-fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
-    let vehicle = &problem.vehicle;
-    let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, "endurance")];
-    if vehicle.fuel_flow_kg_per_s > 0.0 {
-        let burn_s = (vehicle.fuel_kg - vehicle.fuel_reserve_kg) / vehicle.fuel_flow_kg_per_s;
-        limits.push((problem.start_s + burn_s, "fuel"));
-    }
-    limits.extend(problem.end_s.map(|end_s| (end_s, "the end of the mission")));
-    limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
 }
 
 /// Returns the intervals in which each observation may begin, both ends included: the target's windows, restricted to the light that must

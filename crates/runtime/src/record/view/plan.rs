@@ -88,7 +88,7 @@ impl VisitNeed {
         match obstacle {
             Obstacle::Late { over_s, limit, alone } => {
                 let limit = match limit {
-                    TimeLimit::Flight(name) => name,
+                    TimeLimit::Flight { name, .. } => name,
                     TimeLimit::Horizon => "the horizon".into(),
                     TimeLimit::OtherVisits => "the time between the others".into(),
                 };

@@ -5,7 +5,7 @@ use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_w
 use crate::routing::travel::PointKey;
 use apex_geo::sun;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
-use apex_planning::obstacle::{Obstacle, TimeLimit};
+use apex_planning::obstacle::Obstacle;
 use apex_planning::solver::{Budget, WorkBudget};
 
 /// Number of positions, those with the shortest detours, that are examined to explain why a target does not fit.
@@ -119,7 +119,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
 
 /// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
 fn late(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
-    Obstacle::Late { over_s, limit: TimeLimit::Flight(schedule.limit_name.to_string()), alone }.to_string()
+    Obstacle::Late { over_s, limit: schedule.limit.of_visit(), alone }.to_string()
 }
 
 fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {

@@ -78,7 +78,7 @@ fn added(
                 }
             }
             Err(Infeasibility::TooLate { over_s }) => {
-                trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit_name);
+                trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit);
             }
             Err(Infeasibility::Impossible(why)) => trouble = why,
             Err(Infeasibility::Order) => trouble = "another target must be visited before it".to_string(),
