@@ -2,7 +2,7 @@
 //! targets.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test")]
 
-use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::problem::{Light, Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, WindField};
 use apex_planning::examples::single_visit as examples;
 use apex_planning::solver::{Environment, Solver, WorkBudget};
 use apex_portfolio::formats::{self, generate};
@@ -53,6 +53,35 @@ fn more_budget_is_never_worse_through_wind_and_around_zones() {
             assert!(scores.is_sorted(), "{count} targets, seed {seed}: {scores:?}");
         }
     }
+}
+
+/// In calm air without zones, the paths between all targets are computed before the search. Their work was underestimated, so that a
+/// planner with a budget of a few seconds continued far beyond it and was stopped without a plan.
+#[test]
+fn hundreds_of_near_targets_are_planned_within_the_budget() {
+    let mut problem = examples::random(260, 1);
+    (problem.zones, problem.wind, problem.landing_places) = (Vec::new(), WindField::default(), Vec::new());
+    problem.landing_distance_m_max = None;
+    problem.vehicle.turn_radius_m = 3_400.0;
+    for target in &mut problem.targets {
+        (target.windows, target.light, target.timing) = (Vec::new(), Light::Any, Vec::new());
+        let Position { latitude_deg, longitude_deg, .. } = target.position;
+        target.position = Position::new(35.0 + 0.2 * (latitude_deg - 34.0), -118.0 + 0.2 * (longitude_deg + 118.0));
+        target.manoeuvres = examples::manoeuvres(target.position);
+        target.manoeuvres.truncate(1);
+    }
+    problem.precedence = Vec::new();
+    let problem = Problem::SingleVisit(problem);
+    let mut scores = Vec::new();
+    for units in [1, 100_000, 600_000, 1_500_000, 3_000_000] {
+        let mut budget = WorkBudget::new(units);
+        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
+        let plan = SingleVisit.solve(&problem, &mut environment).expect("a plan");
+        assert!(budget.used <= units + 700_000, "{units}: {}", budget.used);
+        let Plan::SingleVisit(plan) = plan else { panic!("the plan is of another kind") };
+        scores.push(plan.score);
+    }
+    assert!(scores.is_sorted(), "{scores:?}");
 }
 
 #[test]

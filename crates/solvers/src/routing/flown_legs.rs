@@ -24,8 +24,8 @@ const DEPARTURES_MAX: usize = 48;
 /// The least time is known to this share.
 const EXACT: f64 = 0.01;
 
-/// Returns the ticks from the beginning of each node's visit to the arrival at each other one; `None` if the search for the least times
-/// uses up the budget.
+/// Returns the ticks from the beginning of each node's visit to the arrival at each other one; `None` if the paths use up the budget, or
+/// those of the first nodes show that present times would take more than half of it: a search needs the rest.
 pub(crate) fn legs(
     schedule: &mut Schedule<'_>,
     nodes: &[Node],
@@ -37,7 +37,8 @@ pub(crate) fn legs(
     let count = nodes.len();
     let changes_s = schedule.travel.changes_s();
     let mut legs = vec![NO_WAY; count * count];
-    let least = matches!(times, Times::Least);
+    let (before, left) = (budget.used(), budget.left());
+    let mut done = 0;
     for (from, data) in nodes.iter().enumerate().filter(|(from, _)| *from != END as usize) {
         let stay_s = match from as u32 {
             START => 0.0,
@@ -72,7 +73,13 @@ pub(crate) fn legs(
             }
         }
         budget.charge(1 + schedule.travel.take_work());
-        if least && budget.exhausted() {
+        done += 1;
+        let expected = (budget.used() - before).saturating_mul(count as u64) / done;
+        let is_too_much = match times {
+            Times::Now => left.is_some_and(|left| expected > left / 2),
+            Times::Least => false,
+        };
+        if is_too_much || budget.exhausted() {
             return None;
         }
     }

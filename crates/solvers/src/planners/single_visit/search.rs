@@ -1,6 +1,7 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
 use super::companions;
+use super::construct::Times;
 use super::explain::Troubles;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
@@ -56,8 +57,14 @@ pub(super) fn run(
     let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
-    search.construct(&mut best);
+    let empty = best.clone();
+    search.construct(&mut best, Times::Estimated);
     tell(&mut search, &best, report);
+    let mut flown = empty;
+    if search.construct(&mut flown, Times::Flown) && flown.judged.beats(&best.judged) {
+        best = flown;
+        tell(&mut search, &best, report);
+    }
     search.fill(&mut best, 0.0);
     search.start_somewhere(&mut best);
     if let Some(left) = previous.and_then(|plan| search.left_of(plan)).filter(|left| left.judged.beats(&best.judged)) {

@@ -100,7 +100,7 @@ impl LocalSearch<'_, '_, '_> {
     }
 
     /// Returns the end of the visit before the one at `at`.
-    fn end_before(&self, current: &Candidate, at: usize) -> f64 {
+    pub(super) fn end_before(&self, current: &Candidate, at: usize) -> f64 {
         let before = at.checked_sub(1).and_then(|before| current.judged.visits.get(before));
         before.map_or(self.schedule.problem.start_s, |timed| timed.end_s)
     }
@@ -121,6 +121,6 @@ pub(super) fn exit_before(current: &Candidate, at: usize) -> PointKey {
 }
 
 /// Returns the arrival at the visit at `at`; after the last, the end of the flight.
-fn arrival(current: &Candidate, at: usize) -> f64 {
+pub(super) fn arrival(current: &Candidate, at: usize) -> f64 {
     current.judged.visits.get(at).map_or(current.judged.end_s, |timed| timed.arrive_s)
 }
