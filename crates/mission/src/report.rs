@@ -139,7 +139,10 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     let Some(TargetChange { at, state, detail, .. }) = last else {
         return match trouble(mission, target, name) {
             Some(why) => format!("no way to observe it: {why}"),
-            None => "no plan included it".to_string(),
+            None => match situation.ending().no_plan().filter(|_| situation.adopted == 0) {
+                Some(reason) => format!("there was no plan: {reason}"),
+                None => "no plan included it".to_string(),
+            },
         };
     };
     match state {

@@ -1,7 +1,8 @@
 //! Looks that are wanted some time after, or before, another look of the same target.
 //!
 //! Planners know windows, not intervals. The looks without an interval are planned first; then the others, round by round, with windows that
-//! follow from the looks planned so far, which keep their instants within a tolerance.
+//! follow from the looks planned so far, which keep their instants within a tolerance. If a look is missing then, its target is planned
+//! from this look on, and the others follow in its windows: the earliest look of a target may leave no time for a valuable later one.
 
 use super::operator_plan::HUMAN;
 use super::solve::{Deliberation, SolveOptions, solve};
@@ -16,6 +17,8 @@ use apex_runtime::ports::CancelToken;
 const TOLERANCE_S: f64 = 600.0;
 /// The tolerance as a share of the width of the interval.
 const TOLERANCE_SHARE: f64 = 0.25;
+/// Begin of the planner's reason for a look whose windows follow from other looks.
+const AT_INTERVAL: &str = "at the wanted interval to the other looks of its target";
 /// Reason of a look for which no plan has time.
 const NO_TIME: &str = "no time is left at the wanted interval to the other looks of its target";
 /// Reason of a look that a plan could contain, but not with a higher score.
@@ -23,6 +26,7 @@ const NO_GAIN: &str =
     "a visit at the wanted interval to the other looks of its target does not raise the score of the plan";
 
 /// A look that is planned after other looks of its target.
+#[derive(Clone)]
 struct LaterLook {
     name: String,
     siblings: Vec<String>,
@@ -50,14 +54,36 @@ pub(super) fn solve_with_intervals(
     }
     let whole = whole.clone();
     let SolveOptions { means, solver, budget, seed, .. } = &wish;
+    let again = SolveOptions { means, solver: *solver, budget: *budget, seed: *seed, previous: None };
+    let mut best = solve_in_rounds(&whole, &rounds, wish, invocations, cancel)?;
+    if let Some(rounds) = from_missing_looks(&rounds, &best.plan)
+        && let Ok(second) = solve_in_rounds(&whole, &rounds, again, invocations, cancel)
+    {
+        let work = best.work + second.work;
+        if score(&second.plan) > score(&best.plan) {
+            best = second;
+        }
+        best.work = work;
+    }
+    Ok(best)
+}
+
+fn solve_in_rounds(
+    whole: &SingleVisitProblem,
+    rounds: &[Vec<LaterLook>],
+    wish: SolveOptions<'_>,
+    invocations: &mut Invocations,
+    cancel: &CancelToken,
+) -> Result<Deliberation, NoPlan> {
+    let SolveOptions { means, solver, budget, seed, .. } = &wish;
     let (means, solver, budget, seed) = (*means, *solver, *budget, *seed);
     let is_later = |name: &str| rounds.iter().flatten().any(|look| look.name == name);
-    let first = without(&whole, &is_later);
+    let first = without(whole, &is_later);
     let mut best = solve(Problem::SingleVisit(first), wish, invocations, cancel)?;
     let mut reasons: Vec<LeftOut> = Vec::new();
-    for looks in &rounds {
+    for looks in rounds {
         let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&best.problem, &best.plan) else { break };
-        let Some(next) = with_looks(&whole, problem, plan, looks) else { continue };
+        let Some(next) = with_looks(whole, problem, plan, looks) else { continue };
         let wish = SolveOptions { means, solver, budget, seed, previous: Some(best.plan.clone()) };
         if let Ok(found) = solve(Problem::SingleVisit(next), wish, invocations, cancel) {
             let work = best.work + found.work;
@@ -69,7 +95,7 @@ pub(super) fn solve_with_intervals(
             best.work = work;
         }
     }
-    name_missing(&rounds, &reasons, &mut best);
+    name_missing(rounds, &reasons, &mut best);
     Ok(best)
 }
 
@@ -100,6 +126,31 @@ fn later_looks(mission: &Mission, problem: &SingleVisitProblem) -> Vec<Vec<Later
         }
     }
     rounds
+}
+
+/// Returns the rounds in which targets with a missing look are planned from this look on; `None` if no look is missing.
+fn from_missing_looks(rounds: &[Vec<LaterLook>], plan: &Plan) -> Option<Vec<Vec<LaterLook>>> {
+    let visited = plan.targets();
+    let is_missing = |look: &&LaterLook| !visited.contains(&look.name.as_str());
+    let mut firsts: Vec<&LaterLook> = Vec::new();
+    for look in rounds.iter().flatten().filter(is_missing) {
+        // One look of each target.
+        if !firsts.iter().any(|first| first.siblings.contains(&look.name)) {
+            firsts.push(look);
+        }
+    }
+    let is_first = |name: &str| firsts.iter().any(|first| first.name == name);
+    let is_later = |name: &str| rounds.iter().flatten().any(|look| look.name == name);
+    let of_first = |first: &&LaterLook| -> Vec<LaterLook> {
+        let siblings = first.siblings.iter().filter(|name| !is_later(name));
+        let follow =
+            |name: &String| LaterLook { name: name.clone(), siblings: vec![first.name.clone()], need: first.need };
+        siblings.map(follow).collect()
+    };
+    let mut reversed: Vec<Vec<LaterLook>> = vec![firsts.iter().flat_map(of_first).collect()];
+    reversed.extend(rounds.iter().map(|looks| looks.iter().filter(|look| !is_first(&look.name)).cloned().collect()));
+    reversed.retain(|looks| !looks.is_empty());
+    (!firsts.is_empty()).then_some(reversed)
 }
 
 /// Returns the problem without some targets.
@@ -176,7 +227,10 @@ fn without_gain(look: &str, found: &Plan) -> LeftOut {
         Plan::SingleVisit(found) => found.left_out.iter().find(|left_out| left_out.target == look).cloned(),
         Plan::Surveillance(_) => None,
     };
-    reason.unwrap_or_else(|| LeftOut { target: look.to_string(), reason: NO_GAIN.to_string() })
+    match reason {
+        Some(LeftOut { target, reason }) => LeftOut { target, reason: format!("{AT_INTERVAL}, {reason}") },
+        None => LeftOut { target: look.to_string(), reason: NO_GAIN.to_string() },
+    }
 }
 
 /// Lists the looks that the last problem does not contain, with the reasons that are known.

@@ -15,12 +15,39 @@ use apex_model::problem::{Plan, Problem, SingleVisitPlan};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::brought;
+use apex_solvers::planners::single_visit;
 
 /// Like [`solve`], but a plan of a mission whose images are read after the landing is scored with its own landing.
 ///
 /// # Errors
 /// Like [`solve`].
 pub fn solve_for_landing(
+    mission: Option<&Mission>,
+    problem: Problem,
+    wish: SolveOptions<'_>,
+    invocations: &mut Invocations,
+    cancel: &CancelToken,
+) -> Result<Deliberation, NoPlan> {
+    let all = problem.clone();
+    solve_for_own_landing(mission, problem, wish, invocations, cancel).map(|solved| bounded(all, solved))
+}
+
+/// Returns the plan with a bound for all plans of `all`, if the plan was made in a problem that excludes some of them.
+fn bounded(all: Problem, mut solved: Deliberation) -> Deliberation {
+    if all == solved.problem {
+        return solved;
+    }
+    if let (Problem::SingleVisit(all), Plan::SingleVisit(plan)) = (&all, &mut solved.plan) {
+        *plan = single_visit::bounded_by(all, plan.clone());
+    }
+    if let Err(contradiction) = apex_solvers::bounds::state(&all, &mut solved.plan) {
+        // The plan passed the check and can be flown; only its bound is wrong.
+        solved.reason = format!("{}; {contradiction}", solved.reason);
+    }
+    Deliberation { whole: Some(all), ..solved }
+}
+
+fn solve_for_own_landing(
     mission: Option<&Mission>,
     problem: Problem,
     wish: SolveOptions<'_>,

@@ -15,8 +15,11 @@ use std::sync::Arc;
 /// Result of one deliberation.
 #[derive(Debug, Clone)]
 pub struct Deliberation {
-    /// The problem.
+    /// The problem of the plan.
     pub problem: Problem,
+    /// The problem of all plans, for bounds, if that of the plan excludes some: windows of looks may follow from looks that were planned
+    /// before, and the worth of images from the plan's own landing.
+    pub whole: Option<Problem>,
     /// The plan, checked.
     pub plan: Plan,
     /// Reason for the choice of the solver.
@@ -115,7 +118,7 @@ pub fn solve(
     tell_quality(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
     let (work, cpu_s) = (answer.used.min(units), answer.cpu_s);
-    Ok(Deliberation { problem, plan, reason, work, cpu_s, from: None, people_plan_better })
+    Ok(Deliberation { problem, whole: None, plan, reason, work, cpu_s, from: None, people_plan_better })
 }
 
 /// Copies the predicted quality of each visit's manoeuvre into the plan: the plan is kept, the problem is not.

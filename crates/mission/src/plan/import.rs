@@ -46,6 +46,7 @@ pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Del
     let reason = format!("read from {place}, its times {times}");
     Ok(Deliberation {
         problem: input.problem.clone(),
+        whole: None,
         plan,
         reason,
         work: budget.used,

@@ -59,8 +59,9 @@ fn internal_error(contradiction: &Contradiction) -> MissionError {
 pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> MissionResult<Proven> {
     let mut budget = WorkBudget::new(if budget > Duration::ZERO { units_in(budget) } else { 0 });
     let mut meter = Meter::new(&mut budget);
-    apex_solvers::prove(&solved.problem, &mut solved.plan, &mut meter).map_err(|found| internal_error(&found))?;
-    let proof = of(&solved.problem, &solved.plan, tour, &mut meter).map_err(|found| internal_error(&found))?;
+    let all = solved.whole.as_ref().unwrap_or(&solved.problem);
+    apex_solvers::prove(all, &mut solved.plan, &mut meter).map_err(|found| internal_error(&found))?;
+    let proof = of(all, &solved.plan, tour, &mut meter).map_err(|found| internal_error(&found))?;
     let without_end = cycles::of_plan(&solved.problem, &solved.plan, &mut meter);
     Ok(Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() })
 }

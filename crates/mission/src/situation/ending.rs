@@ -59,6 +59,8 @@ pub(crate) struct Ending {
     /// Instant at which the last task that pursued a goal ended.
     ended: BTreeMap<String, Time>,
     idle: Option<IdlePlan>,
+    /// Reason of the last planner that had no plan.
+    no_plan: Option<String>,
 }
 
 impl Ending {
@@ -198,6 +200,16 @@ impl Ending {
         let IdlePlan { at, goal, ended } = self.idle.as_ref()?;
         let ended = ended.map_or_else(String::new, |ended| format!(", which ended at {ended}"));
         Some((*at, format!("no task pursued {goal}{ended}")))
+    }
+
+    /// Records that a planner had no plan.
+    pub(super) fn take_missing_plan(&mut self, reason: &str) {
+        self.no_plan = Some(reason.to_string());
+    }
+
+    /// Returns the reason of the last planner that had no plan; `None` if each request had one.
+    pub(crate) fn no_plan(&self) -> Option<&str> {
+        self.no_plan.as_deref()
     }
 
     /// Returns the reason for which the initial task failed; `None` if it did not.

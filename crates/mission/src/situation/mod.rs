@@ -332,7 +332,10 @@ impl Situation {
     fn take_answer(&mut self, at: Time, request: SolveRequestId, report: &SolverReport) {
         let made = self.asked.remove(&request).unwrap_or(at);
         match report {
-            SolverReport::Failed(reason) => self.note(at, format!("no plan: {reason}")),
+            SolverReport::Failed(reason) => {
+                self.note(at, format!("no plan: {reason}"));
+                self.ending.take_missing_plan(reason);
+            }
             SolverReport::Plan(procedure) => {
                 let Some(plan) = &procedure.plan else { return };
                 self.answers.insert(request, MadePlan { plan: plan.as_ref().clone(), made });

@@ -141,7 +141,8 @@ fn result_of(
     }
     let ratio = |above: f64, below: f64| if below > 0.0 { above / below } else { 0.0 };
     let factors = Factors {
-        coverage: ratio(seen, wanted),
+        // Sums of the same cells in another order may differ in the last digits.
+        coverage: ratio(seen, wanted).min(1.0),
         clarity: ratio(s, seen),
         resolution: ratio(sr, s),
         timing: ratio(sro, sr),

@@ -10,8 +10,7 @@ use super::{Human, NAME};
 use crate::planners::single_visit;
 use apex_metrics::eci;
 use apex_model::problem::{
-    LeftOut, Plan, Problem, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, SurveillancePlan,
-    SurveillanceProblem,
+    LeftOut, Plan, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan, SurveillanceProblem,
 };
 use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
@@ -163,18 +162,13 @@ fn visited(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Result<Si
     let names = problem.targets.iter().map(|target| target.name.as_str());
     let left_out = left_out(names, |name| plan.visits.iter().any(|visit| visit.target == name), &plan.left_out);
     // The bound in a plan from outside may be valid for another problem only.
-    let plan = SingleVisitPlan { solver: NAME.to_string(), left_out, benefits_bound: Some(most(problem)), ..plan };
-    Ok(single_visit::scored(problem, plan))
-}
-
-/// Returns the sum of the highest value of each target, which no plan exceeds.
-fn most(problem: &SingleVisitProblem) -> f64 {
-    let of = |target: &SingleVisitTarget| {
-        let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-        let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
-        target.value * quality * timing
+    let plan = SingleVisitPlan {
+        solver: NAME.to_string(),
+        left_out,
+        benefits_bound: Some(single_visit::most(problem)),
+        ..plan
     };
-    problem.targets.iter().map(of).sum()
+    Ok(single_visit::scored(problem, plan))
 }
 
 #[cfg(test)]

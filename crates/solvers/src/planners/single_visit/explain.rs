@@ -11,6 +11,9 @@ use apex_planning::solver::{Budget, WorkBudget};
 /// Number of positions, those with the shortest detours, that are examined to explain why a target does not fit.
 const GAPS_EXPLAINED: usize = 6;
 
+/// Time by which limits are extended, in addition to twice the time of the flight, to explain which time a target needs.
+const MORE_S: f64 = 86_400.0;
+
 /// Obstacles of visits of single targets.
 pub(super) struct Troubles {
     /// For each target the reason why it cannot be the only visit; `None` if it can.
@@ -194,15 +197,27 @@ pub(super) fn left_out(
     troubles: &Troubles,
 ) -> Vec<LeftOut> {
     let mut all = left_out_quickly(schedule, order, judged, troubles);
+    let endless = without_limits(schedule);
+    let mut endless = Schedule::new(&endless).ok();
     for left_out in &mut all {
         let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target);
         let known =
             |target: &usize| troubles.alone(*target).is_some() || worthless(schedule.problem, *target).is_some();
         if let Some(target) = target.filter(|target| !known(target)) {
-            left_out.reason = reason_beside(schedule, order, judged, target);
+            left_out.reason = reason_beside((schedule, endless.as_mut()), order, judged, target);
         }
     }
     all
+}
+
+/// Returns the problem with limits on time and energy that come much later.
+fn without_limits(schedule: &Schedule<'_>) -> SingleVisitProblem {
+    let more_s = MORE_S + 2.0 * (schedule.limit_s - schedule.problem.start_s);
+    let mut problem = schedule.problem.clone();
+    problem.end_s = problem.end_s.map(|end_s| end_s + more_s);
+    problem.vehicle.endurance_s += more_s;
+    problem.vehicle.fuel_kg += more_s * problem.vehicle.fuel_flow_kg_per_s;
+    problem
 }
 
 /// Like [`left_out`], without computing reasons that are not known yet.
@@ -229,45 +244,67 @@ pub(super) fn left_out_quickly(
         .collect()
 }
 
-/// Returns the reason for which a target that could be the only visit does not fit into the plan.
-fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged, target: usize) -> String {
+/// Returns the reason for which a target that could be the only visit does not fit into the plan. `endless` is the schedule without limits
+/// on time and energy: a flight that ends too late is followed to its end, so that the missing time suffices for this order.
+fn reason_beside(
+    (schedule, endless): (&mut Schedule<'_>, Option<&mut Schedule<'_>>),
+    order: &[Choice],
+    judged: &Judged,
+    target: usize,
+) -> String {
     let earlier =
         schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));
     if let Some(earlier) = earlier.and_then(|earlier| schedule.problem.targets.get(*earlier)) {
         return format!("must follow {}, which is left out", earlier.name);
     }
-    let mut free = WorkBudget::new(u64::MAX);
-    let budget: &mut dyn Budget = &mut free;
-    let manoeuvres = schedule.problem.targets.get(target).map_or(0, |target| target.manoeuvres.len());
-    let (mut least_over_s, mut best_score) = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut trouble = "does not fit between the others".to_string();
-    for manoeuvre in 0..manoeuvres {
-        for at in nearest_gaps(schedule, order, target, manoeuvre) {
-            let mut with = order.to_vec();
-            with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
-            match schedule.judge(&with, budget) {
-                Ok(with) => best_score = best_score.max(with.score),
-                Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
-                Err(Infeasibility::Impossible(why)) => {
-                    let why = of_itself(schedule, target, why);
-                    trouble = format!("does not fit between the others: {why}");
-                }
-                Err(Infeasibility::Order) => {}
-            }
-        }
-    }
-    if best_score.is_finite() {
-        let loss = judged.score - best_score;
+    let within = inserted_somewhere(schedule, order, target);
+    if let Some((score, _)) = within.best {
+        let loss = judged.score - score;
         return if loss > 0.0 {
             Obstacle::Score { loss }.to_string()
         } else {
             "was not reached within the planning budget".to_string()
         };
     }
-    if least_over_s.is_finite() {
-        return late(schedule, least_over_s, false);
+    let limit_s = schedule.limit_s;
+    match endless.and_then(|endless| inserted_somewhere(endless, order, target).best) {
+        // More time would not make the visit pay.
+        Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.to_string(),
+        Some((_, end_s)) if end_s > limit_s => late(schedule, end_s - limit_s, false),
+        _ => within.trouble.unwrap_or_else(|| "does not fit between the others".to_string()),
     }
-    trouble
+}
+
+/// Result of inserting a target at the positions of an order.
+struct Inserted {
+    /// Highest score, and the end of that flight; `None` if no insertion can be flown.
+    best: Option<(f64, f64)>,
+    /// Reason of an insertion that cannot be flown at all.
+    trouble: Option<String>,
+}
+
+fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usize) -> Inserted {
+    let mut free = WorkBudget::new(u64::MAX);
+    let budget: &mut dyn Budget = &mut free;
+    let manoeuvres = schedule.problem.targets.get(target).map_or(0, |target| target.manoeuvres.len());
+    let mut inserted = Inserted { best: None, trouble: None };
+    for manoeuvre in 0..manoeuvres {
+        for at in nearest_gaps(schedule, order, target, manoeuvre) {
+            let mut with = order.to_vec();
+            with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
+            match schedule.judge(&with, budget) {
+                Ok(Judged { score, end_s, .. }) if inserted.best.is_none_or(|(best, _)| score > best) => {
+                    inserted.best = Some((score, end_s));
+                }
+                Err(Infeasibility::Impossible(why)) => {
+                    let why = of_itself(schedule, target, why);
+                    inserted.trouble = Some(format!("does not fit between the others: {why}"));
+                }
+                Ok(_) | Err(Infeasibility::TooLate { .. } | Infeasibility::Order) => {}
+            }
+        }
+    }
+    inserted
 }
 
 /// Returns the positions in `order` where `target` adds the shortest detour by least travel times, the shortest first.

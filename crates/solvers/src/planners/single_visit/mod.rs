@@ -19,7 +19,8 @@ mod time_independent;
 
 pub use in_order::in_order;
 pub use order_value::{OrderValue, OrderedVisit, order_value};
-pub use plan::scored;
+pub(crate) use plan::most;
+pub use plan::{bounded_by, scored};
 
 use crate::routing::{schedule, travel};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};

@@ -5,7 +5,7 @@ use super::search::Candidate;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use crate::routing::travel::{PointKey, TimedPath};
 use apex_metrics::mission_score;
-use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
+use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget};
 
 /// Finds the reasons of left-out targets.
 type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &Troubles) -> Vec<LeftOut>;
@@ -74,13 +74,8 @@ fn assembled(
 ) -> SingleVisitPlan {
     let problem = schedule.problem;
     // Every target that a plan may visit, at its best: no plan can gain more.
-    let bound = troubles.possible().into_iter().filter_map(|target| problem.targets.get(target)).map(|target| {
-        let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-        let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
-        target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
-    });
-    // Adding zero turns the -0.0 of an empty sum into 0.0.
-    let bound = bound.sum::<f64>() + 0.0;
+    let possible = troubles.possible().into_iter().filter_map(|target| problem.targets.get(target));
+    let bound = possible.map(worth_max).sum::<f64>() + 0.0;
     let plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
@@ -108,6 +103,26 @@ pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Single
     plan.score = plan.benefits - plan.costs;
     plan.summary = summary(problem, &plan);
     plan
+}
+
+/// Returns the plan with a bound on the benefits of all plans of `problem`, which may have more targets and windows than the problem in
+/// which the plan was made.
+pub fn bounded_by(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
+    plan.benefits_bound = Some(most(problem));
+    plan.summary = summary(problem, &plan);
+    plan
+}
+
+/// Returns the benefits of visits to all targets, each in its best way at its best time.
+pub(crate) fn most(problem: &SingleVisitProblem) -> f64 {
+    // Adding zero turns the -0.0 of an empty sum into 0.0.
+    problem.targets.iter().map(worth_max).sum::<f64>() + 0.0
+}
+
+fn worth_max(target: &SingleVisitTarget) -> f64 {
+    let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
+    let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
+    target.value * quality * timing
 }
 
 /// Returns one line for operators.

@@ -1,8 +1,11 @@
 //! Tests of the single-visit planner.
 
 use super::*;
-use apex_model::problem::{CrewMember, LandingPlace, Light, Position, SingleVisitPlan, SingleVisitProblem, TimeWindow};
+use apex_model::problem::{
+    CrewMember, LandingPlace, Light, PlannedVisit, Position, SingleVisitPlan, SingleVisitProblem, TimeWindow,
+};
 use apex_planning::examples::single_visit as examples;
+use apex_planning::obstacle::Obstacle;
 use apex_planning::solver::WorkBudget;
 use proptest::prelude::*;
 
@@ -77,6 +80,44 @@ fn more_time_is_named_only_where_it_would_help() {
     let short = solve(&problem, 50_000).unwrap();
     let why = reason(&short, "Zaca");
     assert!(why.starts_with("needs ") && why.ends_with("endurance leaves, even alone"), "{why}");
+}
+
+/// The missing time was measured at the first visit that ended too late; the visits after it and the way home were not counted.
+#[test]
+fn the_time_that_is_named_suffices_in_the_order_of_the_plan() {
+    let mut claims = 0;
+    for seed in 0..30 {
+        let problem = examples::random(9, seed);
+        let plan = solve(&problem, 20_000).unwrap();
+        for left_out in &plan.left_out {
+            let Some(Obstacle::Late { over_s, alone: false, .. }) = Obstacle::parse(&left_out.reason) else { continue };
+            claims += 1;
+            let target = problem.targets.iter().position(|target| target.name == left_out.target).unwrap();
+            let mut longer = problem.clone();
+            longer.end_s = longer.end_s.map(|end_s| end_s + over_s);
+            longer.vehicle.endurance_s += over_s;
+            longer.vehicle.fuel_kg += over_s * longer.vehicle.fuel_flow_kg_per_s;
+            let mut schedule = schedule::Schedule::new(&longer).unwrap();
+            let order: Vec<schedule::Choice> = plan.visits.iter().map(|visit| choice(&problem, visit)).collect();
+            let mut free = WorkBudget::new(u64::MAX);
+            let fits = (0..=order.len()).any(|at| {
+                (0..problem.targets[target].manoeuvres.len()).any(|manoeuvre| {
+                    let added = schedule::Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
+                    schedule.judge(&search::inserted(&order, at, added), &mut free).is_ok()
+                })
+            });
+            assert!(fits, "seed {seed}: {} {}", left_out.target, left_out.reason);
+        }
+    }
+    assert!(claims > 20, "{claims}");
+}
+
+/// Returns a visit of a plan as the search chose it.
+fn choice(problem: &SingleVisitProblem, visit: &PlannedVisit) -> schedule::Choice {
+    let target = problem.targets.iter().position(|target| target.name == visit.target).unwrap();
+    let corners = problem.targets[target].timing.iter().map(|(time_s, _)| *time_s);
+    let not_before_s = corners.filter(|time_s| (time_s - visit.begin_s).abs() < 1e-6).fold(f64::NEG_INFINITY, f64::max);
+    schedule::Choice { target, manoeuvre: visit.manoeuvre, not_before_s }
 }
 
 #[test]
