@@ -36,6 +36,12 @@ fn impossible_coordinates_are_named_with_file_and_feature() {
     picture("targets.geojson", SPOT, "[37.4155, -122.0535]", &[feature, "longitude first", "seem to be exchanged"]);
     picture("targets.geojson", SPOT, "[-222.0535, 37.4155]", &[feature, "longitude -222.0535", "between -180 and 180"]);
     picture("targets.geojson", SPOT, "[-122.0535, 97.4155]", &[feature, "latitude 97.4155", "between -90 and 90"]);
+    picture(
+        "targets.geojson",
+        SPOT,
+        "[-122.0535, 90]",
+        &["`hangar-1`: latitude 90 is too near to a pole", "below 88 degrees"],
+    );
     picture("targets.geojson", SPOT, "[-122.0535]", &["targets.geojson"]);
     picture("targets.geojson", SPOT, "[\"west\", 37.4155]", &["targets.geojson is not GeoJSON", "line 5 column"]);
     picture(
@@ -69,6 +75,14 @@ fn targets_that_are_no_targets_are_named() {
         "\"id\": \"hangar-1\"",
         &["two features have the id `hangar-1`", "feature 2", "the other one is m/targets.geojson: feature 1"],
     );
+    for wrong in ["Wind tunnel", "wind\\u0000tunnel", "wind)tunnel"] {
+        picture(
+            "targets.geojson",
+            id,
+            &format!("\"id\": \"{wrong}\""),
+            &["the id \"", "contains '", "help: write letters"],
+        );
+    }
     picture("targets.geojson", "\"Point\"", "\"LineString\"", &["targets.geojson"]);
     picture("targets.geojson", "FeatureCollection", "FeatureCollectoin", &["targets.geojson is not GeoJSON"]);
     let desk = Desk::with_mission("first-picture");
@@ -106,7 +120,12 @@ fn tables_are_read_strictly() {
     watch(file, "300,3,0.05", "300,,0.05", &["m/winds.csv:2: `wind_speed_mps` is empty"]);
     watch(file, "300,3,0.05", "300,NaN,0.05", &["m/winds.csv:2: `wind_speed_mps` is NaN", "between 0 and 150"]);
     watch(file, "300,4.5,0.04", "400,4.5,0.04", &["m/winds.csv:3: `wind_from_deg` is 400", "between 0 and 360"]);
-    watch(file, "300,3,0.05", "300,3,0.05,7", &["m/winds.csv", "line: 2"]);
+    watch(
+        file,
+        "300,3,0.05",
+        "300,3,0.05,7",
+        &["m/winds.csv:2 has ", " cells, the first line of the table ", "help: "],
+    );
     watch(file, ",,,,0,200", "1,,,,0,200", &["m/winds.csv:2: an area needs all four edges"]);
     watch(file, ",,,,0,200", ",,,,300,200", &["m/winds.csv:2: the layer's upper face is not above its lower face"]);
     let desk = Desk::with_mission("plain-watch");

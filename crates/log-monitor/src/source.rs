@@ -261,7 +261,10 @@ fn unread<E: From<MissionError>>(path: &Path, format: Format, error: LogError<E>
         LogError::NotALog(first) => {
             let name = format.name();
             let error = MissionError::data(format!("{} holds no readable message of format {name}", path.display()));
-            let error = first.into_iter().fold(error, MissionError::because);
+            let error = match first {
+                Some(first) => error.because(first),
+                None => error.because("it ends before its first message"),
+            };
             error.help(
                 "name another file, or rename it to the ending of its format: .ulg, .bin, .log, .tlog, .mcap or .csv",
             )

@@ -97,14 +97,15 @@ fn table_integral(points: &[(f64, f64)], age_s: f64) -> f64 {
     let mut sum = 0.0;
     for (age, cost) in points.iter().filter(|(age, _)| *age > 0.0) {
         if age_s <= *age {
-            break;
+            // Ends before a jump at this age, if there is one.
+            let cost_until = cost_from + (cost - cost_from) * (age_s - from) / (age - from);
+            return sum + 0.5 * (cost_from + cost_until) * (age_s - from);
         }
         // At a jump (two points of the same age) the piece has no width, and the later cost applies from there on.
         sum += 0.5 * (cost_from + cost) * (age - from);
         (from, cost_from) = (*age, *cost);
     }
-    let cost_until = if age_s > from { table_at(points, age_s) } else { cost_from };
-    sum + 0.5 * (cost_from + cost_until) * (age_s - from)
+    sum + cost_from * (age_s - from)
 }
 
 /// Returns the cost of ignorance between an observation that ends at `from_s` and one that ends at `until_s`.
@@ -288,6 +289,15 @@ pub(crate) mod tests {
             let twice = target_cost(&target, [first.min(second), first.max(second)], 3600.0).expected_cost;
             prop_assert!(twice <= once * (1.0 + 1e-12) + 1e-9);
         }
+    }
+
+    #[test]
+    fn an_interval_that_ends_at_a_jump_has_the_cost_before_it() {
+        let table = CostFunction::Table { points: vec![(0.0, 0.0), (300.0, 20.0), (300.0, 50.0), (2_000.0, 50.0)] };
+        assert_eq!(cost_integral(&table, 300.0), 3_000.0);
+        assert_eq!(cost_integral(&table, 310.0), 3_500.0);
+        let delayed = CostFunction::Delayed { response_s: 300.0, cost: Box::new(table) };
+        assert_eq!(cost_integral(&delayed, 10.0), 500.0);
     }
 
     #[test]

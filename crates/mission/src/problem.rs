@@ -119,6 +119,9 @@ pub(crate) fn single_visits(
     Ok(problem)
 }
 
+/// A look of which at most this share of the value is left is not visited again.
+const REST_SHARE_MIN: f64 = 0.001;
+
 /// Targets of a problem, and pairs of names of which the first must precede the second.
 type ProblemTargets = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
@@ -146,6 +149,13 @@ fn wanted(
     let ways = on_all_processors(open.len(), |number| open.get(number).map(|(_, wish)| manoeuvres::of(wish)));
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
     for ((name, Wish { target, fire, look, .. }), manoeuvres) in open.into_iter().zip(ways.into_iter().flatten()) {
+        let result = flown.and_then(|flown| flown.result(&target.id));
+        let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
+        let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
+        // It was seen in passing.
+        if look.value > 0.0 && look.value - seen <= REST_SHARE_MIN * look.value {
+            continue;
+        }
         let manoeuvres = match manoeuvres {
             Ok(manoeuvres) => manoeuvres,
             Err(why) => {
@@ -154,9 +164,6 @@ fn wanted(
             }
         };
         let (shortest_s, line_s) = durations_s(&manoeuvres);
-        let result = flown.and_then(|flown| flown.result(&target.id));
-        let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
-        let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
         after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
         targets.push(SingleVisitTarget {
             position: target.position,

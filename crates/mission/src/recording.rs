@@ -93,7 +93,7 @@ fn refuse_when_held(path: &Path) -> MissionResult {
         Err(TryLockError::WouldBlock) if cfg!(unix) => {
             Err(MissionError::record(format!("the flight record {} cannot be replaced", path.display()))
                 .because("another run of apex still writes or serves it")
-                .help("wait for its end, or choose another name with `--record`"))
+                .help("wait for its end, or choose another name with `--record` (of `apex fork`: `--output`)"))
         }
         _ => Ok(()),
     }
@@ -115,6 +115,8 @@ fn remove_beginning(path: &Path) {
     }
 }
 
+const ANOTHER_PLACE: &str = "choose another place with `--record` (of `apex fork`: `--output`)";
+
 /// Checks that a record can be created here.
 fn check_place(path: &Path) -> MissionResult {
     // SQLite does not treat these names as files: the record would be lost with the program, or options would be read from the name.
@@ -132,17 +134,20 @@ fn check_place(path: &Path) -> MissionResult {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
         Ok(_) => {
-            return refused(format!("{} is not a folder", folder.display()), "choose another place with `--record`");
+            return refused(format!("{} is not a folder", folder.display()), ANOTHER_PLACE);
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            let help = "make the folder, or choose another place with `--record`";
+            let help = "make the folder, or choose another place with `--record` (of `apex fork`: `--output`)";
             return refused(format!("there is no folder {}", folder.display()), help);
         }
         Err(error) => {
-            return refused(format!("{}: {error}", folder.display()), "choose another place with `--record`");
+            return refused(format!("{}: {error}", folder.display()), ANOTHER_PLACE);
         }
     }
-    check_kind(path, "choose another name with `--record`; the existing file is left as it is")
+    check_kind(
+        path,
+        "choose another name with `--record` (of `apex fork`: `--output`); the existing file is left as it is",
+    )
 }
 
 /// Checks that a record can continue in the spare folder, which is not created during the flight.

@@ -47,6 +47,11 @@ pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> Miss
     Ok(DataTable { file: place.clone(), header, rows })
 }
 
+/// Returns a permitted range as text; a range from the smallest number on is one above 0.
+pub(crate) fn range(low: f64, high: f64) -> String {
+    if low == f64::MIN_POSITIVE { format!("above 0 and at most {high}") } else { format!("between {low} and {high}") }
+}
+
 /// A header in lower case, and line number and cells of each row.
 pub(crate) type Rows = (Vec<String>, Vec<(u64, Vec<String>)>);
 
@@ -56,7 +61,20 @@ pub(crate) type Rows = (Vec<String>, Vec<(u64, Vec<String>)>);
 /// Text that is not a table, rows of unequal length.
 pub(crate) fn rows(file: &DataFile) -> MissionResult<Rows> {
     let place = &file.place;
-    let broken = |error: csv::Error| MissionError::data(format!("{place} is not a table")).because(error);
+    let broken = |error: csv::Error| {
+        let help =
+            "separate cells with commas, write decimals with a point, and put texts that contain commas in quotes";
+        match error.kind() {
+            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+                let line = pos.as_ref().map_or(0, csv::Position::line);
+                MissionError::data(format!(
+                    "{place}:{line} has {len} cells, the first line of the table {expected_len}"
+                ))
+                .help(help)
+            }
+            _ => MissionError::data(format!("{place} is not a table")).because(error).help(help),
+        }
+    };
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
     let header = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
@@ -93,7 +111,7 @@ impl TableRow<'_> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {
             Ok(number) if (low..=high).contains(&number) => Ok(Some(number)),
-            Ok(number) => Err(self.trouble(format!("`{column}` is {number}, which is not between {low} and {high}"))),
+            Ok(number) => Err(self.trouble(format!("`{column}` is {number}, which is not {}", range(low, high)))),
             Err(_) => Err(self.trouble(format!("`{column}` is `{text}`, not a number"))),
         }
     }

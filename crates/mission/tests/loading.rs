@@ -74,3 +74,20 @@ fn errors_of_the_program_are_values() {
     assert_eq!(error.kind, ErrorKind::Program);
     assert!(error.diagnostics.unwrap().has_errors());
 }
+
+#[test]
+fn a_circle_of_targets_that_come_after_each_other_is_named() {
+    let mission = Mission::load(&folder("pipeline-inspection")).unwrap();
+    let with = |id: &str, after: &str| {
+        let mut changed = data(&mission);
+        for (_, bytes) in changed.iter_mut().filter(|(name, _)| name.ends_with("geojson")) {
+            let text = String::from_utf8(bytes.clone()).unwrap();
+            let from = format!("\"id\": \"{id}\"");
+            *bytes = text.replace(&from, &format!("{from}, \"after\": [\"{after}\"]")).into_bytes();
+        }
+        Mission::from_sources(&mission.library.sources, changed)
+    };
+    assert!(with("valve-1", "marker-2").is_ok());
+    let own = with("valve-1", "valve-1").unwrap_err();
+    assert_eq!(own.message, "`after` is a circle: valve-1 after valve-1");
+}

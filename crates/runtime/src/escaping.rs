@@ -1,4 +1,5 @@
-//! Escapes control characters in output to a terminal as `\\u{1b}`; line ends and tabs remain.
+//! Escapes control characters, and those that reverse the direction of text, in output to a terminal as `\\u{1b}`; line ends and tabs
+//! remain.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -14,34 +15,43 @@ pub(crate) fn shortened(message: &str) -> Cow<'_, str> {
     }
 }
 
-/// First byte of the second set of control characters (U+0080 to U+009F) in UTF-8.
-const SECOND_SET: u8 = 0xC2;
+/// Beginnings of escaped characters in UTF-8: the second set of control characters (U+0080 to U+009F), and the characters that set the
+/// direction of text (U+202A to U+202E, U+2066 to U+2069), with the range of their last byte.
+const ESCAPED: [(&[u8], std::ops::RangeInclusive<u8>); 3] =
+    [(&[0xC2], 0x80..=0x9F), (&[0xE2, 0x80], 0xAA..=0xAE), (&[0xE2, 0x81], 0xA6..=0xA9)];
 
 /// A writer that escapes control characters of UTF-8 text.
 pub struct Escaped<W> {
     out: W,
-    /// True if the last byte was [`SECOND_SET`], which is not written yet.
-    is_open: bool,
+    /// The last bytes, if they begin an escaped character: they are not written yet.
+    held: Vec<u8>,
 }
 
 impl<W: Write> Escaped<W> {
     /// Returns a writer that escapes everything on its way to `out`.
     pub fn new(out: W) -> Escaped<W> {
-        Escaped { out, is_open: false }
+        Escaped { out, held: Vec::new() }
     }
 
     fn put(&mut self, byte: u8, text: &mut Vec<u8>) {
-        let code = |text: &mut Vec<u8>| text.extend_from_slice(format!("\\u{{{byte:x}}}").as_bytes());
-        if std::mem::take(&mut self.is_open) {
-            match byte {
-                0x80..=0x9F => return code(text),
-                _ => text.push(SECOND_SET),
+        if !self.held.is_empty() {
+            let ends = ESCAPED.iter().any(|(begin, last)| *begin == self.held && last.contains(&byte));
+            self.held.push(byte);
+            if ends {
+                let escaped = String::from_utf8_lossy(&self.held).escape_unicode().to_string();
+                self.held.clear();
+                return text.extend_from_slice(escaped.as_bytes());
             }
+            if ESCAPED.iter().any(|(begin, _)| begin.starts_with(&self.held)) {
+                return;
+            }
+            self.held.pop();
+            text.append(&mut self.held);
         }
         match byte {
             b'\n' | b'\t' => text.push(byte),
-            0..=0x1F | 0x7F => code(text),
-            SECOND_SET => self.is_open = true,
+            0..=0x1F | 0x7F => text.extend_from_slice(format!("\\u{{{byte:x}}}").as_bytes()),
+            _ if ESCAPED.iter().any(|(begin, _)| begin.starts_with(&[byte])) => self.held.push(byte),
             _ => text.push(byte),
         }
     }
@@ -102,5 +112,6 @@ mod tests {
         assert_eq!(escaped(&[b"\x1b]0;title\x07\r\x7f"]), "\\u{1b}]0;title\\u{7}\\u{d}\\u{7f}");
         assert_eq!(escaped(&["\u{9b}2J \u{a0}".as_bytes()]), "\\u{9b}2J \u{a0}");
         assert_eq!(escaped(&[b"\xC2", b"\x9B", b"\xC2", b"\xB0"]), "\\u{9b}°", "across writes");
+        assert_eq!(escaped(&["fire \u{202e}x\u{2069} – “a” €".as_bytes()]), "fire \\u{202e}x\\u{2069} – “a” €");
     }
 }

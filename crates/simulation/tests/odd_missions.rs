@@ -10,6 +10,8 @@ mod closed_base;
 mod descent;
 #[path = "odd/engine_out.rs"]
 mod engine_out;
+#[path = "odd/fixed_wing_sites.rs"]
+mod fixed_wing_sites;
 #[path = "odd/growth.rs"]
 mod growth;
 #[path = "odd/harness.rs"]

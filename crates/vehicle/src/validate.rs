@@ -15,6 +15,9 @@ const CLIMB_M_S_MAX: f64 = 300.0;
 const CEILING_M_MAX: f64 = 50_000.0;
 /// A range shorter than this is taken for a mistake in units.
 const RANGE_M_MIN: f64 = 1_000.0;
+/// Shortest and longest time between two reports of a vehicle: requirements are checked at each of them.
+const REPORT_S_MIN: f64 = 0.01;
+const REPORT_S_MAX: f64 = 600.0;
 /// Greatest permitted relative difference between the endurance from the energy figures and the stated endurance.
 const ENDURANCE_DEVIATION_MAX: f64 = 0.15;
 
@@ -30,9 +33,9 @@ impl VehicleModel {
         self.check_energy(&check)?;
         let report = &self.report;
         let intervals = [
-            ("scanning_s", report.scanning_s, Rule::Positive),
-            ("manoeuvring_s", report.manoeuvring_s, Rule::Positive),
-            ("cruise_s", report.cruise_s, Rule::Positive),
+            ("scanning_s", report.scanning_s, Rule::Between(REPORT_S_MIN, REPORT_S_MAX)),
+            ("manoeuvring_s", report.manoeuvring_s, Rule::Between(REPORT_S_MIN, REPORT_S_MAX)),
+            ("cruise_s", report.cruise_s, Rule::Between(REPORT_S_MIN, REPORT_S_MAX)),
         ];
         check.each("report", &intervals)?;
         self.check_sensors(&check)

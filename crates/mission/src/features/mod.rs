@@ -276,7 +276,7 @@ impl NamedFeature {
             None => Ok(None),
             Some((_, Some(number))) if (low..=high).contains(&number) => Ok(Some(number)),
             Some((_, Some(number))) => {
-                Err(self.trouble(format!("`{key}` is {number}, which is not between {low} and {high}")))
+                Err(self.trouble(format!("`{key}` is {number}, which is not {}", crate::tables::range(low, high))))
             }
             Some((other, None)) => Err(self.trouble(format!("`{key}` is {other}, not a number"))),
         }

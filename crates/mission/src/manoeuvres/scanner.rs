@@ -76,7 +76,7 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
             let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
             format!("it needs {altitude_m:.0} m at most, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name)
         });
-        let nothing = || "no way to observe it adds anything new".to_string();
+        let nothing = || "no sweep would add anything".to_string();
         return Err(by_zone.or(trouble).unwrap_or_else(nothing));
     }
     Ok(made)

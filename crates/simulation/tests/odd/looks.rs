@@ -27,6 +27,22 @@ fn a_look_is_planned_at_its_interval_to_the_look_before() {
     assert!(!flown.text().contains("missed"), "{}", flown.text());
 }
 
+/// The night look is wanted two to four hours after the day look, which was planned first, eight hours before the night: the night look was
+/// left out, and the plan was proven to be the best.
+#[test]
+fn a_look_that_the_earliest_look_excludes_is_planned_first() {
+    let a = r#""id": "a", "kind": "fire", "acres": 8000, "looks": [
+        {"id": "day", "value": 40, "resolution_m": 10, "light": "day"},
+        {"id": "night", "value": 60, "resolution_m": 10, "light": "night", "interval_h": [2, 4]}]"#;
+    let targets = collection(&[home(), feature(a, &point(-120.5, 37.8))]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-06-01T22:00:00Z\" :duration 12h :targets \"t.geojson\"";
+    let flown = fly(&program(options, "6000m"), &[("t.geojson", &targets)]);
+    let begin =
+        |name: &str| flown.outcome.report.visits.iter().find(|visit| visit.target == name).map(|visit| visit.begin);
+    let (day, night) = (begin("a/day"), begin("a/night"));
+    assert!(day.is_some() && night.is_some(), "{}", flown.text());
+}
+
 const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 6h :end-margin 20min \
                        :targets \"t.geojson\"";
 

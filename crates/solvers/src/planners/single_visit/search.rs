@@ -118,13 +118,13 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
     }
 }
 
-/// Returns `best`, or no visit at all if that has a higher score: visits may cost more than their value.
+/// Returns `best`, or no visit at all if that scores as much: visits may be worth nothing, or cost more than their value.
 ///
 /// # Errors
 /// The reason if there is no plan at all: `best` has no visits, and the vehicle cannot return to the base in time even without one.
 pub(super) fn or_idle(schedule: &mut Schedule<'_>, best: Candidate) -> Result<Candidate, String> {
     match schedule.idle() {
-        Ok(judged) if best.order.is_empty() || judged.score > best.judged.score => {
+        Ok(judged) if best.order.is_empty() || judged.score >= best.judged.score => {
             Ok(Candidate { order: Vec::new(), judged })
         }
         Err(none) if best.order.is_empty() => Err(schedule.no_plan(&none)),
