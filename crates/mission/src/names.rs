@@ -40,5 +40,5 @@ fn known_names(mission: &Mission, registry: &Registry) -> KnownNames {
     if mission.library.application.as_ref().is_none_or(|application| application.kind.is("native-sim")) {
         names.insert(NameKind::Modem, modems);
     }
-    KnownNames { names, solvers, messages: heads.collect() }
+    KnownNames { names, solvers, messages: heads.collect(), duration: Some(mission.settings.duration) }
 }

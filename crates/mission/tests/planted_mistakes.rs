@@ -260,6 +260,11 @@ const HARBOUR_WATCH: &[Slip] = &[
     ("(priority 9)", "(priority -9 9)"),
     ("(state-variable (mood ?ship) :type symbol)", "(state-variable (mood ?ship) :type symbl)"),
     (":derived (rate-of", ":derived (rate"),
+    // Words in quotes, and an instant after the end of the mission.
+    ("(forall ?berth in '(north south))", "(forall ?berth in '(noth south))"),
+    ("50m) 'north 'south)", "50m) 'nroth 'south)"),
+    ("'((north (37", "'((noth (37"),
+    ("(+ +mission-start+ 20min)", "(+ +mission-start+ 200min)"),
 ];
 
 fn mission_path(name: &str) -> PathBuf {

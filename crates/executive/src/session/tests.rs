@@ -1,5 +1,6 @@
 //! Streams of results: each result once and at its instant, in whatever portions the stimuli arrive.
 
+mod absent_orders;
 mod combinations;
 mod conjunctions;
 mod derived;

@@ -62,3 +62,16 @@ impl Bindings {
         self.0.truncate(length);
     }
 }
+
+/// Returns the bindings of both, if they agree where both bind.
+pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
+    let mut all = left.clone();
+    for (name, value) in right.iter() {
+        match all.get(name) {
+            Some(bound) if !bound.matches(value) => return None,
+            Some(_) => {}
+            None => all.set(name.clone(), value.clone()),
+        }
+    }
+    Some(all)
+}

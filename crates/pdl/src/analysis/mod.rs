@@ -23,6 +23,7 @@ mod own_tag;
 mod probes;
 mod profiles;
 mod published;
+mod quoted_words;
 mod resemblance;
 mod served;
 mod shadows;
@@ -94,6 +95,10 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     resemblance::check(&program, &mut report);
     let published = published::findings(library).into_iter().chain(objects::findings(library));
     published.for_each(|each| report.add(each));
+    if !fragment {
+        let words = quoted_words::findings(library, foreign, &report.diagnostics);
+        words.into_iter().for_each(|each| report.add(each));
+    }
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
     report.diagnostics

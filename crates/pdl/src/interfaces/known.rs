@@ -14,6 +14,7 @@ use apex_model::interface::{ArgumentType, NameKind};
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,6 +27,8 @@ pub struct KnownNames {
     pub solvers: BTreeSet<Symbol>,
     /// First words of messages from outside, in addition to the declared ones.
     pub messages: BTreeSet<Symbol>,
+    /// Time from the start of the mission to its end; `None` if it is unknown.
+    pub duration: Option<Duration>,
 }
 
 impl KnownNames {

@@ -5,6 +5,7 @@ mod answers;
 mod arguments;
 mod calls;
 mod findings;
+mod hours;
 mod known;
 mod messages;
 mod sums;
@@ -36,12 +37,13 @@ pub(crate) fn check(library: &Library) -> Vec<Diagnostic> {
 }
 
 /// Checks a library without errors against the names of its mission: places, cameras, radios and aircraft that goals, commands and
-/// conditions name, solvers, and messages that are awaited though nothing sends them.
+/// conditions name, solvers, instants after its end, and messages that are awaited though nothing sends them.
 pub fn check_names(library: &Library, known: &KnownNames) -> Vec<Diagnostic> {
     let methods = Methods::new(library);
     let mut findings = Findings::new(&library.sources);
     known::solvers(library, known, &mut findings);
     known::objects(library, known, &mut findings);
+    hours::check(library, known, &mut findings);
     if has_declarations(library) {
         let calls = Calls::new(library, &methods);
         let types = Types::new(library, &methods, &calls);

@@ -9,7 +9,7 @@
 
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::combination::{conjunction_span, part_results, unmet};
+use crate::monitoring::combination::{conjunction_span, logic, order_span, part_results, unmet};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
@@ -41,6 +41,7 @@ pub(crate) fn create(
         since_final: start,
         taken_back: None,
         reached: Vec::new(),
+        order: None,
         goes_on: false,
         unknown: false,
         broken: None,
@@ -56,6 +57,7 @@ pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.found.clear();
     part.seen.clear();
     part.reached.clear();
+    part.order.iter_mut().for_each(|order| order_span::forget(order));
     (part.since, part.since_final) = (site.window.start, site.window.start);
     (part.goes_on, part.unknown) = (false, false);
     (part.broken, part.told, part.taken_back) = (None, None, None);
@@ -94,7 +96,9 @@ pub(crate) fn advance(
         return;
     }
     let mut query = VerdictQuery::new(context);
-    let extents = if conjunction_span::is_together(&part.part) {
+    let extents = if part.order.is_some() {
+        of_order(part, &mut query)
+    } else if conjunction_span::is_together(&part.part) {
         conjunction_span::take(part, &mut query)
     } else {
         part_results::take_final(&mut part.part, &mut query)
@@ -130,6 +134,25 @@ pub(crate) fn advance(
     let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
     troubles.append(query.troubles);
+}
+
+/// Returns the time that the chains of an order cover, and whether it is unknown that there are none.
+fn of_order(part: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> part_results::PartResults {
+    let before = query.troubles.limits_reached;
+    let (settled, passing) = order_span::take(part, query);
+    part.part.forgotten |= query.troubles.limits_reached > before;
+    let PartKind::InOrder(composite) = &part.part.kind else { return part_results::PartResults::default() };
+    let parts = composite.parts.iter().filter(|part| !matches!(part.kind, PartKind::Delay(_)));
+    let held = part.order.iter().flat_map(|order| &order.steps).map(|step| step.held);
+    let truths = parts.zip(held).map(|(part, held)| if held { Truth::True } else { logic::truth(part, query) });
+    let doubt = match truths.min().unwrap_or(Truth::True) {
+        Truth::False => false,
+        Truth::Unknown => true,
+        // Points that were dropped at a limit might belong to a chain.
+        Truth::True => part.part.forgotten && part.order.as_ref().is_some_and(|order| !order.found),
+    };
+    let passing = passing.into_iter().map(|result| part_results::TentativeResult { result, open: false }).collect();
+    part_results::PartResults { settled, passing, doubt, ..part_results::PartResults::default() }
 }
 
 /// Records the windows that have passed up to now. Only now may it be known that there was no result before or between the known ones.

@@ -17,7 +17,7 @@ use crate::monitoring::combination::relation::{
 };
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth};
 use crate::monitoring::verdict_query::VerdictQuery;
-use crate::state::bindings::Bindings;
+use crate::state::bindings::{Bindings, joined};
 use crate::state::monitors::monitor::{AllenPart, Chain, Keep, RelationSide, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
@@ -276,7 +276,7 @@ impl<'a> RelationJoin<'a> {
         }
         let intervals: Vec<(Time, Time)> = chain.iter().map(|item| item.result.interval).collect();
         let hull = intervals.iter().copied().reduce(|(start, end), (from, to)| (start.min(from), end.max(to)));
-        let bindings = chain.iter().try_fold(Bindings::new(), |all, item| logic::joined(&all, &item.result.bindings));
+        let bindings = chain.iter().try_fold(Bindings::new(), |all, item| joined(&all, &item.result.bindings));
         let (Some(interval), Some(bindings)) = (hull, bindings) else { return };
         let evidence = chain.iter().fold(EvidenceList::default(), |all, item| all.joined(&item.result.evidence));
         let settled = chain.iter().all(|item| item.settled);

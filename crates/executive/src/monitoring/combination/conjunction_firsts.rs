@@ -12,7 +12,7 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::basic::measurement::variable_of;
-use crate::monitoring::combination::point_order;
+use crate::monitoring::combination::{conjunction_pairs, point_sweep};
 use crate::monitoring::memory::retention;
 use crate::monitoring::reported_results::Used;
 use crate::state::monitors::monitor::{Composite, Part, PartKind, Satisfaction};
@@ -64,7 +64,7 @@ pub(crate) fn sweep(part: &mut Part, used: Option<&Used>, context: &dyn EvalCont
             sweep_conjunction(composite, used, context);
             composite.parts.iter_mut().for_each(|part| sweep(part, used, context));
         }
-        PartKind::InOrder(_) => point_order::sweep(part, used, context),
+        PartKind::InOrder(_) => point_sweep::sweep(part, used, context),
         _ => {}
     }
 }
@@ -75,8 +75,9 @@ fn sweep_conjunction(composite: &mut Composite, used: Option<&Used>, context: &d
     if composite.sweep_at.is_none_or(|sweep_at| kept < sweep_at) {
         return;
     }
-    kept = 0;
-    for part in &mut composite.parts {
+    kept = conjunction_pairs::sweep(composite, used, context.now());
+    let paired: Vec<bool> = (0..composite.parts.len()).map(|number| composite.is_paired(number)).collect();
+    for (part, _) in composite.parts.iter_mut().zip(paired).filter(|(_, paired)| !paired) {
         each_list(part, used, context, &mut |place, list, used, is_final| {
             if list.is_sorted_by_key(|result| result.recognised_at) {
                 let newest = list.len().saturating_sub(1);

@@ -11,21 +11,19 @@ use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::basic::{event, measurement, task_state};
-use crate::monitoring::combination::{absence, conjunction_firsts, point_order, replay};
+use crate::monitoring::combination::condition_names::collect;
+use crate::monitoring::combination::{absence, conjunction_firsts, conjunction_pairs, order_span, point_order, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::{ConditionFaults, noting_limits};
 use crate::monitoring::sampled::Sampled;
-use crate::monitoring::specificity::variables;
 use crate::state::monitors::monitor::{
     AbsentPart, AllenPart, Composite, EventPart, FunctionPart, Keep, Part, PartKind, RelationSide, TaskEndedPart,
     TaskStatePart, TimePart, Window,
 };
-use apex_model::condition::{
-    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Relation, VariablePattern,
-};
-use apex_model::expression::{Expr, ExprKind};
+use apex_model::condition::{Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition};
+use apex_model::expression::Expr;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;
@@ -134,7 +132,18 @@ fn absent(
     context: &dyn EvalContext,
 ) -> Result<AbsentPart, EvaluationError> {
     let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, first_only: false, ..role };
-    absence::create(part(inner, whole, context)?, length, role.window.start, context)
+    let mut names = BTreeSet::new();
+    collect(inner, &mut names);
+    // Another part that evaluates the past again may need messages that the history has dropped.
+    let alone = !role.whole_runs && names.iter().all(|name| context.variable(name).is_some());
+    let mut absent = absence::create(part(inner, whole, context)?, length, role.window.start, context)?;
+    if let PartKind::InOrder(order) = &absent.part.kind
+        && alone
+    {
+        let order = point_order::create(order, false, context);
+        absent.order = order.and_then(|order| order_span::create(&absent.part, *order));
+    }
+    Ok(absent)
 }
 
 fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<AllenPart, EvaluationError> {
@@ -213,14 +222,18 @@ fn composite(
     let unconstrained = first_only && constraints.is_empty();
     let within = Role { keep, any_pair: role.any_pair || delayed, first_only: unconstrained && !ordered, ..role };
     let made = parts.iter().map(|each| part(each, within, context)).collect::<Result<_, _>>()?;
+    let constraints = constraints.to_vec();
     let mut composite =
-        Composite { parts: made, constraints: constraints.to_vec(), combines, shared, order: None, sweep_at: None };
+        Composite { parts: made, constraints, combines, shared, order: None, sweep_at: None, pairs: Vec::new() };
     if first_only && ordered {
         let binds = names.iter().any(|name| context.variable(name).is_none());
         composite.order = point_order::create(&composite, binds, context);
         if composite.order.is_some() {
             composite.parts.iter_mut().for_each(point_order::keep_points);
         }
+    } else if let Some(pairs) = conjunction_pairs::create(&composite, parts, context).filter(|_| first_only) {
+        composite.pairs = pairs;
+        composite.sweep_at = Some(conjunction_firsts::SWEEP_AT_LEAST);
     } else if unconstrained {
         composite.sweep_at = Some(conjunction_firsts::SWEEP_AT_LEAST);
     }
@@ -238,7 +251,7 @@ fn alternatives(
     let role = Role { keep, first_only: role.first_only && constraints.is_empty(), ..role };
     let parts = parts.iter().map(|each| part(each, role, context)).collect::<Result<_, _>>()?;
     let constraints = constraints.to_vec();
-    Ok(Composite { parts, constraints, combines, shared: Vec::new(), order: None, sweep_at: None })
+    Ok(Composite { parts, constraints, combines, shared: Vec::new(), order: None, sweep_at: None, pairs: Vec::new() })
 }
 
 /// Returns the unbound variables that occur in more than one part.
@@ -252,54 +265,6 @@ fn shared_variables(parts: &[Condition], context: &dyn EvalContext) -> Vec<Symbo
         seen.extend(own);
     }
     shared.into_iter().cloned().collect()
-}
-
-fn collect<'a>(condition: &'a Condition, names: &mut BTreeSet<&'a Symbol>) {
-    match &condition.kind {
-        ConditionKind::Measurement(measurement) => {
-            of_variable(&measurement.variable, names);
-            for constraints in [&measurement.value, &measurement.object, &measurement.timestamp] {
-                of_constraints(constraints, names);
-            }
-        }
-        ConditionKind::Episode(episode) => {
-            of_variable(&episode.variable, names);
-            for constraints in [&episode.value, &episode.first_value, &episode.last_value, &episode.object] {
-                of_constraints(constraints, names);
-            }
-        }
-        ConditionKind::Event { pattern, .. } => names.extend(variables(pattern)),
-        ConditionKind::TaskState { state, .. } => names.extend(variables(state)),
-        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
-            parts.iter().for_each(|part| collect(part, names));
-        }
-        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => collect(part, names),
-        ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, names)),
-        ConditionKind::Probing { condition, .. } => collect(condition, names),
-        ConditionKind::Cyclic(cyclic) => of_variable(&cyclic.variable, names),
-        ConditionKind::Delay(..)
-        | ConditionKind::Timestamp(..)
-        | ConditionKind::TaskEnded(_)
-        | ConditionKind::Function(_) => {}
-    }
-}
-
-fn of_variable<'a>(variable: &'a VariablePattern, names: &mut BTreeSet<&'a Symbol>) {
-    names.extend(variables(&variable.object));
-}
-
-fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Symbol>) {
-    for constraint in constraints {
-        match constraint {
-            Constraint::Matches(pattern) => names.extend(variables(pattern)),
-            Constraint::Compare { relation: Relation::Equal, right, tolerance: None } => {
-                if let ExprKind::Variable { name, must_be_bound: false } = &right.kind {
-                    names.insert(name);
-                }
-            }
-            Constraint::Compare { .. } | Constraint::Predicate(..) | Constraint::Range(..) => {}
-        }
-    }
 }
 
 /// Lets every part look back over the remembered data since the start of its window.

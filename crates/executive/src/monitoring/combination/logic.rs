@@ -16,7 +16,7 @@ use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Truth;
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
-use crate::state::bindings::Bindings;
+use crate::state::bindings::{Bindings, joined};
 use crate::state::monitors::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
@@ -45,10 +45,12 @@ fn truth_of_kind(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
         PartKind::Regression(leaf) => regression::truth(leaf, site, query),
         PartKind::Statistical(leaf) => statistics::truth(leaf, site, query),
         PartKind::Cyclic(leaf) => cyclic::truth(leaf, site, query),
-        PartKind::Event(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.blind),
-        PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
-        PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
-        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => Truth::of(leaf.reached.is_some(), leaf.span.is_none()),
+        PartKind::Event(leaf) => Truth::of(any_by(&leaf.settled, query.now), leaf.blind),
+        PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some_and(|ended| ended <= query.now), leaf.task.is_none()),
+        PartKind::TaskState(leaf) => Truth::of(any_by(&leaf.settled, query.now), leaf.task.is_none()),
+        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => {
+            Truth::of(leaf.reached.is_some_and(|reached| reached <= query.now), leaf.span.is_none())
+        }
         PartKind::Not(inner) => query.of_everything(|query| truth(inner, query)).negated(),
         PartKind::Allen(leaf) => allen::truth(leaf, query),
         PartKind::Absent(leaf) => absence::truth(leaf),
@@ -71,6 +73,17 @@ fn truth_of_kind(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
             combined(part, composite, one, query)
         }
     }
+}
+
+/// Returns true for messages, tasks and time: results may have arrived since the instant that is evaluated again.
+fn comes_at_an_instant(kind: &PartKind) -> bool {
+    use PartKind::{Delay, Event, TaskEnded, TaskState, Timestamp};
+    matches!(kind, Event(_) | TaskEnded(_) | TaskState(_) | Timestamp(_) | Delay(_))
+}
+
+/// Returns true if a result was known at `now`. When an earlier instant is evaluated again, later results are known too.
+fn any_by(settled: &[Satisfaction], now: Time) -> bool {
+    settled.iter().any(|result| result.recognised_at <= now)
 }
 
 /// Returns the truth of a part of an `:and`. Negated shared variables can be judged only in combination.
@@ -135,6 +148,9 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
         },
         PartKind::Or(composite) => alternatives(part, composite, query),
     };
+    if comes_at_an_instant(&part.kind) {
+        results.retain(|result| result.recognised_at <= query.now);
+    }
     if let Some(used) = &query.used {
         results.retain(|result| !used.contains(part.place, result));
     }
@@ -259,7 +275,7 @@ impl<'a> Combination<'a> {
         let mut nots = Vec::new();
         let mut absent = Vec::new();
         let mut delay = None;
-        for part in &self.composite.parts {
+        for (number, part) in self.composite.parts.iter().enumerate() {
             match &part.kind {
                 PartKind::Delay(leaf) if self.ordered => match delays(leaf, query.context) {
                     // Consecutive delays add up.
@@ -288,7 +304,7 @@ impl<'a> Combination<'a> {
                 },
                 kind => {
                     let mut results = results(part, query);
-                    if self.composite.sweep_at.is_some() {
+                    if self.composite.sweep_at.is_some() && !self.composite.is_paired(number) {
                         dominance::one_for_each_binding(&mut results);
                     }
                     let stands = matches!(kind, PartKind::Not(_));
@@ -431,17 +447,4 @@ impl<'a> Combination<'a> {
             query.troubles.too_many_results(self.part.place);
         }
     }
-}
-
-/// Returns the bindings of both, if they agree where both bind.
-pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
-    let mut all = left.clone();
-    for (name, value) in right.iter() {
-        match all.get(name) {
-            Some(bound) if !bound.matches(value) => return None,
-            Some(_) => {}
-            None => all.set(name.clone(), value.clone()),
-        }
-    }
-    Some(all)
 }

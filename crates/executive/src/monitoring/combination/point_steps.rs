@@ -10,10 +10,11 @@
 
 use crate::monitoring::basic::measurement;
 use crate::monitoring::basic::time_conditions::delays;
+use crate::monitoring::reported_results::Used;
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
-use crate::state::monitors::monitor::{Composite, Part, PartKind, Satisfaction};
+use crate::state::monitors::monitor::{Composite, Part, PartKind, PointLimit, Satisfaction};
 use apex_model::pattern::Pattern;
 use apex_model::time::{Duration, Time};
 
@@ -180,19 +181,24 @@ impl<'a> OrderedPart<'a> {
     /// Returns an instant before which no further result with these bindings comes; `None` if one may come at any time. Messages come in
     /// order of time.
     pub(crate) fn watermark(&self, bindings: &Bindings, now: Time) -> Option<Time> {
-        if matches!(self.part.kind, PartKind::Event(_)) {
-            return Some(now);
+        watermark(self.part, bindings, now)
+    }
+}
+
+/// Returns an instant before which no further result of the part with these bindings comes; `None` if one may come at any time.
+pub(crate) fn watermark(part: &Part, bindings: &Bindings, now: Time) -> Option<Time> {
+    match &part.kind {
+        PartKind::Event(_) => Some(now),
+        PartKind::Episode(leaf) => leaf.runs.values().map(|run| run.newest.at).max(),
+        PartKind::Measurement(leaf) => {
+            let newest = &leaf.seen.as_ref()?.newest;
+            if leaf.variable.is_some() {
+                return newest.samples().map(|sample| sample.at).max();
+            }
+            let Pattern::Variable(name) = &leaf.condition.variable.object else { return None };
+            newest.get(bindings.get(name)?).map(|sample| sample.at)
         }
-        if let PartKind::Episode(leaf) = &self.part.kind {
-            return leaf.runs.values().map(|run| run.newest.at).max();
-        }
-        let PartKind::Measurement(leaf) = &self.part.kind else { return None };
-        let newest = &leaf.seen.as_ref()?.newest;
-        if leaf.variable.is_some() {
-            return newest.samples().map(|sample| sample.at).max();
-        }
-        let Pattern::Variable(name) = &leaf.condition.variable.object else { return None };
-        newest.get(bindings.get(name)?).map(|sample| sample.at)
+        _ => None,
     }
 }
 
@@ -239,4 +245,14 @@ pub(crate) fn settled_mut(part: &mut Part, role: PointRole) -> Option<&mut Vec<S
         }
         _ => None,
     }
+}
+
+/// Returns true if the result belongs to a reported chain. An episode itself removes such points.
+pub(crate) fn is_used(step: &OrderedPart<'_>, result: &Satisfaction, used: Option<&Used>) -> bool {
+    step.role == PointRole::Whole && used.is_some_and(|used| used.contains(step.part.place, result))
+}
+
+/// Returns the first and last instant that the limit permits for its second point, given its first one.
+pub(crate) fn span_of(limit: &PointLimit, first: Time) -> (Time, Time) {
+    (Time(first.0.saturating_add(limit.least.0)), Time(first.0.saturating_add(limit.most.0)))
 }

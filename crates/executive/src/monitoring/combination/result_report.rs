@@ -9,7 +9,7 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::combination::dispatch::advance;
-use crate::monitoring::combination::{conjunction_firsts, dominance, logic, point_order};
+use crate::monitoring::combination::{conjunction_firsts, dominance, logic, point_sweep};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::statistics;
 use crate::monitoring::part::{Truth, site};
@@ -215,7 +215,7 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
     match &mut part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter_mut().for_each(|part| take_out(part, lateness, used, query));
-            point_order::begin_again(composite);
+            point_sweep::begin_again(composite);
             composite.sweep_at = composite.sweep_at.map(|_| conjunction_firsts::SWEEP_AT_LEAST);
             part.forgotten = composite.parts.iter().any(|part| part.forgotten);
             return;

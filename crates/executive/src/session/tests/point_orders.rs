@@ -50,6 +50,10 @@ fn without_a_greatest_delay_one_sample_stands_for_all() {
 fn an_order_with_episodes_and_a_delay_keeps_few_instants() {
     let episode = |timing: &str| format!("(:episode (speed uav) :quality :no-constraints :value (> 4) {timing})");
     let tagged = "(:episode x (speed uav) :quality :no-constraints :value (> 4))";
+    let between = |limit: &str, end: &str| {
+        let x = "(:measurement x (speed uav) :value (> 4)) (speed uav > 3)";
+        format!("{x} (:measurement y (speed uav) :value (> 4)) {end} :constraint {limit}")
+    };
     // Samples come every 0.1 s: those within a greatest duration or delay are kept.
     for (order, most) in [
         (format!("{} (:delay 300s) (landed)", episode("")), 20),
@@ -64,10 +68,16 @@ fn an_order_with_episodes_and_a_delay_keeps_few_instants() {
                 .to_string(),
             120,
         ),
+        (between("(< (- (start-of ?y) (start-of ?x)) 5s)", "(landed)"), 240),
+        (between("(> (- (start-of ?y) (start-of ?x)) 5s)", "(landed)"), 160),
+        (between("(< (- (start-of ?y) (start-of ?x)) 5s)", "(:delay 300s)"), 240),
+        // The height has no sample after the first one, so another one may still come before the samples of the speed.
+        ("(height uav >= 0) (speed uav > 4) (:delay 300s)".to_string(), 20),
     ] {
         let condition = format!("(:in-order {order})");
         let (plain, id) = session(&condition, 0.0);
         let mut session = plain.over_a_log();
+        session.sample(&of("height"), Value::Integer(1), at(0.0));
         let mut greatest = 0;
         for number in 0..2_000 {
             session.sample(&of("speed"), Value::Real(5.0), Time(number * 100_000_000));
@@ -152,7 +162,7 @@ const ORDERS: [&str; 30] = [
 ];
 
 /// Orders with constraints on the time between neighbours.
-const CONSTRAINED: [&str; 7] = [
+const CONSTRAINED: [&str; 15] = [
     "(:in-order (:measurement x (a uav) :value (> 4)) (:measurement y (b uav) :value (< 4))
       :constraint (< (- (start-of ?y) (end-of ?x)) 3s)",
     "(:in-order (:measurement x (a uav) :value (> 4)) (:delay 1s) (:measurement y (b uav) :value (< 4)) (go)
@@ -167,6 +177,25 @@ const CONSTRAINED: [&str; 7] = [
       :constraint (< (- (end-of ?whole) (start-of ?whole)) 3s)",
     "(:in-order (:measurement x (a uav) :value (> 4)) (go) (:measurement y (b uav) :value (< 4))
       :constraint (< (- (start-of ?y) (start-of ?x)) 6s)",
+    // Limits between parts that are not neighbours.
+    "(:in-order (:measurement x (a uav) :value (> 4)) (b uav > 3) (:measurement z (a uav) :value (< 4)) (:delay 9s)
+      :constraint (<= (- (start-of ?z) (start-of ?x)) 4s)",
+    "(:in-order (:measurement x (a uav) :value (> 5)) (b uav > 5) (:measurement z (a uav) :value (< 3)) (go)
+      :constraint (<= (- (start-of ?z) (start-of ?x)) 4s)",
+    "(:in-order (:measurement x (a uav) :value (> 4)) (b uav > 4) (:measurement z (b uav) :value (< 4)) (:delay 3s)
+      :constraint (> (- (start-of ?z) (start-of ?x)) 9s)",
+    "(:in-order (:measurement x (a ?who) :value (> 4)) (b ?who > 3) (:measurement z (a ?who) :value (< 4)) (stop)
+      :constraint (< (- (start-of ?z) (start-of ?x)) 5s)",
+    "(:in-order (b ?else > 6) (:measurement x (a ?who) :value (> 4)) (b ?else > 4) (:measurement z (b ?who) :value (< 4)) (:delay 5s)
+      :constraint (>= (- (start-of ?z) (start-of ?x)) 6s)",
+    "(:in-order (go) (:measurement x (a uav) :value (> 4)) (b uav > 5) (:delay 0s 3s) (:measurement z (a uav) :value (< 4)) (stop)
+      :constraint (and (< (- (start-of ?z) (start-of ?x)) 7s) (> (- (start-of ?z) (start-of ?x)) 3s))",
+    "(:in-order (:measurement w (a uav) :value (> 4)) (:measurement x (b uav) :value (> 4)) (:measurement y (a uav) :value (< 4))
+      (:measurement z (b uav) :value (< 4)) (:delay 4s)
+      :constraint (< (- (start-of ?y) (start-of ?w)) 6s) (< (- (start-of ?z) (start-of ?x)) 6s)",
+    "(:in-order (:measurement w (a uav) :value (> 3)) (:measurement x (b uav) :value (> 3)) (:measurement y (a uav) :value (< 5))
+      (:measurement z (b uav) :value (< 5)) (:delay 4s)
+      :constraint (> -5s (- (start-of ?w) (start-of ?y))) (< (- (start-of ?z) (start-of ?w)) 9s) (> (start-of ?z) (end-of ?x))",
 ];
 
 /// Returns the results of `condition` over `story`; with `late`, the samples of each variable arrive after those of the preceding one.

@@ -5,5 +5,6 @@ pub mod moments;
 pub mod monitor;
 pub mod numbers;
 pub mod ordered_numbers;
+mod orders;
 mod parts;
 mod unmet;

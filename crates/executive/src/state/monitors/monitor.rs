@@ -21,9 +21,10 @@ use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+pub use crate::state::monitors::orders::{PointLimit, PointOrder};
 pub use crate::state::monitors::parts::{
-    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, NewestPoints, PairPoints, RelationSide, TaskEndedPart,
-    TaskStatePart, TimePart,
+    AbsentPart, AllenPart, Chain, CoveredSpan, EventPart, FunctionPart, NewestPoints, OrderSpan, PairPoints,
+    RelationSide, SpanStep, TaskEndedPart, TaskStatePart, TimePart,
 };
 
 /// Instant from which evidence counts.
@@ -207,19 +208,15 @@ pub struct Composite {
     /// Number of kept results from which on useless ones are searched and removed, in an `:and` of which only the first result for each set
     /// of bindings is required; `None` if another result may be required.
     pub sweep_at: Option<usize>,
+    /// Pairs of parts of an `:and` whose results must lie within these limits of each other; a part is in at most one pair.
+    pub pairs: Vec<PointLimit>,
 }
 
-/// Bookkeeping of an order of samples and messages.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PointOrder {
-    /// Number of kept results from which on useless ones are searched and removed.
-    pub sweep_at: usize,
-    /// For each part how many of its kept results were checked.
-    pub checked: Vec<usize>,
-    /// True if a pattern variable occurs in the order: each set of bindings has separate chains.
-    pub binds: bool,
-    /// For each point the least and the greatest time from the preceding one, according to constraints.
-    pub limits: Vec<(Duration, Duration)>,
+impl Composite {
+    /// Returns true if the part at this place is in a pair.
+    pub fn is_paired(&self, number: usize) -> bool {
+        self.pairs.iter().any(|pair| pair.first == number || pair.second == number)
+    }
 }
 
 /// A value test, prepared to be cheap for each sample.

@@ -79,6 +79,8 @@ pub struct AbsentPart {
     pub broken: Option<Time>,
     /// For each part of an `:and` whose combinations are all valid, the span of its final results, stored in place of them.
     pub reached: Vec<Option<(Time, Time)>>,
+    /// For an order of samples and messages, the points that later ones may follow, stored in place of them.
+    pub order: Option<Box<OrderSpan>>,
     /// Evidence that arrived while the part held or was undecided: the windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest reported window.
@@ -89,6 +91,39 @@ pub struct AbsentPart {
     pub found: Vec<Satisfaction>,
     /// Next instant at which time alone can decide.
     pub decides_at: Option<Time>,
+}
+
+/// Progress of an absent order of samples and messages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrderSpan {
+    /// For each point the least and the greatest time from the preceding one, according to constraints.
+    pub limits: Vec<(Duration, Duration)>,
+    /// For each point of the order, in order.
+    pub steps: Vec<SpanStep>,
+    /// The time that complete chains cover, as far as windows before it may still be withdrawn.
+    pub covered: VecDeque<CoveredSpan>,
+    /// True once a chain was found.
+    pub found: bool,
+}
+
+/// Time without a window between the chains that cover it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoveredSpan {
+    /// The start of the first chain and the end of the last one.
+    pub interval: (Time, Time),
+    /// The instant at which the window before it was judged.
+    pub noted_at: Time,
+}
+
+/// Samples or messages of one part of an order that no later arrival can replace.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpanStep {
+    /// Points of which it is not known yet whether a chain ends in them, in order of time.
+    pub pending: VecDeque<Time>,
+    /// Points in which chains end, in order of time, and the earliest start of these chains.
+    pub ends: VecDeque<(Time, Time)>,
+    /// True once the part had a result.
+    pub held: bool,
 }
 
 /// State of `(:function EXPR)`.
