@@ -254,7 +254,7 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
         "observed" => format!("{id} was observed at {since}."),
         "observing" => format!("{id} is being observed at {at}, since {since}."),
         "skipped" => format!("{id} has not been visited by {at}: it was left out at {since}{detail}."),
-        _ => format!("{id} has not been visited by {at}: it is {state}{detail}."),
+        _ => format!("{id} has not been visited by {at}: at {since} it was {state}{detail}."),
     }
 }
 
