@@ -70,6 +70,8 @@ pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
 
 /// Name of the requirement to stay above the ground, in reports of its violation.
 pub(super) const GROUND: &str = "ground";
+/// Name of the requirement to stay inside of the permitted zones.
+pub(super) const PERMITTED: &str = "permitted area";
 /// Width of a turn, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that paths keep: fixed wing, rotorcraft. The first is 1,000 feet, the minimum height over open country
