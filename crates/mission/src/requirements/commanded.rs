@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 /// Order of a flight command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum FlightOrder {
-    /// Climb from the ground.
-    TakeOff,
+    /// Climb from the ground; the point is the centre of the circle of the climb, once it is known.
+    TakeOff(Vec<Position>),
     /// Over these points; the last one is the goal.
     FlyBy(Vec<Position>),
     /// To the first point of a line and along it, over the points before it.
@@ -44,6 +44,8 @@ pub(super) struct Commanded {
     leg_from: Option<Position>,
     /// Instant, in seconds of mission time, until which the vehicle circles or hovers before it leaves.
     hold_until_s: Option<f64>,
+    /// Centre of the circle on which a fixed wing waits before it leaves or without a command; `None` until the next position.
+    circle: Option<Position>,
     /// Airspeed that was commanded last.
     pub(super) true_airspeed_mps: Option<f64>,
     /// Number of changes of the order: a change is evaluated at once.
@@ -78,6 +80,7 @@ impl Commanded {
     /// Drops the points of the path that are passed: those behind the end of their leg, and those closely behind the vehicle at the
     /// beginning of the command; only these depend on the track, so `track_deg` is called for them alone.
     pub(super) fn pass(&mut self, here: Position, track_deg: impl Fn() -> f64) {
+        self.circle.get_or_insert(here);
         let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
         let track = || {
             let track_rad = track_deg().to_radians();
@@ -99,9 +102,23 @@ impl Commanded {
         }
     }
 
+    /// Notes the place at which a fixed wing that takes off begins to turn.
+    pub(super) fn begin_turns(&mut self, here: Position) {
+        if let Some(FlightOrder::TakeOff(centre)) = &mut self.order
+            && centre.is_empty()
+        {
+            centre.push(here);
+        }
+    }
+
+    /// Returns the centre of the circle of a vehicle that waits or has no command.
+    pub(super) fn circle(&self) -> Option<Position> {
+        self.circle
+    }
+
     fn end(&mut self, command: CommandId) {
         if self.command == Some(command) {
-            (self.order, self.command) = (None, None);
+            (self.order, self.command, self.circle) = (None, None, None);
             self.changes = self.changes.wrapping_add(1);
         }
     }
@@ -120,16 +137,23 @@ impl Commanded {
     ) {
         let Some([Value::Symbol(name), items @ ..]) = form.as_list() else { return };
         let places = items.iter().take_while(|item| !is_keyword(item));
-        let ends: Vec<(Position, f64)> = places.filter_map(place).collect();
+        let ends: Vec<(Position, f64)> = places.filter_map(&place).collect();
         let (mut points, via_altitude_m) = via(items);
         let via_count = points.len();
         points.extend(ends.iter().map(|(position, _)| *position));
         let order = match name.folded() {
-            "take-off" => FlightOrder::TakeOff,
+            "take-off" => {
+                FlightOrder::TakeOff(keyword(items, ":centre").and_then(&place).map(|at| at.0).into_iter().collect())
+            }
             "fly-to" => FlightOrder::FlyBy(points),
             // After a join the vehicle continues along the line.
             "fly-line" | "join-line" => FlightOrder::Line(points),
-            "loiter" => FlightOrder::Circle(points),
+            "loiter" => {
+                if let Some(((centre, _), last)) = keyword(items, ":centre").and_then(&place).zip(points.last_mut()) {
+                    *last = centre;
+                }
+                FlightOrder::Circle(points)
+            }
             "hover" => FlightOrder::Stay(points),
             "land" => FlightOrder::Land(points),
             "set-altitude" => {
@@ -154,6 +178,7 @@ impl Commanded {
         (self.via, self.leg_from) = ((via_count, via_altitude_m), None);
         let hold_s = keyword(items, ":hold").and_then(|value| number(value, Dimension::TIME));
         self.hold_until_s = hold_s.map(|hold_s| now_s + hold_s);
+        self.circle = keyword(items, ":hold-around").and_then(&place).map(|at| at.0);
         self.changes = self.changes.wrapping_add(1);
     }
 }
@@ -169,7 +194,7 @@ impl FlightOrder {
     /// Returns the points ahead.
     fn points_mut(&mut self) -> Option<&mut Vec<Position>> {
         match self {
-            FlightOrder::TakeOff => None,
+            FlightOrder::TakeOff(_) => None,
             FlightOrder::FlyBy(points)
             | FlightOrder::Line(points)
             | FlightOrder::Circle(points)
@@ -422,5 +447,34 @@ mod tests {
         assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint leaves the order");
         commanded.hear(&EventKind::CommandAcknowledged(CommandId(2), Ok(Value::nil())));
         assert_eq!(commanded.order, None);
+        commanded.take(0.0, &command(4, "(loiter (34 -118 8000) :centre (34.5 -118 8000))"), place);
+        assert_eq!(commanded.order, Some(FlightOrder::Circle(vec![Position::new(34.5, -118.0)])));
+    }
+
+    #[test]
+    fn circles_have_their_centres() {
+        let mut commanded = Commanded::default();
+        let at = |latitude_deg: f64| Position::new(latitude_deg, -118.0);
+        let command = |number: u64, text: &str| Effect::Command {
+            command: CommandId(number),
+            task: apex_model::task::TaskId(1),
+            form: apex_pdl::read_value(text).unwrap(),
+            because: Because::new(Cause::InitialTask, None),
+        };
+        let place = |value: &Value| Location::from_value(value).map(|found| (found.position, found.altitude_m));
+        commanded.take(0.0, &command(1, "(take-off 6000m)"), place);
+        commanded.begin_turns(at(34.1));
+        commanded.begin_turns(at(34.2));
+        assert_eq!(commanded.order, Some(FlightOrder::TakeOff(vec![at(34.1)])), "where the vehicle began to turn");
+        commanded.take(0.0, &command(2, "(take-off 6000m :centre (35 -118 6000))"), place);
+        commanded.begin_turns(at(34.1));
+        assert_eq!(commanded.order, Some(FlightOrder::TakeOff(vec![at(35.0)])));
+        commanded.take(0.0, &command(3, "(fly-to (34 -118 7000) :hold 90s :hold-around (36 -118 7000))"), place);
+        commanded.pass(at(34.0), || 0.0);
+        assert_eq!(commanded.circle(), Some(at(36.0)));
+        commanded.hear(&EventKind::CommandAcknowledged(CommandId(3), Ok(Value::nil())));
+        commanded.pass(at(34.3), || 0.0);
+        commanded.pass(at(34.4), || 0.0);
+        assert_eq!(commanded.circle(), Some(at(34.3)), "where the command ended");
     }
 }

@@ -17,6 +17,7 @@ mod straight;
 mod wait;
 
 pub(crate) use answers::register;
+pub(crate) use circles::STRAIGHT_CLIMB_M;
 pub use limits::Limits;
 pub(crate) use limits::lead_in_s;
 pub(crate) use route::time_error_s;
