@@ -17,6 +17,10 @@ const APPROACH_ROOM_M: f64 = 1_000.0;
 /// the wind counts as this much time.
 const LONG_S: f64 = 600.0;
 const STEP_S: f64 = 60.0;
+/// Share of the way from a circle on which the vehicle still descends.
+const ON_THE_WAY: f64 = 0.8;
+/// Speed of the final approach, as a multiple of the slowest speed.
+const APPROACH_SPEED: f64 = 1.3;
 /// Number of lengths of an extended final approach that are tried.
 const STRETCHES: u32 = 4;
 
@@ -185,16 +189,40 @@ impl Limits {
         strict: &Strictness,
     ) -> Option<Way> {
         let centre = centre?;
-        let down_s = (request.from_altitude_m - request.to_altitude_m).max(0.0) / self.descent_rate_mps;
+        let lengths_m = [self.turn_radius_m_over_ground(), 0.0];
+        lengths_m.into_iter().find_map(|extra_m| self.way_from_circle(request, (centre, field), extra_m, strict))
+    }
+
+    /// Returns the way of a vehicle that descends on the circle around `centre`, so far that it reaches the altitude of the approach on the
+    /// way from there, which joins the extension of the final approach `extra_m` before its beginning.
+    fn way_from_circle(
+        &self,
+        request: &Request,
+        (centre, field): (Position, Position),
+        extra_m: f64,
+        strict: &Strictness,
+    ) -> Option<Way> {
+        let down_m = (request.from_altitude_m - request.to_altitude_m).max(0.0);
+        let down_s = down_m / self.descent_rate_mps;
         // Until the end of the wait the vehicle must have reached the circle.
         let slowest_mps = (self.true_airspeed_mps - self.wind_mps_max()).max(1.0);
         let reach_s = (geodesy::distance_m(request.from, centre) + self.circle_radius_m()) / slowest_mps;
-        let after = Request { from: centre, from_track_rad: None, at_s: request.at_s + down_s, ..*request };
-        let lengths_m = [self.turn_radius_m_over_ground(), 0.0];
-        let mut ways = lengths_m.iter().filter_map(|extra_m| self.way_onto_extension(&after, field, *extra_m, strict));
-        let way = ways.next()?;
-        let hold_s = (down_s - way.time_s).max(reach_s) + way.hold_s;
-        Some(Way { hold_s, hold_around: Some(centre), ..way })
+        // As plans count a landing, the approach is a part of the descent; but the vehicle cannot descend faster than it is able to.
+        let extra_s = extra_m / (self.true_airspeed_mps + self.wind_mps_max());
+        let approach_s = self.final_approach_m / (APPROACH_SPEED * self.indicated_airspeed_mps_min).max(1.0);
+        let least_s = reach_s.max(down_m / self.descent_rate_mps_max);
+        // The way of a vehicle that is still `left_m` above the approach when it leaves the circle after a time.
+        let leave = |left_m: f64| {
+            let after_s = (down_s - left_m / self.descent_rate_mps - extra_s - approach_s).max(least_s);
+            let from_altitude_m = request.to_altitude_m + left_m;
+            let at_s = request.at_s + after_s;
+            let from = Request { from: centre, from_altitude_m, from_track_rad: None, at_s, ..*request };
+            let way = self.way_onto_extension(&from, field, extra_m, strict)?;
+            Some(Way { hold_s: after_s + way.hold_s, hold_around: Some(centre), ..way })
+        };
+        let level = leave(0.0)?;
+        let left_m = (ON_THE_WAY * (level.time_s - extra_s) * self.descent_rate_mps).min(down_m);
+        Some(leave(left_m).filter(|way| way.hold_s < level.hold_s).unwrap_or(level))
     }
 
     /// Returns the way to the final approach that joins its extension so far out that the vehicle descends on it, without circles.
@@ -279,4 +307,70 @@ pub(super) fn on_line(from: Position, to: Position, along_m: f64) -> (Position, 
         geodesy::azimuth_deg(there, from)
     };
     (there, course_deg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mission;
+    use apex_model::problem::{AirspaceZone, TimeWindow, ZoneKind};
+
+    const FIELD: Position = Position { latitude_deg: 40.0, longitude_deg: -120.0 };
+    const HIGH_M: f64 = 10_000.0;
+
+    /// Returns the landing of a Predator B that flies north over the field, with a square zone of 40 km whose northern edge is `south_m` away.
+    fn landing(south_m: f64) -> (Landing, f64) {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+        let mut limits = Limits::of(&Mission::load(&folder).unwrap());
+        let corner = |east_m: f64, south_m: f64| {
+            let there = geodesy::destination(FIELD, 180.0, south_m);
+            geodesy::destination(there, 90.0, east_m)
+        };
+        let far_m = south_m + 40_000.0;
+        limits.zones = vec![AirspaceZone {
+            name: "south".to_string(),
+            kind: ZoneKind::Restricted,
+            corners: vec![
+                corner(-20_000.0, south_m),
+                corner(20_000.0, south_m),
+                corner(20_000.0, far_m),
+                corner(-20_000.0, far_m),
+            ],
+            altitude_m_min: 0.0,
+            altitude_m_max: 20_000.0,
+            active: TimeWindow::ALWAYS,
+        }];
+        limits.wind.layers.clear();
+        limits.patches.clear();
+        (limits.terrain, limits.landing_distance_m_max, limits.margin_m) = (None, None, 0.0);
+        let request = Request {
+            from: FIELD,
+            from_altitude_m: HIGH_M,
+            from_track_rad: Some(0.0),
+            at_s: 3_600.0,
+            to: FIELD,
+            to_altitude_m: 0.0,
+            to_track_rad: None,
+            circle_radius_m: 0.0,
+            stay_s: 0.0,
+        };
+        (limits.landing(&request), (HIGH_M - limits.final_approach_height_m) / limits.descent_rate_mps)
+    }
+
+    #[test]
+    fn a_zone_next_to_the_circle_of_a_descent_closes_no_approach() {
+        for south_m in [4_000.0, 6_000.0, 8_000.0] {
+            let (found, down_s) = landing(south_m);
+            let way = found.way.unwrap();
+            assert_eq!(way.broken, None, "{south_m} m");
+            assert!(way.hold_around.is_some() && way.hold_s <= down_s, "{south_m} m: {} of {down_s} s", way.hold_s);
+            assert!(way.hold_s + way.time_s >= 0.6 * down_s, "{south_m} m: the aircraft has time to descend");
+        }
+    }
+
+    #[test]
+    fn approaches_are_closed_where_a_zone_covers_the_field() {
+        let broken = landing(-10_000.0).0.way.unwrap().broken.unwrap();
+        assert_eq!((broken.name.as_str(), broken.why.as_str()), ("south", "every final approach is closed"));
+    }
 }

@@ -47,6 +47,8 @@ pub struct Limits {
     pub(super) circle_width: f64,
     pub(super) climb_rate_mps: f64,
     pub(super) descent_rate_mps: f64,
+    /// Fastest descent, which plans do not count on.
+    pub(super) descent_rate_mps_max: f64,
     pub(super) altitude_m_max: f64,
     /// Straight flight before lines.
     pub(super) lead_in_s: f64,
@@ -146,6 +148,7 @@ impl Limits {
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
+            descent_rate_mps_max: model.descent_rate_m_s_max,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,
             lead_in_s: lead_in_s(model),
             final_approach_m: model.final_approach_m,
