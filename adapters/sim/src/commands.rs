@@ -35,7 +35,7 @@ const fn command(
 
 /// Every command with its usage.
 const COMMANDS: &[CommandForm] = &[
-    command("take-off", "(take-off ALTITUDE)", (1, 1), &[]),
+    command("take-off", "(take-off ALTITUDE [:centre LOCATION])", (1, 1), &["centre"]),
     command(
         "fly-to",
         "(fly-to LOCATION [:speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
@@ -210,7 +210,7 @@ impl SimulatedWorld {
                 if !self.state.engine_running {
                     return refuse("there is no energy left".to_owned());
                 }
-                (Order::TakeOff { altitude_m }, Some(altitude_m))
+                (Order::TakeOff { altitude_m, centre: arguments.centre_keyword()? }, Some(altitude_m))
             }
             "fly-to" => {
                 let to = arguments.spot(0, "location")?;

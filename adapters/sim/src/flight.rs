@@ -21,6 +21,8 @@ use apex_model::value::Value;
 pub(crate) enum Order {
     TakeOff {
         altitude_m: f64,
+        /// Centre of the circle of the climb; `None`: where the vehicle is when it begins to turn.
+        centre: Option<Position>,
     },
     FlyTo {
         to: Spot,
@@ -356,7 +358,7 @@ impl ActiveOrder {
     /// Returns the answer to the completed order.
     pub(crate) fn done(&self, here: &Situation) -> Progress {
         Progress::Done(match &self.order {
-            Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
+            Order::TakeOff { altitude_m, .. } => Value::measured(*altitude_m, Dimension::LENGTH),
             // The answer equals the location published at this instant, so that a condition can compare the two.
             Order::FlyTo { .. } => location(here.state),
             Order::JoinLine { from, .. } => from.given.clone(),

@@ -15,7 +15,9 @@ impl ActiveOrder {
         }
         let high = here.state.altitude_m >= here.ground_m + STRAIGHT_CLIMB_M;
         let turning = matches!(self.stage, Stage::ClimbOut) && high;
-        let circle = || Stage::Climb(here.circle(here.state.position, here.loiter_radius_m()));
+        let stated = if let Order::TakeOff { centre, .. } = &self.order { *centre } else { None };
+        let centre = stated.unwrap_or(here.state.position);
+        let circle = || Stage::Climb(here.circle(centre, here.loiter_radius_m()));
         self.change(turning.then(circle), here)
     }
 

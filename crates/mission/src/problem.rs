@@ -351,13 +351,14 @@ fn timed(zone: &AirspaceZone, now_s: f64) -> AirspaceZone {
 
 #[cfg(test)]
 mod tests {
+    use super::limits::end_before_margin_s;
     use super::*;
 
     #[test]
     fn the_margin_at_the_end_shrinks_with_the_time_left() {
-        assert_eq!(latest_end_s(86_400.0, 3_600.0, 0.0), 82_800.0);
-        assert_eq!(latest_end_s(86_400.0, 3_600.0, 64_800.0), 84_600.0);
-        assert_eq!(latest_end_s(86_400.0, 3_600.0, 90_000.0), 86_400.0);
+        assert_eq!(end_before_margin_s(86_400.0, 3_600.0, 0.0), 82_800.0);
+        assert_eq!(end_before_margin_s(86_400.0, 3_600.0, 64_800.0), 84_600.0);
+        assert_eq!(end_before_margin_s(86_400.0, 3_600.0, 90_000.0), 86_400.0);
     }
 
     fn zone(kind: ZoneKind, (from_s, until_s): (f64, f64)) -> AirspaceZone {

@@ -26,6 +26,8 @@ mod low_sun;
 mod low_zone;
 #[path = "odd/measured_wind.rs"]
 mod measured_wind;
+#[path = "odd/near_zone.rs"]
+mod near_zone;
 #[path = "odd/partly_shut.rs"]
 mod partly_shut;
 #[path = "odd/still_air.rs"]

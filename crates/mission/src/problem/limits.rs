@@ -13,10 +13,14 @@ pub(crate) fn end_s(mission: &Mission, now_s: f64) -> f64 {
     latest_end_s(mission, now_s).min(base_open_until_s(mission, now_s))
 }
 
-/// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and shrinks with
-/// the remaining time: delays of single legs are assumed to be independent, so their sum grows with the root of the time.
+/// Returns the latest end of the flight for a plan made at `now_s`.
 pub(crate) fn latest_end_s(mission: &Mission, now_s: f64) -> f64 {
-    let (duration_s, margin_s) = (mission.settings.duration.seconds(), mission.settings.end_margin.seconds());
+    end_before_margin_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)
+}
+
+/// Returns the end of a mission less its margin. The margin absorbs delays, and shrinks with the remaining time: delays of single legs are
+/// assumed to be independent, so their sum grows with the root of the time.
+pub(super) fn end_before_margin_s(duration_s: f64, margin_s: f64, now_s: f64) -> f64 {
     let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
     duration_s - margin_s * left.sqrt()
 }

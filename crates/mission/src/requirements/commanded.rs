@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 /// Order of a flight command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum FlightOrder {
-    /// Climb from the ground.
-    TakeOff,
+    /// Climb from the ground; the point is the centre of the circle of the climb, once it is known.
+    TakeOff(Vec<Position>),
     /// Over these points; the last one is the goal.
     FlyBy(Vec<Position>),
     /// To the first point of a line and along it, over the points before it.
@@ -44,6 +44,8 @@ pub(super) struct Commanded {
     leg_from: Option<Position>,
     /// Instant, in seconds of mission time, until which the vehicle circles or hovers before it leaves.
     hold_until_s: Option<f64>,
+    /// Centre of the circle on which a fixed wing waits before it leaves or without a command; `None` until the next position.
+    circle: Option<Position>,
     /// Airspeed that was commanded last.
     pub(super) true_airspeed_mps: Option<f64>,
     /// Number of changes of the order: a change is evaluated at once.
@@ -78,6 +80,7 @@ impl Commanded {
     /// Drops the points of the path that are passed: those behind the end of their leg, and those closely behind the vehicle at the
     /// beginning of the command; only these depend on the track, so `track_deg` is called for them alone.
     pub(super) fn pass(&mut self, here: Position, track_deg: impl Fn() -> f64) {
+        self.circle.get_or_insert(here);
         let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
         let track = || {
             let track_rad = track_deg().to_radians();
@@ -99,9 +102,23 @@ impl Commanded {
         }
     }
 
+    /// Notes the place at which a fixed wing that takes off begins to turn.
+    pub(super) fn begin_turns(&mut self, here: Position) {
+        if let Some(FlightOrder::TakeOff(centre)) = &mut self.order
+            && centre.is_empty()
+        {
+            centre.push(here);
+        }
+    }
+
+    /// Returns the centre of the circle of a vehicle that waits or has no command.
+    pub(super) fn circle(&self) -> Option<Position> {
+        self.circle
+    }
+
     fn end(&mut self, command: CommandId) {
         if self.command == Some(command) {
-            (self.order, self.command) = (None, None);
+            (self.order, self.command, self.circle) = (None, None, None);
             self.changes = self.changes.wrapping_add(1);
         }
     }
@@ -120,16 +137,23 @@ impl Commanded {
     ) {
         let Some([Value::Symbol(name), items @ ..]) = form.as_list() else { return };
         let places = items.iter().take_while(|item| !is_keyword(item));
-        let ends: Vec<(Position, f64)> = places.filter_map(place).collect();
+        let ends: Vec<(Position, f64)> = places.filter_map(&place).collect();
         let (mut points, via_altitude_m) = via(items);
         let via_count = points.len();
         points.extend(ends.iter().map(|(position, _)| *position));
         let order = match name.folded() {
-            "take-off" => FlightOrder::TakeOff,
+            "take-off" => {
+                FlightOrder::TakeOff(keyword(items, ":centre").and_then(&place).map(|at| at.0).into_iter().collect())
+            }
             "fly-to" => FlightOrder::FlyBy(points),
             // After a join the vehicle continues along the line.
             "fly-line" | "join-line" => FlightOrder::Line(points),
-            "loiter" => FlightOrder::Circle(points),
+            "loiter" => {
+                if let Some(((centre, _), last)) = keyword(items, ":centre").and_then(&place).zip(points.last_mut()) {
+                    *last = centre;
+                }
+                FlightOrder::Circle(points)
+            }
             "hover" => FlightOrder::Stay(points),
             "land" => FlightOrder::Land(points),
             "set-altitude" => {
@@ -154,6 +178,7 @@ impl Commanded {
         (self.via, self.leg_from) = ((via_count, via_altitude_m), None);
         let hold_s = keyword(items, ":hold").and_then(|value| number(value, Dimension::TIME));
         self.hold_until_s = hold_s.map(|hold_s| now_s + hold_s);
+        self.circle = keyword(items, ":hold-around").and_then(&place).map(|at| at.0);
         self.changes = self.changes.wrapping_add(1);
     }
 }
@@ -169,7 +194,7 @@ impl FlightOrder {
     /// Returns the points ahead.
     fn points_mut(&mut self) -> Option<&mut Vec<Position>> {
         match self {
-            FlightOrder::TakeOff => None,
+            FlightOrder::TakeOff(_) => None,
             FlightOrder::FlyBy(points)
             | FlightOrder::Line(points)
             | FlightOrder::Circle(points)
@@ -367,60 +392,5 @@ impl ReportedCamera {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use apex_model::because::{Because, Cause};
-
-    #[test]
-    fn points_of_the_way_are_left_behind() {
-        let mut commanded = Commanded::default();
-        let at = |lat: f64, lon: f64| Position::new(lat, lon);
-        let points = vec![at(33.0, -118.0), at(33.0, -117.0), at(34.0, -117.0)];
-        commanded.order = Some(FlightOrder::FlyBy(points.clone()));
-        commanded.via = (2, Some(5000.0));
-        commanded.altitude_m = Some(7000.0);
-        let ahead = |commanded: &Commanded| match &commanded.order {
-            Some(FlightOrder::FlyBy(left)) => left.len(),
-            other => panic!("{other:?}"),
-        };
-        commanded.pass(at(33.0, -119.0), || 90.0);
-        commanded.pass(at(33.01, -118.1), || 90.0);
-        assert_eq!((ahead(&commanded), commanded.altitude_m()), (3, Some(5000.0)), "both points are ahead");
-        commanded.pass(at(33.02, -117.9), || 90.0);
-        assert_eq!(ahead(&commanded), 2, "10 km beyond the first");
-        commanded.pass(at(33.1, -116.99), || 10.0);
-        assert_eq!((ahead(&commanded), commanded.altitude_m()), (1, Some(7000.0)), "the goal stays");
-        commanded.pass(at(34.5, -117.0), || 0.0);
-        assert_eq!(ahead(&commanded), 1);
-        // A point closely behind when the command begins is passed already.
-        commanded.order = Some(FlightOrder::FlyBy(points));
-        (commanded.via, commanded.leg_from) = ((2, None), None);
-        commanded.pass(at(33.0, -117.99), || 90.0);
-        assert_eq!(ahead(&commanded), 2);
-    }
-
-    #[test]
-    fn the_open_command_is_the_route() {
-        let mut commanded = Commanded::default();
-        let command = |number: u64, text: &str| Effect::Command {
-            command: CommandId(number),
-            task: apex_model::task::TaskId(1),
-            form: apex_pdl::read_value(text).unwrap(),
-            because: Because::new(Cause::InitialTask, None),
-        };
-        let place = |value: &Value| Location::from_value(value).map(|found| (found.position, found.altitude_m));
-        commanded.take(0.0, &command(1, "(fly-to (34 -118 7000) :speed 80m/s :via ((33 -117) (33.5 -117.5)))"), place);
-        let by = [(33.0, -117.0), (33.5, -117.5), (34.0, -118.0)].map(|(lat, lon)| Position::new(lat, lon));
-        assert_eq!(commanded.order, Some(FlightOrder::FlyBy(by.to_vec())));
-        assert_eq!((commanded.altitude_m(), commanded.true_airspeed_mps), (Some(7000.0), Some(80.0)));
-        commanded.hear(&EventKind::CommandAcknowledged(CommandId(7), Ok(Value::nil())));
-        assert!(commanded.order.is_some(), "another command's answer");
-        commanded.take(0.0, &command(2, "(land (34 -118))"), place);
-        commanded.hear(&EventKind::CommandAcknowledged(CommandId(1), Err("superseded".into())));
-        assert_eq!(commanded.order, Some(FlightOrder::Land(vec![Position::new(34.0, -118.0)])));
-        commanded.take(0.0, &command(3, "(set-altitude 8000m)"), place);
-        assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint leaves the order");
-        commanded.hear(&EventKind::CommandAcknowledged(CommandId(2), Ok(Value::nil())));
-        assert_eq!(commanded.order, None);
-    }
-}
+#[path = "commanded_tests.rs"]
+mod tests;

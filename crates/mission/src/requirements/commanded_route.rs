@@ -8,6 +8,16 @@ use apex_requirements::Route;
 /// Shortest distance of a degree of latitude (at the equator).
 const DEGREE_M: f64 = 110_500.0;
 
+/// Circles of the vehicle.
+pub(super) struct Circling {
+    /// Centre of the circle of a vehicle that waits or has no order; `None`: its position.
+    pub(super) centre: Option<Position>,
+    /// Radius over ground; 0 for a vehicle that hovers.
+    pub(super) radius_m: f64,
+    /// Length of the straight flight until a vehicle that takes off begins to turn.
+    pub(super) straight_m: f64,
+}
+
 /// Returns the route of an order. Without an order the vehicle circles or hovers at its position.
 ///
 /// The first leg begins with a turn from the present track. Corners between legs are flown as planned, with curves; they are sharp here.
@@ -15,7 +25,7 @@ pub(super) fn along(
     begin: Route,
     order: Option<&FlightOrder>,
     plane: &Plane,
-    circle_m: f64,
+    circling: &Circling,
     look_ahead_s: f64,
 ) -> Route {
     let points = |positions: &[Position]| -> Vec<Point> {
@@ -25,17 +35,24 @@ pub(super) fn along(
         None => route,
         Some((first, rest)) => rest.iter().fold(route.fly_to(*first), |route, point| route.straight(*point)),
     };
-    let hold = |route: Route, centre: Point| match circle_m > 0.0 {
-        true => route.circle(centre, circle_m),
+    let hold = |route: Route, centre: Point| match circling.radius_m > 0.0 {
+        true => route.circle(centre, circling.radius_m),
         false => route.stop(look_ahead_s),
     };
     match order {
         None => {
-            let (centre, _) = begin.end();
+            let centre = circling.centre.and_then(|centre| plane.project(centre));
+            let centre = centre.unwrap_or(begin.end().0);
             hold(begin, centre)
         }
-        // The vehicle climbs on a circle near the airfield.
-        Some(FlightOrder::TakeOff) => begin.stop(look_ahead_s),
+        // A fixed wing climbs straight ahead at first, then on a circle around the place at which it begins to turn, or another one.
+        Some(FlightOrder::TakeOff(centre)) => {
+            let (from, track) = begin.end();
+            let turns = from.plus(circling.straight_m, track);
+            let centre = centre.first().and_then(|centre| plane.project(*centre));
+            let route = if circling.radius_m > 0.0 { begin.straight(turns) } else { begin };
+            hold(route, centre.unwrap_or(turns))
+        }
         Some(FlightOrder::Line(positions)) => {
             let points = points(positions);
             let left = match points.as_slice() {
@@ -82,4 +99,56 @@ pub(super) fn chart_distance_m(here: Position, corners: &[Position]) -> f64 {
     let poleward_deg = (here.latitude_deg.abs() + north.0.abs().max(north.1.abs())).min(90.0);
     let narrow = libm::cos(poleward_deg.to_radians());
     libm::hypot(outside(north), outside(east) * narrow) * DEGREE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_geo::wind::Wind;
+    use apex_requirements::Motion;
+
+    const HOME: Position = Position { latitude_deg: 37.4, longitude_deg: -121.0 };
+    const RADIUS_M: f64 = 4_000.0;
+    const STRAIGHT_M: f64 = 1_500.0;
+
+    /// Returns the distances of points of the route from a place, east and north of the vehicle, which flies east.
+    fn distances_m(order: Option<&FlightOrder>, centre: Option<Position>, east_m: f64, north_m: f64) -> Vec<f64> {
+        let motion = Motion {
+            true_airspeed_mps: 100.0,
+            wind: Wind::default(),
+            turn_radius_m: 3_000.0,
+            climb_mps: 5.0,
+            descent_mps: 5.0,
+        };
+        let plane = Plane::new(HOME);
+        let begin = Route::begin(Point::default(), Point { x: 1.0, y: 0.0 }, (500.0, 6_000.0), motion);
+        let circling = Circling { centre, radius_m: RADIUS_M, straight_m: STRAIGHT_M };
+        let route = along(begin, order, &plane, &circling, 300.0);
+        let points = (0..route.end_s() as u32).filter_map(|after_s| route.at(f64::from(after_s)));
+        points.map(|state| libm::hypot(state.point.x - east_m, state.point.y - north_m)).collect()
+    }
+
+    fn most_m(distances_m: &[f64]) -> f64 {
+        distances_m.iter().copied().fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_climb_after_take_off_is_a_circle_where_the_vehicle_begins_to_turn() {
+        let around_m = distances_m(Some(&FlightOrder::TakeOff(Vec::new())), None, STRAIGHT_M, 0.0);
+        assert!((most_m(&around_m) - RADIUS_M).abs() < 1.0, "{}", most_m(&around_m));
+        let stated = geodesy::destination(HOME, 90.0, 20_000.0);
+        // On the plane of the vehicle, whose scale differs by 0.2 %.
+        let there = Plane::new(HOME).project(stated).unwrap_or_default();
+        let around_m = distances_m(Some(&FlightOrder::TakeOff(vec![stated])), None, there.x, there.y);
+        let last_m = around_m.last().copied().unwrap_or_default();
+        assert!((last_m - RADIUS_M).abs() < 1.0, "{last_m}");
+    }
+
+    /// The vehicle is on its circle: the prediction stays there, instead of beginning a circle at each reading.
+    #[test]
+    fn a_circle_that_is_flown_is_predicted_around_its_centre() {
+        let centre = geodesy::destination(HOME, 0.0, RADIUS_M);
+        let around_m = distances_m(None, Some(centre), 0.0, RADIUS_M);
+        assert!((most_m(&around_m) - RADIUS_M).abs() < 20.0, "{}", most_m(&around_m));
+    }
 }

@@ -1,11 +1,12 @@
 //! One reading for each requirement: its present margin, and the time until the commanded route violates it.
 
 use super::commanded::{Commanded, FlightOrder, Flown};
-use super::commanded_route::{along, chart_distance_m};
+use super::commanded_route::{Circling, along, chart_distance_m};
 use super::response::Response;
 use super::statement::{LandingReach, Requirements};
 use crate::link::LinkMemory;
 use crate::vehicle::{Airframe, turn_radius_m};
+use crate::ways::STRAIGHT_CLIMB_M;
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{Plane, Point};
@@ -110,8 +111,12 @@ impl<'a> Scene<'a> {
         let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
         let altitude_m = (flown.altitude_m, commanded.altitude_m().unwrap_or(flown.altitude_m));
         let begin = Route::begin(Point::default(), track, altitude_m, motion);
-        let circle_m = model.turns.circle_width * motion.turn_radius_m;
-        let route = along(begin, commanded.order_at(now_s), &plane, circle_m, mission.requirements.look_ahead_s);
+        let circling = Circling {
+            centre: commanded.circle(),
+            radius_m: model.turns.circle_width * motion.turn_radius_m * wider(&motion, flown.wind_mps),
+            straight_m: straight_climb_m(&motion, flown),
+        };
+        let route = along(begin, commanded.order_at(now_s), &plane, &circling, mission.requirements.look_ahead_s);
         let way_from_here = OnceCell::new();
         let order = commanded.order.as_ref();
         Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, order, way_from_here })
@@ -407,6 +412,19 @@ impl<'a> Scene<'a> {
             response,
         }
     }
+}
+
+/// Returns the radius over ground of a circle in the wind, forecast or measured, as a multiple of that in still air.
+fn wider(motion: &Motion, measured_mps: Option<f64>) -> f64 {
+    let forecast_mps = libm::hypot(motion.wind.east_mps, motion.wind.north_mps);
+    let share = 1.0 + forecast_mps.max(measured_mps.unwrap_or(0.0)) / motion.true_airspeed_mps;
+    share * share
+}
+
+/// Returns the length of the straight flight until a vehicle that takes off begins to turn.
+fn straight_climb_m(motion: &Motion, flown: &Flown) -> f64 {
+    let left_m = STRAIGHT_CLIMB_M - flown.height_above_ground_m.unwrap_or(STRAIGHT_CLIMB_M);
+    left_m.max(0.0) / motion.climb_mps.max(1.0) * flown.ground_speed_mps.unwrap_or(motion.true_airspeed_mps)
 }
 
 /// Speed of the best glide as a share of cruise speed.

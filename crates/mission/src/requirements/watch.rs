@@ -10,6 +10,7 @@ use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use crate::Mission;
 use crate::link::LinkMemory;
+use crate::ways::STRAIGHT_CLIMB_M;
 use crate::wind_error::WindError;
 use apex_geo::wind;
 use apex_model::effect::Effect;
@@ -124,6 +125,9 @@ impl Watch {
         if let Some(here) = self.flown.position.filter(|_| moved) {
             let flown = &self.flown;
             self.commanded.pass(here, || flown.track_deg());
+            if flown.height_above_ground_m.is_some_and(|height_m| height_m >= STRAIGHT_CLIMB_M) {
+                self.commanded.begin_turns(here);
+            }
             if let Some(measured) = flown.wind().filter(|_| !flown.is_on_ground) {
                 let expected = wind::at(forecast, here, flown.altitude_m, now_s);
                 self.flown.wind_error.take(measured, expected, now_s);

@@ -18,11 +18,12 @@ use std::sync::Arc;
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
 /// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
-const FUNCTIONS: [(&str, usize, usize, Body); 10] = [
+const FUNCTIONS: [(&str, usize, usize, Body); 11] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
     ("way-to-landing", 4, 4, to_landing),
+    ("way-to-climb", 4, 4, to_climb),
     ("way-to-segment", 6, 6, to_segment),
     ("time-before-line", 6, 6, before_line),
     ("time-on-circle", 7, 7, on_circle),
@@ -325,6 +326,20 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Ok((to, _)) = spot(limits, place) else { return Ok(Value::nil()) };
     let landing = limits.landing(&Request { to, to_altitude_m: limits.elevation_m_at(to), ..request });
     Ok(answer(landing.way, landing.course_deg))
+}
+
+/// Evaluates `(way-to-climb HERE HEADING MET ALTITUDE)` for a vehicle that is about to take off: `:centre` of the circle on which it climbs,
+/// or nil for a circle where it begins to turn.
+fn to_climb(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let [.., altitude] = arguments else { return Ok(Value::nil()) };
+    let Some(altitude_m) = length(altitude)? else { return Ok(Value::nil()) };
+    Ok(match limits.climb_circle(&Request { to_altitude_m: altitude_m, ..request }) {
+        Ok(centre) => centre.map_or_else(Value::nil, |centre| {
+            Value::list([Value::list([Value::symbol(":centre"), shown(centre, altitude_m)])])
+        }),
+        Err(Broken { name, why }) => Value::list([Value::nil(), Value::text(&name), Value::text(&why)]),
+    })
 }
 
 /// Evaluates `(way-to-segment HERE TRACK MET FROM TO END)`: returns `(A B OPTIONS)`, the ends of the segment in the order in which it is

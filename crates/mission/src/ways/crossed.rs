@@ -1,6 +1,6 @@
 //! Violations of a path: every zone that it violates, so that an operator is warned of each before the flight.
 
-use super::limits::Limits;
+use super::limits::{Limits, PERMITTED};
 use super::straight::{LATE_S, LATE_SHARE};
 use super::{Request, Way};
 use apex_geo::geodesy;
@@ -48,7 +48,7 @@ impl Limits {
             })
         };
         if !permitted.is_empty() && samples.iter().any(is_left) {
-            names.push("permitted area".to_string());
+            names.push(PERMITTED.to_string());
         }
         names
     }

@@ -4,7 +4,7 @@
 //! given precedence over airspace. Of airspace, the violation with the least time is chosen: a forbidden start or destination is left or
 //! reached by the shortest leg; zones that enclose everything are crossed one by one.
 
-use super::limits::{GROUND, Limits, TURN_WIDTH};
+use super::limits::{GROUND, Limits, PERMITTED, TURN_WIDTH};
 use super::route::{MARGIN_SHARES, Strictness};
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
@@ -60,7 +60,7 @@ impl Limits {
     }
 
     /// Returns a path with turns, ignoring links.
-    fn required_way(&self, request: &Request) -> Way {
+    pub(super) fn required_way(&self, request: &Request) -> Way {
         let mut first = None;
         for margins in MARGIN_SHARES {
             match self.way(request, &Strictness::all(margins)) {
@@ -248,7 +248,7 @@ impl Limits {
         match reason {
             TravelError::Inside(name) | TravelError::Crosses(name) | TravelError::LegCrosses(name) => name.clone(),
             TravelError::Outside | TravelError::LeavesPermitted | TravelError::LegLeavesPermitted => {
-                "permitted area".to_string()
+                PERMITTED.to_string()
             }
             TravelError::NoLandingPlace(_) | TravelError::LeavesReach(_) => "landing distance".to_string(),
             TravelError::TooFar | TravelError::NoRoomToTurn | TravelError::Shut => "airspace".to_string(),

@@ -47,6 +47,8 @@ pub struct Limits {
     pub(super) circle_width: f64,
     pub(super) climb_rate_mps: f64,
     pub(super) descent_rate_mps: f64,
+    /// Fastest descent, which plans do not count on.
+    pub(super) descent_rate_mps_max: f64,
     pub(super) altitude_m_max: f64,
     /// Straight flight before lines.
     pub(super) lead_in_s: f64,
@@ -70,6 +72,8 @@ pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
 
 /// Name of the requirement to stay above the ground, in reports of its violation.
 pub(super) const GROUND: &str = "ground";
+/// Name of the requirement to stay inside of the permitted zones.
+pub(super) const PERMITTED: &str = "permitted area";
 /// Width of a turn, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that paths keep: fixed wing, rotorcraft. The first is 1,000 feet, the minimum height over open country
@@ -144,6 +148,7 @@ impl Limits {
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
+            descent_rate_mps_max: model.descent_rate_m_s_max,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,
             lead_in_s: lead_in_s(model),
             final_approach_m: model.final_approach_m,

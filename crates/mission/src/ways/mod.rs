@@ -6,6 +6,7 @@
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
 
 mod answers;
+mod circles;
 mod crossed;
 mod landing;
 mod least;
@@ -16,6 +17,7 @@ mod straight;
 mod wait;
 
 pub(crate) use answers::register;
+pub(crate) use circles::STRAIGHT_CLIMB_M;
 pub use limits::Limits;
 pub(crate) use limits::lead_in_s;
 pub(crate) use route::time_error_s;

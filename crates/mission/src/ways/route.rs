@@ -35,7 +35,7 @@ const CHORD_DEG: f64 = 15.0;
 /// Room for a circle that begins in its middle, as a multiple of its radius.
 pub(super) const CIRCLE_ROOM: f64 = 2.2;
 /// Duration in seconds below which a wait is ignored: a circle would take longer.
-const HOLD_S_MIN: f64 = 5.0;
+pub(super) const HOLD_S_MIN: f64 = 5.0;
 /// Zones count from this many seconds before their active time until as many seconds after it.
 const EARLY_S: f64 = 120.0;
 

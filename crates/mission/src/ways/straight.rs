@@ -1,7 +1,7 @@
 //! Check of the straight path, with space for the turns at its ends.
 
 use super::Request;
-use super::limits::{GROUND, Limits, TURN_WIDTH};
+use super::limits::{GROUND, Limits, PERMITTED, TURN_WIDTH};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
@@ -38,7 +38,7 @@ impl Limits {
         }
         let rim_m = margins * self.rim_m + room_m;
         if self.must_stay() && !self.zones.iter().any(|zone| leg.keeps_in(zone, rim_m)) {
-            return Some("permitted area".to_string());
+            return Some(PERMITTED.to_string());
         }
         if !self.leg_is_within_reach(from, to, rim_m) {
             return Some("landing distance".to_string());

@@ -53,7 +53,7 @@ pub struct SingleVisitProblem {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedLimit {
-    /// What the limit leaves or allows, for example `the battery`.
+    /// Noun for what the limit leaves or allows, for example `the battery`.
     pub name: String,
     /// Cause of the limit, for example `it has 40 min above its reserve of 11 min and its landing`.
     pub cause: String,
