@@ -24,6 +24,8 @@ mod low_sun;
 mod low_zone;
 #[path = "odd/measured_wind.rs"]
 mod measured_wind;
+#[path = "odd/over_hills.rs"]
+mod over_hills;
 #[path = "odd/partly_shut.rs"]
 mod partly_shut;
 #[path = "odd/still_air.rs"]
