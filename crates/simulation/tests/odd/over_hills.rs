@@ -159,3 +159,25 @@ fn a_flight_that_ends_in_the_ground_is_found() {
     assert!(check.findings.iter().any(|finding| finding.violation == Violation::Crashed), "{check}");
     assert!(check.violations() > 0, "{check}");
 }
+
+/// Beyond its field the aircraft followed the ground that falls away, some metres above it, for 20 km.
+#[test]
+fn a_fixed_wing_lands_on_its_field_on_a_slope() {
+    let relief = Relief { slope: 0.025, ..FLAT };
+    let program = relief.program("predator-b").replace(":terrain", ":forecast \"w.csv\" :terrain");
+    let head = program.split("(solver").next().unwrap();
+    let there_and_back = format!(
+        "{head}(procedure :sequential (index (fly the mission)) (step up (take off to 2500m)) (step go (fly to (46.15 8.0)))\n\
+         (step home (return to home at 2500m)))"
+    );
+    let home = feature(r#""id": "home", "kind": "base""#, &point(HOME.1, HOME.0));
+    // It lands to the south, down the slope.
+    let wind = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,20000,180,3\n";
+    let ground = relief.grid(0.5);
+    let flown = fly(&there_and_back, &[("t.geojson", &collection(&[home])), ("ground.asc", &ground), ("w.csv", wind)]);
+    assert!(!flown.said("landed").is_empty(), "{}", flown.text());
+    let (_, latitude, longitude, _) = *flown.track().last().unwrap();
+    let (north_deg, east_deg) = (latitude - HOME.0, (longitude - HOME.1) * HOME.0.to_radians().cos());
+    let off_m = METRES_PER_DEGREE * north_deg.hypot(east_deg);
+    assert!(off_m < 4_000.0, "the aircraft stands {off_m:.0} m from the base");
+}
