@@ -260,7 +260,7 @@ impl SimulatedWorld {
                 let field_m = self.ground.elevation_m_at(at.position);
                 let fixed = self.model.airframe == Airframe::FixedWing;
                 let course_rad = arguments.course_keyword()?;
-                (Order::Land { at, course_rad }, fixed.then_some(field_m + self.model.final_approach_height_m))
+                (Order::Land { at, course_rad, field_m }, fixed.then_some(field_m + self.model.final_approach_height_m))
             }
         })
     }

@@ -50,6 +50,8 @@ pub(crate) enum Order {
         at: Spot,
         /// Course of the final approach; `None`: into the wind.
         course_rad: Option<f64>,
+        /// Elevation of the ground there.
+        field_m: f64,
     },
     /// Follows a path of points; boxed because it is larger than the other variants.
     FollowPath(Box<FollowedPath>),
@@ -193,7 +195,7 @@ impl ActiveOrder {
             }
             Order::Loiter { around, radius_m, .. } => Stage::Circle(here.circle(around.position, radius_m)),
             Order::Hover { at, .. } => Stage::Hover(at.map_or_else(|| here.stopping_place(), |at| at.position)),
-            Order::Land { at, course_rad } if here.fixed() => {
+            Order::Land { at, course_rad, .. } if here.fixed() => {
                 let line = final_approach(&at, course_rad, here);
                 self.line = Some(line.clone());
                 if self.is_lined_up(&line, here) { Stage::LeadIn } else { self.join_stage(&line, here) }
@@ -248,10 +250,7 @@ impl ActiveOrder {
                 (path.altitude_m(here).unwrap_or(here.altitude_m), airspeed)
             }
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
-            Stage::LeadIn | Stage::OnLine if landing => {
-                let slope = here.model.final_approach_height_m / here.model.final_approach_m;
-                (here.ground_m + slope * self.to_go_m.max(0.0) - 2.0, slow(1.3))
-            }
+            Stage::LeadIn | Stage::OnLine if landing => (self.glide_path_m(here), slow(1.3)),
             Stage::Turn(_) if landing => (here.altitude_m, slow(1.3)),
             Stage::Glide(glide) => (glide.altitude_m(here), here.true_airspeed),
             _ => (here.altitude_m, here.true_airspeed),

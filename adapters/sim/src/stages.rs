@@ -6,8 +6,21 @@ use crate::situation::Situation;
 
 /// Height of the straight climb after take-off, before the first turn.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
+/// Distance beyond the field within which the vehicle touches down on level ground.
+const OVERRUN_M: f64 = 1_000.0;
 
 impl ActiveOrder {
+    /// Returns the altitude of the final approach at the vehicle: on the glide path to the field, and beyond the field that of the ground.
+    /// Farther on it sinks below the ground, because a vehicle that lags behind its altitude never reaches ground that falls away.
+    pub(crate) fn glide_path_m(&self, here: &Situation) -> f64 {
+        let slope = here.model.final_approach_height_m / here.model.final_approach_m;
+        let end_m = match self.order {
+            Order::Land { field_m, .. } if self.to_go_m > 0.0 => field_m,
+            _ => here.ground_m,
+        };
+        end_m + slope * (self.to_go_m.max(0.0) + (self.to_go_m + OVERRUN_M).min(0.0)) - 2.0
+    }
+
     /// Climbs out, straight ahead and then on a circle.
     pub(crate) fn climb(&mut self, here: &Situation) -> Progress {
         if (here.altitude_m - here.state.altitude_m).abs() <= 10.0_f64.min(0.2 * here.altitude_m.abs().max(5.0)) {

@@ -261,8 +261,6 @@ impl SimulatedWorld {
     fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         self.wind = self.wind_that_blows();
         self.navigate(dt);
-        let position = self.position();
-        self.ground_m = self.ground.elevation_m_below(position);
         let ground_roll = self.flight.ground_roll().filter(|_| self.state.on_ground);
         if let Some(speed) = ground_roll {
             let speed = if speed.is_finite() { speed } else { self.model.true_airspeed_m_s_max };
@@ -273,6 +271,8 @@ impl SimulatedWorld {
         } else if !self.crashed {
             self.fly_in_air(dt, inputs);
         }
+        let position = self.position();
+        self.ground_m = self.ground.elevation_m_below(position);
         self.burn(dt, inputs);
         self.meet_ground(inputs);
         self.move_cameras(dt, inputs);

@@ -312,7 +312,7 @@ impl Mission {
     }
 
     /// Returns the space for turns around a place.
-    fn ground_room_m(&self) -> f64 {
+    pub(crate) fn ground_room_m(&self) -> f64 {
         ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
     }
 

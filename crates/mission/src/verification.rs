@@ -30,6 +30,8 @@ const SMALL_AIRCRAFT_KG: f64 = 25.0;
 /// Phases of flight in which the ground may be near.
 const NEAR_GROUND: [&str; 8] =
     ["parked", "taking-off", "climbing", "approaching", "landing", "hovering", "gliding", "crashed"];
+/// The phase after a crash.
+const CRASHED: &str = "crashed";
 /// Climb rate above which the vehicle is leaving the ground, as after a landing that was interrupted.
 const CLIMB_M_S: f64 = 0.5;
 /// Time after a phase near the ground during which the height over ground is not checked.
@@ -47,6 +49,8 @@ pub enum Violation {
     OutsidePermitted,
     /// Too near to the ground, without take-off, landing or climb.
     NearGround,
+    /// The flight ended in the ground.
+    Crashed,
     /// Farther from every landing place than the mission allows.
     BeyondLandingDistance,
 }
@@ -57,7 +61,7 @@ impl Violation {
         match self {
             Violation::Inside(zone) => zone,
             Violation::OutsidePermitted => "permitted area",
-            Violation::NearGround => "ground",
+            Violation::NearGround | Violation::Crashed => "ground",
             Violation::BeyondLandingDistance => "landing distance",
         }
     }
@@ -89,6 +93,7 @@ pub struct FlightCheck {
     /// Last instant at which a small height was permitted.
     near_ground_until: Time,
     is_airborne: bool,
+    is_crashed: bool,
     is_flying_agent: bool,
     result: CheckResult,
 }
@@ -102,7 +107,7 @@ pub struct CheckResult {
     pub inside_zones: u64,
     /// Number of these positions outside of the permitted area.
     pub outside_permitted: u64,
-    /// Number of these positions too near to the ground, without take-off, landing and climbs.
+    /// Number of these positions too near to the ground, without take-off, landing and climbs; a crash counts as one.
     pub near_ground: u64,
     /// Number of these positions beyond the required landing distance.
     pub beyond_landing_distance: u64,
@@ -146,6 +151,7 @@ impl FlightCheck {
             is_climbing: false,
             near_ground_until: Time::ZERO,
             is_airborne: false,
+            is_crashed: false,
             is_flying_agent: true,
             result: CheckResult::default(),
         }
@@ -192,9 +198,22 @@ impl FlightCheck {
                 }
             }
         }
-        if let Some((at, location)) = truth.or(here).filter(|_| self.is_airborne) {
-            self.look(at, location);
+        if let Some((at, location)) = truth.or(here) {
+            self.find_crash(at, location);
+            if self.is_airborne {
+                self.look(at, location);
+            }
         }
+    }
+
+    /// Finds the end of the flight in the ground, which is reported with the vehicle on the ground.
+    fn find_crash(&mut self, at: Time, here: Location) {
+        if self.phase != CRASHED || std::mem::replace(&mut self.is_crashed, true) {
+            return;
+        }
+        self.result.positions += u64::from(!self.is_airborne);
+        self.result.near_ground += 1;
+        self.keep(at.seconds(), here, vec![Violation::Crashed]);
     }
 
     fn look(&mut self, at: Time, here: Location) {
@@ -226,6 +245,10 @@ impl FlightCheck {
             self.result.beyond_landing_distance += 1;
             found.push(Violation::BeyondLandingDistance);
         }
+        self.keep(t_s, here, found);
+    }
+
+    fn keep(&mut self, t_s: f64, here: Location, found: Vec<Violation>) {
         let room = FINDINGS_KEPT.saturating_sub(self.result.findings.len());
         let finding = |violation| Finding { t_s, position: here.position, altitude_m: here.altitude_m, violation };
         self.result.findings.extend(found.into_iter().take(room).map(finding));
@@ -270,7 +293,7 @@ impl fmt::Display for CheckResult {
         writeln!(f, "{} positions in the air:", self.positions)?;
         writeln!(f, "  {:6} inside an active restricted zone", self.inside_zones)?;
         writeln!(f, "  {:6} outside of the permitted area", self.outside_permitted)?;
-        writeln!(f, "  {:6} under way below the height over ground", self.near_ground)?;
+        writeln!(f, "  {:6} under way below the height over ground, or crashed", self.near_ground)?;
         write!(f, "  {:6} beyond the landing distance", self.beyond_landing_distance)?;
         for finding in self.findings.iter().take(20) {
             let Position { latitude_deg, longitude_deg } = finding.position;

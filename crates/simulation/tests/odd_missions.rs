@@ -28,6 +28,8 @@ mod low_zone;
 mod measured_wind;
 #[path = "odd/near_zone.rs"]
 mod near_zone;
+#[path = "odd/over_hills.rs"]
+mod over_hills;
 #[path = "odd/partly_shut.rs"]
 mod partly_shut;
 #[path = "odd/still_air.rs"]

@@ -27,6 +27,8 @@ pub enum TravelError {
     NoRoomToTurn,
     /// The path is closed at every time at which it could still be flown.
     Shut,
+    /// The ground under the path needs at least this altitude in metres above mean sea level.
+    Ground(f64),
 }
 
 impl fmt::Display for TravelError {
@@ -54,6 +56,9 @@ impl fmt::Display for TravelError {
                 f.write_str("restricted areas leave too little space for turns of the vehicle")
             }
             TravelError::Shut => f.write_str("restricted areas or the wind leave no possible departure time"),
+            TravelError::Ground(needs_m) => {
+                write!(f, "the terrain under the way needs an altitude of {needs_m:.0} m or more")
+            }
         }
     }
 }

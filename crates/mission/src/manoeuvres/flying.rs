@@ -122,7 +122,7 @@ fn join(
 }
 
 /// Returns the length of a fixed wing's lead-in. Flown paths end at its beginning too, so that plan and flight agree.
-fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
+pub(super) fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
     lead_in_s(model) * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
 }
 

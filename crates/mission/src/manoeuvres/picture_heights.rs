@@ -7,7 +7,7 @@ use apex_observation::manoeuvres::rounded_up;
 use apex_observation::sensor::CameraSetting;
 
 /// Altitude error of a vehicle in metres, in addition to the distance to keep from ground and zones.
-const LEVEL_M: f64 = 3.0;
+pub(super) const LEVEL_M: f64 = 3.0;
 /// Relative difference below which two heights count as equal.
 const APART_SHARE: f64 = 0.04;
 /// Decimals of a pixel size in metres that is printed.

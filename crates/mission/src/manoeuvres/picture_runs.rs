@@ -2,7 +2,7 @@
 
 use super::altitudes::closed_by;
 use super::drafts::{Draft, predicted};
-use super::flying::{FlownLines, fly};
+use super::flying::{FlownLines, fly, lead_in_m};
 use super::growth::remaining;
 use super::picture_heights as heights;
 use super::wish::Wish;
@@ -76,24 +76,71 @@ fn runs(
             angles.min_deg
         ));
     }
-    let (mut made, mut trouble) = (Vec::new(), None);
-    for altitude_m in heights::of(wish, camera, 0.0)? {
-        let draft = lines_at(altitude_m).and_then(|lines| match closed_by(wish, &lines, altitude_m) {
-            None => draft(wish, camera, lines, altitude_m),
-            Some(zone) => {
-                let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
-                Err(format!("it needs {altitude_m:.0} m, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name))
+    let (mut made, mut trouble): (Vec<Manoeuvre>, Option<String>) = (Vec::new(), None);
+    for lowest_m in heights::of(wish, camera, 0.0)? {
+        let draft = lines_at(lowest_m).and_then(|lines| {
+            let altitude_m = over_lead_ins_m(wish, &lines, lowest_m)?;
+            match closed_by(wish, &lines, altitude_m) {
+                None => draft(wish, camera, lines, altitude_m),
+                Some(zone) => {
+                    let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
+                    Err(format!("it needs {altitude_m:.0} m, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name))
+                }
             }
         });
-        match draft {
-            Ok(draft) => made.extend(predicted(wish, draft)),
-            Err(why) => trouble = Some(why),
+        let draft = match draft {
+            Ok(draft) => draft,
+            Err(why) => {
+                trouble = Some(why);
+                continue;
+            }
+        };
+        let (altitude_m, is_raised) = (draft.altitude_m, draft.altitude_m > lowest_m);
+        if is_raised && made.iter().any(|other| other.altitude_m == altitude_m) {
+            continue;
+        }
+        match predicted(wish, draft) {
+            Some(manoeuvre) => made.push(manoeuvre),
+            None if is_raised => {
+                let wanted_m = wish.look.resolution.wanted_m;
+                trouble = Some(format!(
+                    "the terrain before its lines needs {altitude_m:.0} m, too high for pixels of {wanted_m} m"
+                ));
+            }
+            None => {}
         }
     }
     match (made.is_empty(), trouble) {
         (true, Some(why)) => Err(why),
         _ => Ok(made),
     }
+}
+
+/// Returns the lowest altitude from `altitude_m` on that is clear of the terrain under lines and, for a fixed wing, under the lead-ins
+/// before them: a vehicle joins a line at its altitude.
+///
+/// # Errors
+/// If the vehicle does not fly so high.
+fn over_lead_ins_m(wish: &Wish<'_>, lines: &[(Position, Position)], altitude_m: f64) -> Result<f64, String> {
+    let (mission, model) = (wish.mission, &wish.mission.model);
+    if model.airframe == Airframe::Rotorcraft {
+        return Ok(altitude_m);
+    }
+    let Some(terrain) = &mission.terrain else { return Ok(altitude_m) };
+    let above_m = mission.requirements.terrain_clearance_m.unwrap_or(0.0) + heights::LEVEL_M;
+    let clear_m = lines.iter().filter_map(|(from, to)| {
+        let before_deg = geodesy::azimuth_deg(*from, *to) + 180.0;
+        let entry = geodesy::destination(*from, before_deg, lead_in_m(model, &mission.forecast));
+        Some(terrain.highest_m_along(entry, *to, mission.ground_room_m(), (0.0, 0.0))? + above_m)
+    });
+    let raised_m = clear_m.fold(altitude_m, f64::max);
+    let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
+    if raised_m > ceiling_m {
+        return Err(format!(
+            "the terrain before its lines needs {raised_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"
+        ));
+    }
+    Ok(raised_m)
 }
 
 /// Returns the pieces of a line in order, from its nearer end.

@@ -113,7 +113,7 @@ impl Limits {
             }
         }
         if known.is_empty() {
-            known.push("airspace".to_string());
+            known.push(self.unnamed_limit().to_string());
         }
         Way { broken: Some(Broken { name: known.join("; "), why: why.to_string() }), ..way }
     }
@@ -229,7 +229,7 @@ impl Limits {
         let altitude_m = request.to_altitude_m;
         let way = Way { via: Vec::new(), altitude_m, hold_s: 0.0, hold_around: None, time_s, broken: None };
         let lowest_m = request.from_altitude_m.min(request.to_altitude_m);
-        let is_low = lowest_m < self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
+        let is_low = lowest_m < self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to), 1.0);
         let name = if is_low { GROUND } else { "landing distance" };
         self.breaking(request, way, (name, &why), false)
     }
@@ -251,7 +251,17 @@ impl Limits {
                 PERMITTED.to_string()
             }
             TravelError::NoLandingPlace(_) | TravelError::LeavesReach(_) => "landing distance".to_string(),
-            TravelError::TooFar | TravelError::NoRoomToTurn | TravelError::Shut => "airspace".to_string(),
+            TravelError::Ground(_) => GROUND.to_string(),
+            TravelError::TooFar | TravelError::NoRoomToTurn | TravelError::Shut => self.unnamed_limit().to_string(),
+        }
+    }
+
+    /// Returns the name of a violation whose reason names no obstacle, such as too little space for turns: of the limits that exist.
+    fn unnamed_limit(&self) -> &'static str {
+        match (self.zones.is_empty(), self.terrain.is_some()) {
+            (true, true) => GROUND,
+            (true, false) if self.landing_distance_m_max.is_some() => "landing distance",
+            _ => "airspace",
         }
     }
 }

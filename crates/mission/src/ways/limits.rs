@@ -38,6 +38,8 @@ pub struct Limits {
     pub(super) rim_m: f64,
     /// Height kept over ground away from both ends of a path.
     pub(super) ground_margin_m: f64,
+    /// The part of it that every path keeps, with any share of the margins.
+    ground_required_m: f64,
     pub(super) true_airspeed_mps: f64,
     /// Slowest indicated airspeed of a fixed wing; 0 for a rotorcraft.
     pub(super) indicated_airspeed_mps_min: f64,
@@ -89,7 +91,7 @@ const RIM_S: f64 = 5.3;
 /// Width of the ground that counts on either side of a leg: a multiple of the turn radius, with a minimum.
 const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
-/// Space around a landing place for a vehicle that lands on the spot.
+/// Least space for climbs and descents around a landing place.
 const FIELD_M: f64 = 200.0;
 /// Steps along a final approach, and the ground that counts around each.
 const APPROACH_STEP_M: f64 = 1_500.0;
@@ -99,8 +101,12 @@ const APPROACH_WIDTH_M: f64 = 500.0;
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
     let slow_m = GROUND_MARGIN_S * mission.model.true_airspeed_m_s_cruise;
     let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0.min(slow_m) } else { GROUND_MARGIN_M.1 };
-    let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());
-    required_m.map_or(usual_m, |required_m| usual_m.max(REQUIRED_SHARE * required_m))
+    ground_required_m(mission).map_or(usual_m, |required_m| usual_m.max(REQUIRED_SHARE * required_m))
+}
+
+/// Returns the height that the mission requires over known terrain.
+fn ground_required_m(mission: &Mission) -> Option<f64> {
+    mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some())
 }
 
 /// Multiple of the required clearance that paths keep, because vehicles hold altitudes only within some metres.
@@ -142,6 +148,7 @@ impl Limits {
             above_zone_m: buffer.map_or(above_zone_m, |buffer| above_zone_m.max(buffer.vertical_m)),
             rim_m: buffer.map_or(rim_m, |buffer| rim_m.max(buffer.horizontal_m)),
             ground_margin_m: ground_margin_m(mission, is_fixed_wing),
+            ground_required_m: ground_required_m(mission).unwrap_or_else(|| ground_margin_m(mission, is_fixed_wing)),
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
             indicated_airspeed_mps_min: if is_fixed_wing { model.indicated_airspeed_m_s_min } else { 0.0 },
             turn_radius_m: turn_radius_m(model),
@@ -222,8 +229,9 @@ impl Limits {
         self.zones.iter().any(|zone| zone.kind == ZoneKind::Permitted)
     }
 
-    /// Returns the lowest permitted altitude over the ground under the legs between `places`, except for the ground around both ends.
-    pub(super) fn lowest_altitude_m(&self, places: &[Position], ends: (Position, Position)) -> f64 {
+    /// Returns the lowest permitted altitude over the ground under the legs between `places`, except for the ground around both ends,
+    /// with this share of the margins.
+    pub(super) fn lowest_altitude_m(&self, places: &[Position], ends: (Position, Position), margins: f64) -> f64 {
         let distance_m = apex_geo::geodesy::distance_m;
         let counts = |patch: &&Patch| {
             let is_at = |end: Position| distance_m(patch.position, end) <= patch.radius_m;
@@ -237,15 +245,36 @@ impl Limits {
                 elevations.fold(f64::NEG_INFINITY, f64::max)
             }
         };
-        highest_m + self.ground_margin_m
+        highest_m + self.kept_m(margins)
+    }
+
+    /// Returns the height over ground that paths keep with this share of the margins.
+    pub(super) fn kept_m(&self, margins: f64) -> f64 {
+        self.ground_required_m + margins * (self.ground_margin_m - self.ground_required_m)
+    }
+
+    /// Returns the altitude below which a path must not descend from `from_altitude_m` over the terrain around the landing place at which
+    /// it begins. That ground does not count for [`Limits::lowest_altitude_m`], because the vehicle may still climb there. A path that
+    /// ends at a landing place descends there.
+    pub(super) fn lowest_descent_m(&self, places: &[Position], from_altitude_m: f64, margins: f64) -> f64 {
+        let room_m = |end: Option<&Position>| end.map_or(0.0, |end| self.field_room_m(*end));
+        let (first_m, last_m) = (room_m(places.first()), room_m(places.last()));
+        let counts = first_m > 0.0 && last_m <= 0.0;
+        let Some(terrain) = self.terrain.as_ref().filter(|_| counts) else { return f64::NEG_INFINITY };
+        let rest_m = (length_m(places) - first_m).max(0.0);
+        from_altitude_m.min(self.highest_m_between(terrain, places, (0.0, rest_m)) + self.kept_m(margins))
     }
 
     /// Returns the highest ground under the legs and the turns at their ends. Ground around the landing places at which the path begins or
     /// ends does not count, because the vehicle climbs or descends there.
     fn highest_ground_m(&self, terrain: &Terrain, places: &[Position]) -> f64 {
-        let half_width_m = GROUND_WIDTH_M_MIN.max(GROUND_WIDTH_RADII * self.turn_radius_m_over_ground());
         let skip_m = |end: Option<&Position>| end.map_or(0.0, |end| self.field_room_m(*end));
-        let (first_m, last_m) = (skip_m(places.first()), skip_m(places.last()));
+        self.highest_m_between(terrain, places, (skip_m(places.first()), skip_m(places.last())))
+    }
+
+    /// Returns the highest ground under the legs and the turns at their ends, without so many metres at the beginning and at the end.
+    fn highest_m_between(&self, terrain: &Terrain, places: &[Position], (first_m, last_m): (f64, f64)) -> f64 {
+        let half_width_m = GROUND_WIDTH_M_MIN.max(GROUND_WIDTH_RADII * self.turn_radius_m_over_ground());
         let legs = places.iter().zip(places.iter().skip(1));
         let lengths_m: Vec<f64> = legs.clone().map(|(from, to)| apex_geo::geodesy::distance_m(*from, *to)).collect();
         let whole_m: f64 = lengths_m.iter().sum();
@@ -261,8 +290,12 @@ impl Limits {
         highest_m
     }
 
-    /// Returns the radius for climbs and descents around the landing place at which a path begins or ends; 0 elsewhere.
+    /// Returns the radius for climbs and descents around the landing place at which a path begins or ends; 0 elsewhere, and for a vehicle
+    /// that climbs and descends on the spot.
     fn field_room_m(&self, end: Position) -> f64 {
+        if self.turn_radius_m <= 0.0 {
+            return 0.0;
+        }
         let room_m = FIELD_M.max(self.final_approach_m + 2.0 * self.circle_radius_m());
         let is_field = |place: &LandingPlace| apex_geo::geodesy::distance_m(place.position, end) <= room_m;
         if self.landing_places.iter().any(is_field) { room_m } else { 0.0 }
@@ -298,6 +331,10 @@ fn distance_m(zone: &AirspaceZone, place: Position) -> f64 {
     let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();
     let here = Point::default();
     if plane::inside(here, &corners) { 0.0 } else { plane::segment_to_edges(here, here, &corners) }
+}
+
+fn length_m(places: &[Position]) -> f64 {
+    places.iter().zip(places.iter().skip(1)).map(|(from, to)| apex_geo::geodesy::distance_m(*from, *to)).sum()
 }
 
 fn leg_is_near(from: Position, to: Position, patch: &Patch) -> bool {

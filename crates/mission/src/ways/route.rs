@@ -1,6 +1,6 @@
 //! Paths around, over and under zones, through the travel network.
 
-use super::limits::Limits;
+use super::limits::{GROUND, Limits};
 use super::straight::{LATE_S, LATE_SHARE};
 use super::{Request, Way};
 use apex_geo::geodesy;
@@ -47,12 +47,19 @@ impl Limits {
     pub(super) fn way(&self, request: &Request, strict: &Strictness) -> Result<Way, TravelError> {
         let mut found: Option<Way> = None;
         let mut trouble = None;
+        // The ground under a detour around zones may be higher than that under the straight leg.
+        let mut over_ground_m: Option<f64> = None;
         for altitude_m in self.altitudes_m(request) {
             let way = self.way_at(request, altitude_m, strict);
             match way {
                 Ok(way) if found.as_ref().is_none_or(|best| cost_s(&way) < cost_s(best)) => found = Some(way),
                 Ok(_) => {}
-                Err(reason) => trouble = trouble.or(Some(reason)),
+                Err(reason) => {
+                    if let TravelError::Ground(needs_m) = reason {
+                        over_ground_m = Some(over_ground_m.map_or(needs_m, |known_m| known_m.max(needs_m)));
+                    }
+                    trouble = trouble.or(Some(reason));
+                }
             }
             // Other altitudes are only examined if the path at the altitude of the place is long.
             if let Some(way) = &found
@@ -62,6 +69,8 @@ impl Limits {
                 break;
             }
         }
+        let higher_m = over_ground_m.filter(|needs_m| found.is_none() && *needs_m <= self.altitude_m_max);
+        let found = found.or_else(|| self.way_at(request, higher_m?, strict).ok());
         found.ok_or(trouble.unwrap_or(TravelError::Shut))
     }
 
@@ -78,7 +87,7 @@ impl Limits {
 
     /// Returns the candidate altitudes: that of the place, the present one, and those just above and below zones in between.
     fn altitudes_m(&self, request: &Request) -> Vec<f64> {
-        let lowest_m = self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
+        let lowest_m = self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to), 1.0);
         let floor_m = self.elevation_m_at(request.from).max(self.elevation_m_at(request.to)) + self.ground_margin_m;
         let above_m = self.above_zone_m;
         let edges = self
@@ -131,8 +140,23 @@ impl Limits {
         }
         let here = Request { to: request.from, to_altitude_m: altitude_m, stay_s: hold_s, ..*request };
         match self.circle_centre(&here) {
-            (_, Some(_)) => Err(TravelError::NoRoomToTurn),
+            (_, Some(name)) => Err(self.no_room(&here, &name)),
             (centre, None) => Ok((centre != request.from).then_some(centre)),
+        }
+    }
+
+    /// Returns true if the vehicle may descend on the spot where only the ground forbids circles: a place to hover at may be near the
+    /// ground.
+    fn may_descend_upright(&self, shut_by: &str) -> bool {
+        self.turn_radius_m <= 0.0 && shut_by == GROUND
+    }
+
+    /// Returns the reason for which the vehicle cannot circle at the end of a request, given the obstacle.
+    fn no_room(&self, there: &Request, shut_by: &str) -> TravelError {
+        let places = [there.to, there.to];
+        match shut_by == GROUND {
+            true => TravelError::Ground(self.lowest_altitude_m(&places, (there.to, there.to), 1.0)),
+            false => TravelError::NoRoomToTurn,
         }
     }
 
@@ -145,15 +169,19 @@ impl Limits {
         network.head(to, request.to_track_rad);
         let trip = network.trip(from, to, request.at_s)?;
         let path = network.path(trip.way, trip.depart_s);
-        let needs_m = self.lowest_altitude_m(&path, (request.from, request.to));
+        let needs_m = self.lowest_altitude_m(&path, (request.from, request.to), strict.margins);
+        let needs_m = needs_m.max(self.lowest_descent_m(&path, request.from_altitude_m, strict.margins));
         if altitude_m < needs_m {
-            return Err(TravelError::Shut);
+            return Err(TravelError::Ground(needs_m));
         }
         // If the present altitude and that of the place differ from that of the path, circles at its end make up the difference.
         let climb_m = request.to_altitude_m - altitude_m;
         let there = Request { from: request.to, from_altitude_m: altitude_m, ..*request };
-        if climb_m != 0.0 && self.shut_by(&there, (CIRCLE_ROOM * self.circle_radius_m(), strict.margins)).is_some() {
-            return Err(TravelError::NoRoomToTurn);
+        if climb_m != 0.0
+            && let Some(name) = self.shut_by(&there, (CIRCLE_ROOM * self.circle_radius_m(), strict.margins))
+            && !self.may_descend_upright(&name)
+        {
+            return Err(self.no_room(&there, &name));
         }
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let way_s = trip.arrive_s - trip.depart_s;
@@ -190,8 +218,11 @@ impl Limits {
         let change_m = altitude_m - request.from_altitude_m;
         let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
         let room_m = CIRCLE_ROOM * self.circle_radius_m();
-        if change_m.abs() < 1.0 || self.shut_by(&here, (room_m, strict.margins)).is_some() {
+        if change_m.abs() < 1.0 {
             return Err(TravelError::NoRoomToTurn);
+        }
+        if let Some(name) = self.shut_by(&here, (room_m, strict.margins)) {
+            return Err(self.no_room(&here, &name));
         }
         let rate_mps = if change_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let change_s = (1.0 + LATE_SHARE) * change_m.abs() / rate_mps + HOLD_S_MIN;

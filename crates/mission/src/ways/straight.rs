@@ -43,7 +43,9 @@ impl Limits {
         if !self.leg_is_within_reach(from, to, rim_m) {
             return Some("landing distance".to_string());
         }
-        (lowest_m < self.lowest_altitude_m(&[from, to], (from, to))).then(|| GROUND.to_string())
+        let needs_m = self.lowest_altitude_m(&[from, to], (from, to), margins);
+        let needs_m = needs_m.max(self.lowest_descent_m(&[from, to], request.from_altitude_m, margins));
+        (lowest_m < needs_m).then(|| GROUND.to_string())
     }
 }
 

@@ -3,6 +3,7 @@
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::verification::{CheckResult, verify};
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -92,13 +93,25 @@ impl Flown {
 
     /// Returns all values of a measured attribute.
     pub(crate) fn numbers(&self, attribute: &str) -> Vec<f64> {
-        let number = |(_, kind): (f64, EventKind)| match kind {
+        self.timed_numbers(attribute).into_iter().map(|(_, number)| number).collect()
+    }
+
+    /// Returns all values of a measured attribute with their instants.
+    pub(crate) fn timed_numbers(&self, attribute: &str) -> Vec<(f64, f64)> {
+        let number = |(at_s, kind): (f64, EventKind)| match kind {
             EventKind::Measurement(variable, value) if variable.attribute.is(attribute) => {
-                value.as_number().map(|(number, _)| number)
+                value.as_number().map(|(number, _)| (at_s, number))
             }
             _ => None,
         };
         self.events().into_iter().filter_map(number).collect()
+    }
+
+    /// Returns the result of the independent check of the flight.
+    pub(crate) fn check(&self) -> CheckResult {
+        let reader = RecordReader::open(&self.record).unwrap();
+        let mission = apex_mission::recorded::mission_of(&reader).unwrap().unwrap();
+        verify(&reader, &mission).unwrap()
     }
 
     /// Returns the messages from outside the agent that begin with `head`, as text: what it says itself is in the report.
