@@ -1,6 +1,7 @@
 //! Targets of a mission: fires, structures, places to observe and to start from (docs/reference/mission-data.md).
 
 mod looks;
+mod order;
 mod outline;
 
 pub(crate) use looks::Terms;
@@ -181,7 +182,7 @@ pub(crate) fn read(file: &DataFile, terms: Terms<'_>) -> MissionResult<Vec<Targe
                 .trouble(format!("`after` names `{}`, which is not a target", unknown.target))
                 .help("name the `id` of another feature of this file"));
         }
-        if let Some(circle) = circle_of_order(&targets, &feature.id) {
+        if let Some(circle) = order::circle_of_order(&targets, &feature.id) {
             return Err(feature
                 .trouble(format!("`after` is a circle: {}", circle.join(" after ")))
                 .because("none of these targets could be the first")
@@ -189,30 +190,6 @@ pub(crate) fn read(file: &DataFile, terms: Terms<'_>) -> MissionResult<Vec<Targe
         }
     }
     Ok(targets)
-}
-
-/// Returns the ids from a target through the targets that it comes after, back to itself; `None` if it does not come after itself.
-fn circle_of_order(targets: &[Target], id: &str) -> Option<Vec<String>> {
-    let mut paths = vec![vec![id.to_string()]];
-    let mut seen: Vec<String> = Vec::new();
-    while let Some(path) = paths.pop() {
-        let last = path.last()?;
-        let before = targets.iter().filter(|target| target.id == *last).filter_map(|target| match &target.kind {
-            TargetKind::Fire(fire) => Some(&fire.wanted.after),
-            _ => None,
-        });
-        for need in before.flatten() {
-            let longer = [path.as_slice(), std::slice::from_ref(&need.target)].concat();
-            if need.target == id {
-                return Some(longer);
-            }
-            if !seen.contains(&need.target) {
-                seen.push(need.target.clone());
-                paths.push(longer);
-            }
-        }
-    }
-    None
 }
 
 fn target(feature: &NamedFeature, terms: Terms<'_>) -> MissionResult<Target> {

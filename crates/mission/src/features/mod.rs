@@ -7,6 +7,7 @@ mod crossing;
 mod detections;
 mod geojson_file;
 mod kml;
+mod permitted;
 mod placed;
 mod table;
 
@@ -71,10 +72,7 @@ impl NamedFeature {
         let Some(id) = id.or_else(|| name.as_deref().map(hyphenated)) else {
             return Err(named.trouble("it has neither `id` nor `name`").help("add the property `id`"));
         };
-        if let Some(wrong) = id.chars().find(|letter| !is_of_id(*letter)) {
-            let help = "write letters, digits, hyphens, underscores and full stops";
-            return Err(named.trouble(format!("the id {id:?} contains {wrong:?}")).because(NOT_IN_PDL).help(help));
-        }
+        permitted::id(&named, &id)?;
         named.name = name.unwrap_or_else(|| id.clone());
         named.id = id;
         Ok(named)
@@ -374,13 +372,8 @@ impl NamedFeature {
         };
         let (longitude_deg, latitude_deg) = (*longitude_deg, *latitude_deg);
         let position = Position::new(latitude_deg, longitude_deg);
-        if (LATITUDE_DEG_MAX..=90.0).contains(&latitude_deg.abs()) && longitude_deg.abs() <= 180.0 {
-            return Err(self
-                .trouble(format!("latitude {latitude_deg} is too near to a pole"))
-                .because("turns and lines are computed with meridians that are parallel in their neighbourhood")
-                .help(format!("latitudes are below {LATITUDE_DEG_MAX} degrees, north and south")));
-        }
-        if latitude_deg.abs() < LATITUDE_DEG_MAX && longitude_deg.abs() <= 180.0 {
+        permitted::latitude(self, latitude_deg)?;
+        if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0 {
             return Ok(Position { longitude_deg: geodesy::wrap_180(position.longitude_deg), ..position });
         }
         let swapped = longitude_deg.abs() <= 90.0 && latitude_deg.abs() <= 180.0;
@@ -419,17 +412,6 @@ fn middle(line: &[Position]) -> Position {
 fn beside(other_deg: f64, longitude_deg: f64) -> f64 {
     let turn_deg = longitude_deg - other_deg;
     if turn_deg.abs() > 180.0 { longitude_deg - 360.0_f64.copysign(turn_deg) } else { longitude_deg }
-}
-
-/// Latitudes of missions are below this, north and south, degrees: nearer to the poles, planners and the checker of turns disagree.
-const LATITUDE_DEG_MAX: f64 = 88.0;
-
-/// Reason for which an id with other characters is refused.
-const NOT_IN_PDL: &str = "programs name features by their ids";
-
-/// Returns true for the characters of ids: those of symbols of PDL that need no quotes.
-fn is_of_id(letter: char) -> bool {
-    letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.')
 }
 
 /// Returns the name in lower case, with a hyphen for each run of characters that are not letters or digits, and none at its ends.

@@ -8,7 +8,7 @@
 //! plan in addition at most [`PATHS_MAX`] pairs of paths for each target and insertion, within the budget.
 
 use super::moves::{arrival, exit_before};
-use super::search::{Candidate, LocalSearch, inserted};
+use super::search::{Candidate, InsertionTimes, LocalSearch, inserted};
 use crate::routing::schedule::{Choice, UNITS_PER_LEG};
 use crate::routing::travel::PointKey;
 use std::cmp::Ordering;
@@ -16,15 +16,6 @@ use std::ops::Range;
 
 /// Gaps of a target whose paths are computed at each look.
 const PATHS_MAX: usize = 4;
-
-/// Times by which targets are inserted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Times {
-    /// Lower bounds.
-    Estimated,
-    /// Those of paths.
-    Flown,
-}
 
 /// A missing target with its best gap.
 #[derive(Clone, Copy, Debug)]
@@ -51,14 +42,14 @@ impl Open {
 
 impl LocalSearch<'_, '_, '_> {
     /// Inserts targets where the schedule permits it, each time the one with the highest value per added time. Returns false if the budget
-    /// is exhausted before: only plans by `Times::Flown` depend on it.
-    pub(super) fn construct(&mut self, current: &mut Candidate, times: Times) -> bool {
+    /// is exhausted before: only plans by `InsertionTimes::Flown` depend on it.
+    pub(super) fn construct(&mut self, current: &mut Candidate, times: InsertionTimes) -> bool {
         let mut open: Vec<Open> = self.missing(&current.order).into_iter().filter_map(|it| self.opened(it)).collect();
         for target in &mut open {
             self.look(current, target, 0..current.order.len() + 1, times);
         }
         while let Some(next) = best_of(&open) {
-            if times == Times::Flown && self.budget.exhausted() {
+            if times == InsertionTimes::Flown && self.budget.exhausted() {
                 return false;
             }
             let next = open.swap_remove(next);
@@ -109,19 +100,19 @@ impl LocalSearch<'_, '_, '_> {
     }
 
     /// Keeps the best of these gaps if it is better than the known one.
-    fn look(&mut self, current: &Candidate, open: &mut Open, gaps: Range<usize>, times: Times) {
+    fn look(&mut self, current: &Candidate, open: &mut Open, gaps: Range<usize>, times: InsertionTimes) {
         let mut near: Vec<(f64, usize)> = gaps.map(|at| (self.least_added_s(current, open, at), at)).collect();
         near.retain(|(least_s, _)| *least_s < open.added_s);
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let near_count = match times {
-            Times::Estimated => 1,
-            Times::Flown => PATHS_MAX,
+            InsertionTimes::Estimated => 1,
+            InsertionTimes::Flown => PATHS_MAX,
         };
         for (least_s, at) in near.into_iter().take(near_count) {
             let added_s = match times {
-                Times::Estimated => Some(least_s),
-                Times::Flown if least_s >= open.added_s => break,
-                Times::Flown => self.flown_added_s(current, open, at),
+                InsertionTimes::Estimated => Some(least_s),
+                InsertionTimes::Flown if least_s >= open.added_s => break,
+                InsertionTimes::Flown => self.flown_added_s(current, open, at),
             };
             if let Some(added_s) = added_s.filter(|added_s| *added_s < open.added_s) {
                 (open.added_s, open.at) = (added_s, at);

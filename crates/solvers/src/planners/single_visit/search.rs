@@ -1,7 +1,6 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
 use super::companions;
-use super::construct::Times;
 use super::explain::Troubles;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
@@ -28,6 +27,15 @@ const EXACT_NODES_MAX: u32 = 50_000;
 pub(super) struct Candidate {
     pub(super) order: Vec<Choice>,
     pub(super) judged: Judged,
+}
+
+/// Times by which targets are inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum InsertionTimes {
+    /// Lower bounds.
+    Estimated,
+    /// Those of paths.
+    Flown,
 }
 
 pub(super) struct LocalSearch<'s, 'p, 'b> {
@@ -58,10 +66,10 @@ pub(super) fn run(
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     let empty = best.clone();
-    search.construct(&mut best, Times::Estimated);
+    search.construct(&mut best, InsertionTimes::Estimated);
     tell(&mut search, &best, report);
     let mut flown = empty;
-    if search.construct(&mut flown, Times::Flown) && flown.judged.beats(&best.judged) {
+    if search.construct(&mut flown, InsertionTimes::Flown) && flown.judged.beats(&best.judged) {
         best = flown;
         tell(&mut search, &best, report);
     }
