@@ -9,6 +9,8 @@ use apex_model::problem::Position;
 
 /// Number of candidate directions of the final approach, beginning with the one into the wind.
 const COURSES: usize = 12;
+/// Wind below which a vehicle lands in the direction of its arrival.
+const CALM_MPS: f64 = 1.0;
 /// Clearance next to a final approach.
 const APPROACH_ROOM_M: f64 = 1_000.0;
 
@@ -35,7 +37,7 @@ impl Limits {
         let approach_m = if is_fixed_wing { self.final_approach_m } else { 0.0 };
         let around = Request { circle_radius_m: approach_m + 2.0 * self.circle_radius_m(), ..request };
         if self.is_straight_open(&around) {
-            return straight;
+            return Landing { course_deg: self.course_over_low_ground_deg(&request), way: None };
         }
         if !is_fixed_wing {
             return Landing { course_deg: None, way: self.best_way(&request) };
@@ -45,9 +47,7 @@ impl Limits {
         let mut shut_by = None;
         for margins in MARGIN_SHARES {
             for index in 0..COURSES {
-                // 0, 30, -30, 60, -60 ..: away from the wind a step at a time.
-                let step = index.div_ceil(2) as f64 * if index % 2 == 0 { 1.0 } else { -1.0 };
-                let course_deg = geodesy::wrap_360(into_deg + step * 360.0 / COURSES as f64);
+                let course_deg = aside_deg(into_deg, index);
                 match self.approach(&request, course_deg, margins) {
                     Ok(way) => return Landing { course_deg: Some(course_deg), way: Some(way) },
                     Err(name) => shut_by = shut_by.or(Some(name)),
@@ -58,6 +58,29 @@ impl Limits {
         let why = "every final approach, or the descent to it, is closed".to_string();
         let way = Way { broken: Some(Broken { name, why }), ..self.straight(&request, request.to) };
         Landing { course_deg: None, way: Some(way) }
+    }
+
+    /// Returns the course of the final approach nearest to the vehicle's own choice whose glide path is clear of the terrain; `None` if it
+    /// may choose, and if no glide path is clear.
+    fn course_over_low_ground_deg(&self, request: &Request) -> Option<f64> {
+        if self.terrain.is_none() || self.turn_radius_m <= 0.0 {
+            return None;
+        }
+        let here = wind::at(&self.wind, request.to, request.to_altitude_m, request.at_s);
+        let is_calm = libm::hypot(here.east_mps, here.north_mps) < CALM_MPS;
+        let own_deg = match is_calm {
+            true => geodesy::azimuth_deg(request.from, request.to),
+            false => libm::atan2(-here.east_mps, -here.north_mps).to_degrees(),
+        };
+        let lead_m = self.lead_in_s * (self.true_airspeed_mps + self.wind_mps_max());
+        let field_m = request.to_altitude_m - self.final_approach_height_m;
+        let is_clear = |course_deg: &f64| {
+            let out_deg = geodesy::wrap_360(*course_deg + 180.0);
+            let begin = geodesy::destination(request.to, out_deg, self.final_approach_m + lead_m);
+            self.approach_is_clear(begin, request.to, field_m)
+        };
+        let number = (0..COURSES).position(|index| is_clear(&aside_deg(own_deg, index)))?;
+        (number > 0).then(|| aside_deg(own_deg, number))
     }
 
     fn straight(&self, request: &Request, to: Position) -> Way {
@@ -97,6 +120,12 @@ impl Limits {
         way.via.push(begin);
         Ok(way)
     }
+}
+
+/// Returns a candidate course: 0, -30, 30, -60, 60 .. degrees away from the first a step at a time.
+fn aside_deg(first_deg: f64, index: usize) -> f64 {
+    let step = index.div_ceil(2) as f64 * if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+    geodesy::wrap_360(first_deg + step * 360.0 / COURSES as f64)
 }
 
 /// Space for a circle around its centre, as a multiple of its radius, because joining it swings out.
