@@ -1,5 +1,6 @@
 //! Targets of a mission: fires, structures, places to observe and to start from (docs/reference/mission-data.md).
 
+mod costs;
 mod looks;
 mod order;
 mod outline;
@@ -126,7 +127,7 @@ impl Target {
     pub fn worth(&self) -> f64 {
         match &self.kind {
             TargetKind::Fire(fire) => fire.value(),
-            TargetKind::Site(site) => maximum(&site.cost),
+            TargetKind::Site(site) => costs::maximum(&site.cost),
             TargetKind::Plain | TargetKind::Base => 0.0,
         }
     }
@@ -156,17 +157,6 @@ impl Target {
     }
 }
 
-fn maximum(cost: &CostFunction) -> f64 {
-    match cost {
-        CostFunction::Linear { cost_per_s } => cost_per_s * 3600.0,
-        CostFunction::Saturating { maximum, .. }
-        | CostFunction::Step { maximum, .. }
-        | CostFunction::Logistic { maximum, .. } => *maximum,
-        CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),
-        CostFunction::Delayed { cost, .. } => maximum(cost),
-    }
-}
-
 /// Reads the targets' file of a mission on these terms.
 ///
 /// # Errors
@@ -182,11 +172,15 @@ pub(crate) fn read(file: &DataFile, terms: Terms<'_>) -> MissionResult<Vec<Targe
                 .trouble(format!("`after` names `{}`, which is not a target", unknown.target))
                 .help("name the `id` of another feature of this file"));
         }
-        if let Some(circle) = order::circle_of_order(&targets, &feature.id) {
+        let after = |id: &str| match targets.iter().find(|target| target.id == id).map(|target| &target.kind) {
+            Some(TargetKind::Fire(fire)) => fire.wanted.after.iter().map(|need| need.target.clone()).collect(),
+            _ => Vec::new(),
+        };
+        if let Some(circle) = order::circle(&feature.id, after) {
+            let what = format!("`after` is a circle: {}", circle.join(" after "));
             return Err(feature
-                .trouble(format!("`after` is a circle: {}", circle.join(" after ")))
-                .because("none of these targets could be the first")
-                .help("remove one of these names"));
+                .trouble(what)
+                .help("remove one of these names: none of the targets could be the first"));
         }
     }
     Ok(targets)

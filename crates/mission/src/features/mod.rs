@@ -18,6 +18,7 @@ use apex_geo::geodesy;
 use apex_geo::terrain::Terrain;
 use apex_model::problem::{Position, TimeWindow};
 use geojson::{Feature, GeometryValue, JsonValue};
+use permitted::hyphenated;
 use placed::PlacedFeature;
 
 /// One feature of a file.
@@ -72,7 +73,7 @@ impl NamedFeature {
         let Some(id) = id.or_else(|| name.as_deref().map(hyphenated)) else {
             return Err(named.trouble("it has neither `id` nor `name`").help("add the property `id`"));
         };
-        permitted::id(&named, &id)?;
+        permitted::id(&id, |what| named.trouble(what))?;
         named.name = name.unwrap_or_else(|| id.clone());
         named.id = id;
         Ok(named)
@@ -372,7 +373,7 @@ impl NamedFeature {
         };
         let (longitude_deg, latitude_deg) = (*longitude_deg, *latitude_deg);
         let position = Position::new(latitude_deg, longitude_deg);
-        permitted::latitude(self, latitude_deg)?;
+        permitted::latitude(latitude_deg, |what| self.trouble(what))?;
         if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0 {
             return Ok(Position { longitude_deg: geodesy::wrap_180(position.longitude_deg), ..position });
         }
@@ -412,19 +413,6 @@ fn middle(line: &[Position]) -> Position {
 fn beside(other_deg: f64, longitude_deg: f64) -> f64 {
     let turn_deg = longitude_deg - other_deg;
     if turn_deg.abs() > 180.0 { longitude_deg - 360.0_f64.copysign(turn_deg) } else { longitude_deg }
-}
-
-/// Returns the name in lower case, with a hyphen for each run of characters that are not letters or digits, and none at its ends.
-fn hyphenated(name: &str) -> String {
-    let mut id = String::new();
-    for character in name.chars().flat_map(char::to_lowercase) {
-        if character.is_ascii_alphanumeric() {
-            id.push(character);
-        } else if !id.is_empty() && !id.ends_with('-') {
-            id.push('-');
-        }
-    }
-    id.trim_end_matches('-').to_string()
 }
 
 /// Returns the area of a ring by the shoelace rule in a local projection.

@@ -11,6 +11,8 @@ use std::cell::OnceCell;
 
 /// Number of candidate directions of the final approach, beginning with the one into the wind.
 const COURSES: usize = 12;
+/// Wind below which a vehicle lands in the direction of its arrival.
+const CALM_MPS: f64 = 1.0;
 /// Clearance next to a final approach.
 const APPROACH_ROOM_M: f64 = 1_000.0;
 /// An approach with a way that takes this much longer than the descent is compared with those of other directions, and a step away from
@@ -47,7 +49,7 @@ impl Limits {
         let approach_m = if is_fixed_wing { self.final_approach_m } else { 0.0 };
         let around = Request { circle_radius_m: approach_m + 2.0 * self.circle_radius_m(), ..request };
         if self.is_straight_open(&around) {
-            return straight;
+            return Landing { course_deg: self.course_over_low_ground_deg(&request), way: None };
         }
         if !is_fixed_wing {
             return Landing { course_deg: None, way: self.best_way(&request) };
@@ -63,12 +65,10 @@ impl Limits {
             closed = None;
             let mut best: Option<(f64, Landing)> = None;
             for index in 0..COURSES {
-                // 0, 30, -30, 60, -60 ..: away from the wind a step at a time.
-                let step = index.div_ceil(2) as f64 * if index % 2 == 0 { 1.0 } else { -1.0 };
-                let course_deg = geodesy::wrap_360(into_deg + step * 360.0 / COURSES as f64);
+                let (course_deg, steps) = (aside_deg(into_deg, index), index.div_ceil(2) as f64);
                 match self.approach(&request, course_deg, margins, &descent) {
                     Ok(way) => {
-                        let cost_s = way.hold_s + way.time_s + STEP_S * step.abs();
+                        let cost_s = way.hold_s + way.time_s + STEP_S * steps;
                         if best.as_ref().is_none_or(|(best_s, _)| cost_s + LONG_S < *best_s) {
                             best = Some((cost_s, Landing { course_deg: Some(course_deg), way: Some(way) }));
                         }
@@ -111,6 +111,29 @@ impl Limits {
             }
             None => Landing { course_deg: None, way: None },
         }
+    }
+
+    /// Returns the course of the final approach nearest to the vehicle's own choice whose glide path is clear of the terrain; `None` if it
+    /// may choose, and if no glide path is clear.
+    fn course_over_low_ground_deg(&self, request: &Request) -> Option<f64> {
+        if self.terrain.is_none() || self.turn_radius_m <= 0.0 {
+            return None;
+        }
+        let here = wind::at(&self.wind, request.to, request.to_altitude_m, request.at_s);
+        let is_calm = libm::hypot(here.east_mps, here.north_mps) < CALM_MPS;
+        let own_deg = match is_calm {
+            true => geodesy::azimuth_deg(request.from, request.to),
+            false => libm::atan2(-here.east_mps, -here.north_mps).to_degrees(),
+        };
+        let lead_m = self.lead_in_s * (self.true_airspeed_mps + self.wind_mps_max());
+        let field_m = request.to_altitude_m - self.final_approach_height_m;
+        let is_clear = |course_deg: &f64| {
+            let out_deg = geodesy::wrap_360(*course_deg + 180.0);
+            let begin = geodesy::destination(request.to, out_deg, self.final_approach_m + lead_m);
+            self.approach_is_clear(begin, request.to, field_m)
+        };
+        let number = (0..COURSES).position(|index| is_clear(&aside_deg(own_deg, index)))?;
+        (number > 0).then(|| aside_deg(own_deg, number))
     }
 
     fn straight(&self, request: &Request, to: Position) -> Way {
@@ -257,6 +280,12 @@ impl Limits {
         way.time_s += extra_m / (self.true_airspeed_mps + self.wind_mps_max());
         Some(way)
     }
+}
+
+/// Returns a candidate course: 0, -30, 30, -60, 60 .. degrees away from the first a step at a time.
+fn aside_deg(first_deg: f64, index: usize) -> f64 {
+    let step = index.div_ceil(2) as f64 * if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+    geodesy::wrap_360(first_deg + step * 360.0 / COURSES as f64)
 }
 
 /// Reason for which a final approach cannot be flown.

@@ -93,9 +93,11 @@ const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
 /// Least space for climbs and descents around a landing place.
 const FIELD_M: f64 = 200.0;
-/// Steps along a final approach, and the ground that counts around each.
+/// Steps along a final approach, and the ground that counts around each: at most, and as shares of a short approach.
 const APPROACH_STEP_M: f64 = 1_500.0;
+const APPROACH_STEP_SHARE: f64 = 0.15;
 const APPROACH_WIDTH_M: f64 = 500.0;
+const APPROACH_WIDTH_SHARE: f64 = 0.1;
 
 /// Returns the height over ground that paths keep: the usual one or, with terrain, at least [`REQUIRED_SHARE`] of the requirement.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
@@ -305,17 +307,17 @@ impl Limits {
     pub(super) fn approach_is_clear(&self, begin: Position, field: Position, field_m: f64) -> bool {
         let Some(terrain) = &self.terrain else { return true };
         let (length_m, azimuth_deg) = apex_geo::geodesy::inverse(field, begin);
-        let count = libm::ceil(length_m / APPROACH_STEP_M) as u32;
-        (0..=count).map(|number| f64::from(number) * APPROACH_STEP_M).filter(|out_m| *out_m >= APPROACH_STEP_M).all(
-            |out_m| {
-                let there = apex_geo::geodesy::destination(field, azimuth_deg, out_m.min(length_m));
-                let path_m = field_m + self.final_approach_height_m * (out_m / self.final_approach_m).min(1.0);
-                let ground_m = terrain.highest_m_near(there, APPROACH_WIDTH_M);
-                // The smaller of half the glide path's height and the height that paths keep.
-                let kept_m = self.ground_margin_m.min(0.5 * (path_m - field_m));
-                ground_m.is_none_or(|ground_m| path_m - ground_m >= kept_m)
-            },
-        )
+        let step_m = APPROACH_STEP_M.min(APPROACH_STEP_SHARE * length_m);
+        let width_m = APPROACH_WIDTH_M.min(APPROACH_WIDTH_SHARE * length_m);
+        let count = libm::ceil(length_m / step_m) as u32;
+        (1..=count).map(|number| f64::from(number) * step_m).all(|out_m| {
+            let there = apex_geo::geodesy::destination(field, azimuth_deg, out_m.min(length_m));
+            let path_m = field_m + self.final_approach_height_m * (out_m / self.final_approach_m).min(1.0);
+            let ground_m = terrain.highest_m_near(there, width_m);
+            // The smaller of half the glide path's height and the height that paths keep.
+            let kept_m = self.ground_margin_m.min(0.5 * (path_m - field_m));
+            ground_m.is_none_or(|ground_m| path_m - ground_m >= kept_m)
+        })
     }
 
     /// Returns true if a leg is at least `slack_m` within reach of the landing places.

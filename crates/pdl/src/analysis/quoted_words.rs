@@ -1,4 +1,4 @@
-//! Words in quotes that are written once and resemble another one that is written several times: `'(noth south)` beside `'north`. Such
+//! Words in quotes that are written once and resemble another one that is written several times: `'(noth south)` next to `'north`. Such
 //! words are data, which nothing declares.
 
 use crate::codes;

@@ -17,7 +17,7 @@ const PROGRAM: &str = r#"(defapplication "sites" :type native-sim
   (step finish (terminate) (waitfor (end ?home))))
 "#;
 
-/// From the height of its vehicle file, the camera looked at the site from 77 degrees beside the vertical, and pictures need 75: no visit
+/// From the height of its vehicle file, the camera saw the site 77 degrees from the vertical, and pictures need 75: no visit
 /// observed anything, although the plan had halved the expected cost.
 #[test]
 fn visits_of_a_fixed_wing_are_steep_enough_for_pictures() {

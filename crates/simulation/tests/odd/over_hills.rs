@@ -181,3 +181,21 @@ fn a_fixed_wing_lands_on_its_field_on_a_slope() {
     let off_m = METRES_PER_DEGREE * north_deg.hypot(east_deg);
     assert!(off_m < 4_000.0, "the aircraft stands {off_m:.0} m from the base");
 }
+
+/// The wind leads over the rising ground: the aircraft flew into it on its final approach, which was not examined.
+#[test]
+fn a_small_fixed_wing_lands_over_the_lower_ground() {
+    let relief = Relief { slope: 0.1, ..FLAT };
+    let program = relief.program("fixed-wing-mapper").replace(":terrain", ":forecast \"w.csv\" :terrain");
+    let head = program.split("(solver").next().unwrap();
+    let there_and_back = format!(
+        "{head}(procedure :sequential (index (fly the mission)) (step up (take off to 480m)) (step go (fly to (45.99 8.01)))\n\
+         (step home (return to home at 480m)))"
+    );
+    let home = feature(r#""id": "home", "kind": "base""#, &point(HOME.1, HOME.0));
+    let wind = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,20000,180,3\n";
+    let ground = relief.grid(0.08);
+    let flown = fly(&there_and_back, &[("t.geojson", &collection(&[home])), ("ground.asc", &ground), ("w.csv", wind)]);
+    assert!(!flown.said("landed").is_empty(), "{}", flown.text());
+    assert_eq!(flown.check().violations(), 0, "{}", flown.check());
+}
