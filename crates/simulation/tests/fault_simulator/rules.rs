@@ -108,7 +108,7 @@ fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<
     let (requirement, zone) = match &episode.violation {
         Violation::Inside(zone) => ("airspace", Some(zone.as_str())),
         Violation::OutsidePermitted => ("airspace", None),
-        Violation::NearGround => ("terrain", None),
+        Violation::NearGround | Violation::Crashed => ("terrain", None),
         Violation::BeyondLandingDistance => ("landing-distance", None),
     };
     let named = |text: &str| {
