@@ -105,7 +105,8 @@ fn what_circles_cost_is_said_and_they_are_drawn() {
     let loiters = items.iter().filter(|item| item["command"] == 19 && item["params"][0] == DWELL_S);
     assert!(loiters.count() >= 3, "{items:?}");
     let pdl = desk.apex(&["plan", ".", "--format", "pdl"]).well();
-    pdl.told(&["(visit saddle around (39.6 -119.8 3000.0) for P1M with camera-1)"]);
+    // High enough above the sites for the camera: 4392 m / tan 70 degrees = 1598 m instead of the 1000 m of the vehicle file.
+    pdl.told(&["(visit saddle around (39.6 -119.8 3598.0) for P1M with camera-1)"]);
     // A hovering vehicle turns on the spot: the output does not mention turns.
     let hovering = json(&desk.apex(&["plan", &mission("structure-watch"), "--budget", "2ms", "--json"]).well().out);
     assert_eq!(hovering["turns"], Value::Null);

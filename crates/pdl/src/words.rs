@@ -210,7 +210,7 @@ mod tests {
         let take_off = explained("take-off");
         assert!(
             take_off.contains("(take off to ?altitude): a goal")
-                && take_off.contains("(take-off ?altitude): a command")
+                && take_off.contains("(take-off (?altitude length) &key (:centre place)): a command")
         );
         assert!(take_off.contains("library/vehicle.pdl:"));
         assert!(explained("altitude").contains(":unit m"));
