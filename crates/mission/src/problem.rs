@@ -10,7 +10,7 @@ use super::{Fire, Mission, Site, TargetKind};
 use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
-use crate::score::FlownScore;
+use crate::score::{FlownScore, is_complete};
 use crate::vehicle::turn_radius_m;
 use crate::visit_altitude::sites;
 pub use crate::visit_altitude::visit_altitude_m;
@@ -119,9 +119,6 @@ pub(crate) fn single_visits(
     Ok(problem)
 }
 
-/// A look of which at most this share of the value is left is not visited again.
-const REST_SHARE_MIN: f64 = 0.001;
-
 /// Targets of a problem, and pairs of names of which the first must precede the second.
 type ProblemTargets = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
@@ -148,14 +145,16 @@ fn wanted(
     let open: Vec<(String, Wish<'_>)> = open.collect();
     let ways = on_all_processors(open.len(), |number| open.get(number).map(|(_, wish)| manoeuvres::of(wish)));
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
+    let mut passed: Vec<&String> = Vec::new();
     for ((name, Wish { target, fire, look, .. }), manoeuvres) in open.into_iter().zip(ways.into_iter().flatten()) {
         let result = flown.and_then(|flown| flown.result(&target.id));
         let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
-        let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
-        // It was seen in passing.
-        if look.value > 0.0 && look.value - seen <= REST_SHARE_MIN * look.value {
+        // It was seen in passing, which fulfils orders that name its target.
+        if result.is_some_and(is_complete) {
+            passed.push(&target.id);
             continue;
         }
+        let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
         let manoeuvres = match manoeuvres {
             Ok(manoeuvres) => manoeuvres,
             Err(why) => {
@@ -194,7 +193,7 @@ fn wanted(
         let seen = situation.observed().any(|visit| {
             visit.target == *id || visit.target.strip_prefix(id.as_str()).is_some_and(|rest| rest.starts_with('/'))
         });
-        targets.iter().find(of_target).filter(|_| !seen).map(|target| target.name.clone())
+        targets.iter().find(of_target).filter(|_| !seen && !passed.contains(&id)).map(|target| target.name.clone())
     };
     let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
     Ok((targets, precedence))

@@ -115,6 +115,7 @@ fn remove_beginning(path: &Path) {
     }
 }
 
+/// Remedy for a place that cannot hold a record; the option is that of the command.
 const ANOTHER_PLACE: &str = "choose another place with `--record` (of `apex fork`: `--output`)";
 
 /// Checks that a record can be created here.

@@ -1,7 +1,7 @@
 //! Report of a flight, as text and as JSON: score by factor, visits, targets left out with reasons, notable decisions.
 
 use super::problem::{pose, trouble};
-use super::score::{FlightScore, FlownScore, flight_score};
+use super::score::{FlightScore, FlownScore, flight_score, is_complete};
 use super::situation::{Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
 use crate::observing::looks_with;
@@ -117,9 +117,6 @@ fn names_of(target: &Target) -> Vec<String> {
     }
 }
 
-/// Share of its value from which on a look counts as complete.
-const COMPLETE: f64 = 0.999;
-
 /// Returns true if a look that no visit observed was nevertheless seen completely.
 fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
     let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
@@ -128,7 +125,7 @@ fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &s
     let seen = look
         .zip(result.as_ref())
         .and_then(|((_, look), result)| result.looks.iter().find(|seen| seen.name == look.name));
-    seen.is_some_and(|seen| seen.value > 0.0 && seen.factors.product() >= COMPLETE)
+    seen.is_some_and(is_complete)
 }
 
 fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &Situation) -> String {

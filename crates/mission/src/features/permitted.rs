@@ -10,7 +10,7 @@ const LATITUDE_DEG_MAX: f64 = 88.0;
 /// # Errors
 /// The first other character.
 pub(super) fn id(id: &str, trouble: impl Fn(String) -> MissionError) -> MissionResult<()> {
-    let is_permitted = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
+    let is_permitted = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_' | '.');
     match id.chars().find(|letter| !is_permitted(*letter)) {
         None => Ok(()),
         Some(wrong) => Err(trouble(format!("the id {id:?} contains {wrong:?}"))

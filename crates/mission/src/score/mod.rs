@@ -18,5 +18,5 @@ pub use flown::FlownScore;
 pub(crate) use flown::told;
 pub use footprints::{Footprints, SeenLine, SeenPicture, Swath};
 pub use so_far::{ScoreHistory, ScoreSoFar};
-pub(crate) use value::flight_score;
 pub use value::{Cost, CostKind, FlightScore, ScoredLook};
+pub(crate) use value::{flight_score, is_complete};

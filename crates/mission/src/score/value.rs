@@ -24,6 +24,14 @@ pub struct FlightScore {
     pub trouble: String,
 }
 
+/// Share of its value from which on a look counts as complete.
+const COMPLETE: f64 = 0.999;
+
+/// Returns true if a look was seen so well that another visit would add almost nothing.
+pub(crate) fn is_complete(seen: &LookResult) -> bool {
+    seen.value > 0.0 && seen.factors.product() >= COMPLETE
+}
+
 /// A cost in points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {

@@ -1,6 +1,7 @@
 //! Several looks of one target, with intervals between them.
 
 use crate::harness::{collection, feature, fly, home, point, program};
+use apex_mission::report::MissionValue;
 
 /// The second look is wanted one to two hours after the first one, and must be made. It was planned six minutes after it, for its full value,
 /// and cost 30 instead.
@@ -70,4 +71,24 @@ fn a_look_that_is_not_worth_its_time_says_so() {
     let left_out = &flown.outcome.report.left_out;
     let (_, reason) = left_out.iter().find(|(target, _)| target == "a/second").unwrap();
     assert!(reason.contains("score") && !reason.contains("no time is left"), "{reason}\n{}", flown.text());
+}
+
+/// Two fires coincide, so that the visit of one sees both. A plan that is made after it does not visit the other one for nothing.
+#[test]
+fn a_fire_that_was_seen_in_passing_is_not_planned_again() {
+    let fire = |id: &str, at: String| {
+        feature(
+            &format!(r#""id": "{id}", "kind": "fire", "acres": 200, "value": 20, "resolution_m": 20, "share": 0.9965"#),
+            &at,
+        )
+    };
+    let both = || point(-120.5, 37.8);
+    let targets = collection(&[home(), fire("a", both()), fire("b", both()), fire("far", point(-119.5, 38.0))]);
+    let flown = fly(&program(OPTIONS, "4000m"), &[("t.geojson", &targets)]);
+    let pair = ["a", "b"].map(|id| flown.observed_s(id).is_some());
+    assert!(pair[0] != pair[1] && flown.observed_s("far").is_some(), "{}", flown.text());
+    let passed = if pair[0] { "b" } else { "a" };
+    assert!(flown.left_out(passed).contains("in passing"), "{}", flown.text());
+    let MissionValue::Score(score) = &flown.outcome.report.value else { panic!("the mission has no score") };
+    assert!(score.benefits > 59.9, "{}", flown.text());
 }

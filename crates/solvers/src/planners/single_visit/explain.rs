@@ -197,15 +197,21 @@ pub(super) fn left_out(
     troubles: &Troubles,
 ) -> Vec<LeftOut> {
     let mut all = left_out_quickly(schedule, order, judged, troubles);
+    let unknown: Vec<(usize, &mut LeftOut)> = all
+        .iter_mut()
+        .filter_map(|left_out| {
+            let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target)?;
+            let is_known = troubles.alone(target).is_some() || worthless(schedule.problem, target).is_some();
+            (!is_known).then_some((target, left_out))
+        })
+        .collect();
+    if unknown.is_empty() {
+        return all;
+    }
     let endless = without_limits(schedule);
     let mut endless = Schedule::new(&endless).ok();
-    for left_out in &mut all {
-        let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target);
-        let known =
-            |target: &usize| troubles.alone(*target).is_some() || worthless(schedule.problem, *target).is_some();
-        if let Some(target) = target.filter(|target| !known(target)) {
-            left_out.reason = reason_beside((schedule, endless.as_mut()), order, judged, target);
-        }
+    for (target, left_out) in unknown {
+        left_out.reason = reason_beside((schedule, endless.as_mut()), order, judged, target);
     }
     all
 }
