@@ -1,6 +1,7 @@
 //! A fixed wing that watches sites from circles around them.
 
 use crate::harness::{collection, feature, fly, home, point};
+use apex_mission::report::MissionValue;
 
 const PROGRAM: &str = r#"(defapplication "sites" :type native-sim
   :libraries ("vehicle" "aerial-observation" "contingencies" "replanning")
@@ -27,6 +28,6 @@ fn visits_of_a_fixed_wing_are_steep_enough_for_pictures() {
     };
     let targets = collection(&[home(), site("north", point(-121.0, 37.75)), site("east", point(-120.7, 37.5))]);
     let flown = fly(PROGRAM, &[("t.geojson", &targets)]);
-    let seen = |id: &str| flown.observed_s(id).is_some();
-    assert!(seen("north") && seen("east"), "{}", flown.text());
+    let MissionValue::Ignorance(_, sites) = &flown.outcome.report.value else { panic!("{}", flown.text()) };
+    assert!(sites.len() == 2 && sites.iter().all(|site| site.seen > 0 && site.seen == site.visits), "{}", flown.text());
 }
