@@ -24,6 +24,8 @@ pub struct Settings {
     pub model: ModelSource,
     /// Start of the vehicle: a location or the name of a place in the data.
     pub start: Value,
+    /// Direction in which the vehicle stands at the start, in degrees clockwise from north.
+    pub start_heading_deg: f64,
     /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
     pub epoch_unix_s: Option<f64>,
     /// The epoch as written, for the record.
@@ -168,7 +170,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
                 .help(format!("known are :{}", KNOWN.join(" :"))));
         }
     }
-    let (model, start) = vehicle_of(application, library)?;
+    let StatedVehicle { model, start, heading_deg } = vehicle_of(application, library)?;
     let reader = SettingsReader { application, library };
     let epoch_text = reader.text("start")?;
     let value_unit = reader.value_unit()?;
@@ -180,6 +182,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         name: application.name.to_string(),
         model,
         start,
+        start_heading_deg: heading_deg,
         epoch_unix_s: epoch_text.as_deref().map(|text| reader.epoch(text)).transpose()?,
         epoch_text,
         duration: reader.duration()?,
@@ -211,11 +214,21 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     })
 }
 
-/// Reads `:vehicle` of the application of `library`: the source of the model, and the start of the vehicle.
+/// `:vehicle` of an application.
+pub(crate) struct StatedVehicle {
+    /// Source of the model.
+    pub(crate) model: ModelSource,
+    /// Start: a location or the name of a place in the data.
+    pub(crate) start: Value,
+    /// Direction in which the vehicle stands at the start, in degrees clockwise from north.
+    pub(crate) heading_deg: f64,
+}
+
+/// Reads `:vehicle` of the application of `library`.
 ///
 /// # Errors
 /// No vehicle, or a form of another shape.
-pub(crate) fn vehicle_of(application: &Application, library: &Library) -> MissionResult<(ModelSource, Value)> {
+pub(crate) fn vehicle_of(application: &Application, library: &Library) -> MissionResult<StatedVehicle> {
     SettingsReader { application, library }.vehicle()
 }
 
@@ -387,15 +400,15 @@ impl SettingsReader<'_> {
         })
     }
 
-    /// `(sim :model NAME|"FILE" :at PLACE)`
-    fn vehicle(&self) -> MissionResult<(ModelSource, Value)> {
+    /// `(sim :model NAME|"FILE" :at PLACE [:heading ANGLE])`
+    fn vehicle(&self) -> MissionResult<StatedVehicle> {
         let Some(form) = self.application.option("vehicle") else {
             return Err(MissionError::setting("the mission names no vehicle")
                 .at(self.place_of("vehicle"))
                 .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
         };
         let items = form.as_list().unwrap_or_default();
-        let wanted = "`:vehicle (sim :model NAME :at PLACE)`, or the name of a vehicle file in quotes for NAME";
+        let wanted = "`:vehicle (sim :model NAME :at PLACE)`, or the name of a vehicle file in quotes for NAME; optional: `:heading 90deg`";
         match items.first() {
             Some(Value::Symbol(kind)) if kind.is("sim") => {}
             Some(Value::Symbol(kind)) => {
@@ -408,6 +421,7 @@ impl SettingsReader<'_> {
         }
         let mut model = None;
         let mut start = None;
+        let mut heading_deg = 0.0;
         for pair in items.get(1..).unwrap_or_default().chunks(2) {
             match pair {
                 [Value::Symbol(key), Value::Symbol(name)] if key.is(":model") => {
@@ -417,14 +431,28 @@ impl SettingsReader<'_> {
                     model = Some(ModelSource::File(file.to_string()));
                 }
                 [Value::Symbol(key), place] if key.is(":at") => start = Some(place.clone()),
+                [Value::Symbol(key), angle] if key.is(":heading") => {
+                    heading_deg = heading(angle).ok_or_else(|| self.wrong("vehicle", form, wanted))?;
+                }
                 _ => return Err(self.wrong("vehicle", form, wanted)),
             }
         }
         match (model, start) {
-            (Some(model), Some(start)) => Ok((model, start)),
+            (Some(model), Some(start)) => Ok(StatedVehicle { model, start, heading_deg }),
             _ => Err(self.wrong("vehicle", form, wanted)),
         }
     }
+}
+
+/// Returns the degrees of a heading from 0 to 360: an angle, or a bare number in degrees.
+fn heading(value: &Value) -> Option<f64> {
+    use apex_model::quantity::Dimension;
+    let degrees = match value.as_number()? {
+        (radians, Dimension::ANGLE) => radians.to_degrees(),
+        (degrees, Dimension::NONE) => degrees,
+        _ => return None,
+    };
+    (0.0..=360.0).contains(&degrees).then_some(degrees)
 }
 
 /// Returns seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.

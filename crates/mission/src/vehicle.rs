@@ -132,7 +132,7 @@ pub(crate) fn figures_for(
     let application = library.application.as_ref()?;
     application.option("vehicle")?;
     // Errors of the vehicle are reported when the mission is loaded.
-    let model = match settings::vehicle_of(application, library).ok()?.0 {
+    let model = match settings::vehicle_of(application, library).ok()?.model {
         ModelSource::Shipped(name) => VehicleModel::named(&name).ok()?,
         ModelSource::File(name) => {
             let text = read(&folder.join(&name)).ok()?;

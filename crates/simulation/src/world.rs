@@ -13,8 +13,6 @@ const PATCH_MARGIN_M: f64 = 10_000.0;
 const START_M: f64 = 1_000.0;
 /// Levelled ground around an airfield on known terrain.
 const FIELD_M: f64 = 300.0;
-/// Heading of the parked vehicle.
-const START_HEADING_DEG: f64 = 0.0;
 
 /// Makes the world that `mission` flies in, with `seed` or the mission's own.
 ///
@@ -25,7 +23,7 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
         mission.start.latitude_deg,
         mission.start.longitude_deg,
         mission.start_altitude_m,
-        START_HEADING_DEG,
+        mission.settings.start_heading_deg,
     );
     let mut config = WorldConfig::new(mission.agent.name.printed(), mission.model.clone(), start);
     config.seed = seed.unwrap_or(mission.settings.seed);

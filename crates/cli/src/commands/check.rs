@@ -7,7 +7,7 @@ use crate::{output, sources};
 use apex_executive::memory;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::names::check_names;
-use apex_mission::{Mission, check_report};
+use apex_mission::{Mission, check_report, requirements, ways};
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
 use std::path::Path;
@@ -54,6 +54,8 @@ fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
     }
     let mission = Mission::of_program(file, Arc::new(checked.library.clone()))?;
     apex_simulation::world(&mission, None)?;
+    requirements::check_wind_at_start(&mission)?;
+    ways::check_take_offs(&mission)?;
     checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped()));
     checked.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
     Ok(())

@@ -23,5 +23,6 @@ pub use statement::{HeatLimit, LandingReach, Requirements, SunKeepOut};
 pub use watch::{Findings, Watch};
 
 pub(crate) use sensors::sun_margin_deg;
+pub use start::check_wind_at_start;
 pub(crate) use start::{StartConditions, check_start};
 pub(crate) use statement::{Stated, state};

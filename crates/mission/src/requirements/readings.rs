@@ -126,6 +126,13 @@ impl<'a> Scene<'a> {
         &self.mission.requirements
     }
 
+    /// Returns true for a fixed wing on the straight climb after a take-off.
+    pub(super) fn climbs_from_the_ground(&self) -> bool {
+        let takes_off = matches!(self.order, Some(FlightOrder::TakeOff(_)));
+        let is_low = self.flown.height_above_ground_m.is_some_and(|height_m| height_m < STRAIGHT_CLIMB_M);
+        takes_off && is_low && self.mission.model.airframe == Airframe::FixedWing
+    }
+
     /// Returns the landing places: airfields and bases.
     pub(super) fn landing_sites(&self) -> impl Iterator<Item = LandingSite<'a>> + use<'a> {
         let mission = self.mission;

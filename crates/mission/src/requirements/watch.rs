@@ -8,6 +8,7 @@
 use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
+use super::start::too_much_wind_at_start;
 use crate::Mission;
 use crate::link::LinkMemory;
 use crate::ways::STRAIGHT_CLIMB_M;
@@ -22,7 +23,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_requirements::alarm::{AlarmState, RequirementSample};
 use apex_requirements::response::must_act;
-use apex_requirements::{Alarm, Thresholds};
+use apex_requirements::{Alarm, Concern, Thresholds};
 use apex_runtime::ports::Input;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -147,9 +148,13 @@ impl Watch {
         let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
         // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
+        let is_first = self.read_s.is_none();
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
         (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, false);
         let mut findings = Findings::default();
+        if is_first && let Some(reason) = too_much_wind_at_start(known.0) {
+            findings.notes.push(reason);
+        }
         for reading in scene.readings() {
             let is_urgent = |within_s: f64| {
                 reading.margin < 0.0
@@ -172,7 +177,10 @@ impl Watch {
             }
             watched.report(&reading, now, is_near || change.is_some(), &mut findings);
             let repeat = watched.said_s.is_none_or(|said_s| now_s - said_s >= REPEAT_S);
-            if change == Some(AlarmState::Raised) || (is_raised && must_act && repeat) {
+            let is_raised_now = change == Some(AlarmState::Raised) || (is_raised && must_act && repeat);
+            // Near the ground a fixed wing that takes off can only climb straight ahead: the alarm is raised after that, if it lasts.
+            let waits = scene.climbs_from_the_ground() && reading.concern != Concern::Sensor;
+            if is_raised_now && !waits {
                 watched.said_s = Some(now_s);
                 let said = raise(&scene, &reading, watched.alarm.is_escalated(), now, &mut findings);
                 let subject = (reading.what.clone(), said.0.word().to_string());

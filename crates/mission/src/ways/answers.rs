@@ -329,12 +329,16 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
 }
 
 /// Evaluates `(way-to-climb HERE HEADING MET ALTITUDE)` for a vehicle that is about to take off: `:centre` of the circle on which it climbs,
-/// or nil for a circle where it begins to turn.
+/// or nil for a circle where it begins to turn. A take-off whose climb meets the ground is an error, so that the vehicle stays there.
 fn to_climb(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., altitude] = arguments else { return Ok(Value::nil()) };
     let Some(altitude_m) = length(altitude)? else { return Ok(Value::nil()) };
-    Ok(match limits.climb_circle(&Request { to_altitude_m: altitude_m, ..request }) {
+    let climb = Request { to_altitude_m: altitude_m, ..request };
+    if let Some(reason) = limits.closed_take_off(&climb) {
+        return Err(reason);
+    }
+    Ok(match limits.climb_circle(&climb) {
         Ok(centre) => centre.map_or_else(Value::nil, |centre| {
             Value::list([Value::list([Value::symbol(":centre"), shown(centre, altitude_m)])])
         }),

@@ -24,7 +24,7 @@ const JOIN_STEP_M: f64 = 2_000.0;
 const JOIN_STEPS_MAX: f64 = 200.0;
 /// Height of the straight climb after take-off, before the first turn, and its speed as a multiple of the slowest one.
 pub(crate) const STRAIGHT_CLIMB_M: f64 = 300.0;
-const CLIMB_SPEED: f64 = 1.4;
+pub(super) const CLIMB_SPEED: f64 = 1.4;
 
 impl Limits {
     /// Returns the place nearest to the destination around which a circle is open for the whole stay; otherwise the destination itself

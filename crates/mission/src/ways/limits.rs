@@ -48,6 +48,9 @@ pub struct Limits {
     /// Radius of circles as a multiple of `turn_radius_m`.
     pub(super) circle_width: f64,
     pub(super) climb_rate_mps: f64,
+    /// Fastest climb at sea level, and the altitude at which it is 0.
+    pub(super) climb_rate_mps_max: f64,
+    pub(super) ceiling_m: f64,
     pub(super) descent_rate_mps: f64,
     /// Fastest descent, which plans do not count on.
     pub(super) descent_rate_mps_max: f64,
@@ -156,6 +159,8 @@ impl Limits {
             turn_radius_m: turn_radius_m(model),
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
+            climb_rate_mps_max: model.climb_rate_m_s_max,
+            ceiling_m: model.ceiling_m,
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
             descent_rate_mps_max: model.descent_rate_m_s_max,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,

@@ -14,6 +14,7 @@ mod limits;
 mod route;
 mod segment;
 mod straight;
+mod take_off;
 mod wait;
 
 pub(crate) use answers::register;
@@ -22,6 +23,7 @@ pub use limits::Limits;
 pub(crate) use limits::lead_in_s;
 pub(crate) use route::time_error_s;
 pub(crate) use segment::Segment;
+pub use take_off::check_take_offs;
 
 use apex_model::problem::Position;
 

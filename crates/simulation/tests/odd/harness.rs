@@ -4,10 +4,11 @@ use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::verification::{CheckResult, verify};
+use apex_model::effect::Effect;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_runtime::record::RecordReader;
+use apex_runtime::record::{RecordReader, RecordedEffect};
 use apex_runtime::target_state::TargetState;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -64,6 +65,20 @@ impl Flown {
             events.extend(step.unwrap().batch.events.into_iter().map(|event| (event.at.seconds(), event.kind)));
         }
         events
+    }
+
+    /// Returns all commands with their instants, as text.
+    pub(crate) fn commands(&self) -> Vec<(f64, String)> {
+        let mut commands = Vec::new();
+        for step in RecordReader::open(&self.record).unwrap().steps_of_all(Time::END).unwrap() {
+            let step = step.unwrap();
+            let command = |recorded: &RecordedEffect| match recorded.effect().unwrap() {
+                Effect::Command { form, .. } => Some((step.batch.now.seconds(), form.to_string())),
+                _ => None,
+            };
+            commands.extend(step.effects.iter().filter_map(command));
+        }
+        commands
     }
 
     /// Returns time, latitude, longitude and altitude of each reported location.

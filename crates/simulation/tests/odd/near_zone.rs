@@ -17,7 +17,12 @@ struct NearZone {
 
 /// Flies from a base with a round zone of 50 km whose nearest edge is `edge_m` away; the wind blows from the west.
 fn fly_near(model: &str, edge_m: f64, wind_mps: f64) -> NearZone {
-    let middle = geodesy::destination(HOME, TOWARDS_DEG, edge_m + RADIUS_M);
+    fly_towards(model, TOWARDS_DEG, edge_m, wind_mps)
+}
+
+/// Flies like [`fly_near`] with the zone in a direction from the base.
+fn fly_towards(model: &str, towards_deg: f64, edge_m: f64, wind_mps: f64) -> NearZone {
+    let middle = geodesy::destination(HOME, towards_deg, edge_m + RADIUS_M);
     let corners = (0..=16).map(|number| {
         let corner = geodesy::destination(middle, 22.5 * f64::from(number % 16), RADIUS_M);
         format!("[{}, {}]", corner.longitude_deg, corner.latitude_deg)
@@ -38,7 +43,10 @@ fn fly_near(model: &str, edge_m: f64, wind_mps: f64) -> NearZone {
     );
     let wind = format!("altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,20000,270,{wind_mps},0.02\n");
     let files = [("t.geojson", &collection(&[home(), fire])), ("z.geojson", &collection(&[round])), ("w.csv", &wind)];
-    let flown = fly(&program(&options, "6000m"), &files.map(|(name, text)| (name, text.as_str())));
+    // Without a plan the aircraft returns.
+    let replans = "(restart-when (new plan))";
+    let program = program(&options, "6000m").replace(replans, &format!("{replans} (on-failure (inform (no plan)))"));
+    let flown = fly(&program, &files.map(|(name, text)| (name, text.as_str())));
     let apart_m = |at: &(f64, f64, f64, f64)| {
         geodesy::distance_m(middle, Position { latitude_deg: at.1, longitude_deg: at.2 }) - RADIUS_M
     };
@@ -80,4 +88,22 @@ fn a_wide_circle_next_to_the_base_is_flown_away_from_a_zone() {
     {
         fly_near(model, edge_m, wind_mps).keeps_out_and_lands(&format!("{model}, {edge_m} m, {wind_mps} m/s"));
     }
+}
+
+/// The zone lies ahead of the take-off. A response below the height of the first turn brought the aircraft down to circles near the ground,
+/// and the climb that continued failed when its altitude was changed: the mission ended in the air.
+#[test]
+fn a_take_off_towards_a_zone_is_not_interrupted_near_the_ground() {
+    let near = fly_towards("global-hawk", 0.0, 9_000.0, 10.0);
+    let text = near.flown.text();
+    let (commands, track) = (near.flown.commands(), near.flown.track());
+    let interrupted = commands.iter().find(|(_, command)| command.starts_with("(fly-to"));
+    let (begins_s, _) = interrupted.unwrap_or_else(|| panic!("nothing led away from the zone: {commands:?}\n{text}"));
+    let height_m = track.iter().rfind(|at| at.0 <= *begins_s).map_or(0.0, |at| at.3 - track[0].3);
+    assert!(height_m >= 299.0, "turned away at {height_m} m over the base: {commands:?}\n{text}");
+    let continued = commands.iter().find(|(at_s, command)| at_s > begins_s && command.starts_with("(loiter"));
+    assert!(continued.is_some(), "the climb was not continued: {commands:?}\n{text}");
+    let highest_m = track.iter().map(|at| at.3).fold(0.0, f64::max);
+    assert!(highest_m > 5_900.0, "{highest_m} m\n{text}");
+    assert!(!text.contains("has not landed") && !text.contains("the command"), "{text}");
 }

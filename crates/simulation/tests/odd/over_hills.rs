@@ -86,6 +86,26 @@ impl Relief {
     }
 }
 
+/// A hill of 300 m whose top is 1.2 km to the north, where the aircraft points when it stands: it climbed into the slope.
+#[test]
+fn a_take_off_into_a_slope_is_refused_and_one_away_from_it_flies() {
+    let relief = Relief { hill_m: 300.0, wide_m: 500.0, slope: 0.0 };
+    let base_m = relief.ground_m(HOME.0, HOME.1);
+    let up = |height_m: f64| format!("(take off to {:.0}m)", base_m + height_m);
+    let program = relief.program("fixed-wing-mapper").replace(&up(60.0), &up(400.0));
+    assert!(program.contains(&up(400.0)), "{program}");
+    let refused = relief.fly(&program);
+    let text = refused.text();
+    assert!(refused.track().iter().all(|at| (at.3 - base_m).abs() < 1.0), "it left the ground:\n{text}");
+    for words in ["towards 0 degrees meets the ground", "degrees is clear: `:heading"] {
+        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    }
+    let flown = relief.fly(&program.replace(":at home", ":at home :heading 180deg"));
+    let text = flown.text();
+    assert!(flown.observed_s("side").is_some(), "{text}");
+    assert_eq!(flown.check().violations(), 0, "{}\n{text}", flown.check());
+}
+
 /// Asserts that a flight observes every target, keeps all requirements and stays well above the ground.
 fn assert_flown_over(model: &str, relief: Relief, height_m_min: f64) {
     let flown = relief.fly(&relief.program(model));
