@@ -16,6 +16,6 @@ pub mod perimeter;
 pub mod plane;
 pub mod sun;
 pub mod terrain;
-mod time_limit;
+pub mod time_limit;
 pub mod travel;
 pub mod wind;

@@ -27,7 +27,10 @@ const UNKNOWN_S: f64 = 3.0 * 3_600.0;
 ///
 /// The value is twice the time in still air at `AIRSPEED`, plus all changes of altitude at a quarter of `CLIMB-RATE`, plus the durations,
 /// plus 5 minutes and four full circles. A place given by name, and a list with fewer than two places, add three hours.
-pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
+///
+/// # Errors
+/// An argument of another kind, as a fragment of a message.
+pub fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     let [places, airspeed, climb_rate, rest @ ..] = arguments else {
         return Err("it takes a list of places, an airspeed and a climb rate".to_owned());
     };

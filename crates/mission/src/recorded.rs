@@ -170,7 +170,7 @@ fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError
 pub fn report_until(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Report> {
     let (situation, flown) = folded_until(reader, mission, at)?;
     let report = report(mission, &situation, told(&flown), (at, "the flight was under way".to_string()));
-    Ok(Report { failed_because: None, not_landed: None, ..report })
+    Ok(Report { failed_because: None, not_landed: None, landed_away: None, ..report })
 }
 
 /// The report of the recorded flight, computed from its steps.

@@ -20,6 +20,8 @@ pub struct Report {
     pub failed_because: Option<String>,
     /// Statement about a vehicle that did not land; `None` if it is on the ground, and while the flight continues.
     pub not_landed: Option<String>,
+    /// A statement about a vehicle on the ground away from every landing place; `None` for another one.
+    pub landed_away: Option<String>,
     /// Observations in order.
     pub visits: Vec<Visit>,
     /// Targets never observed, with the last reason given.
@@ -90,6 +92,7 @@ pub fn report(
         end,
         failed_because: ending.failed_because().map(str::to_string),
         not_landed,
+        landed_away: ending.landed_away(mission, situation.vehicle.position),
         visits: situation.visits.clone(),
         left_out,
         notes: notes(situation),

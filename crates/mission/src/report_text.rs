@@ -20,7 +20,11 @@ impl Report {
         let notes: Vec<Value> =
             self.notes.iter().map(|note| json!({"t": note.at.seconds(), "text": note.text})).collect();
         let mut end = json!({"mission": self.mission, "t": self.end.0.seconds(), "reason": self.end.1});
-        for (key, text) in [("failed_because", &self.failed_because), ("not_landed", &self.not_landed)] {
+        for (key, text) in [
+            ("failed_because", &self.failed_because),
+            ("not_landed", &self.not_landed),
+            ("landed_away", &self.landed_away),
+        ] {
             if let (Some(text), Some(end)) = (text, end.as_object_mut()) {
                 end.insert(key.to_string(), json!(text));
             }
@@ -74,7 +78,7 @@ impl Report {
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         writeln!(out, "\n{}: ended at {} because {}", self.mission, whole_seconds(self.end.0), self.end.1)?;
-        for line in self.failed_because.iter().chain(&self.not_landed) {
+        for line in self.failed_because.iter().chain(&self.not_landed).chain(&self.landed_away) {
             writeln!(out, "  {line}")?;
         }
         match &self.value {

@@ -4,11 +4,12 @@ use super::visit::VehicleState;
 use crate::Mission;
 use crate::descent::approach_mps;
 use crate::vehicle::Airframe;
-use apex_geo::geodesy;
+use apex_geo::{geodesy, landing};
 use apex_model::cause::Cause;
 use apex_model::effect::{CommandId, DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
+use apex_model::problem::Position;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -251,7 +252,28 @@ impl Ending {
         }
         Some(sentence)
     }
+
+    /// Returns a statement about a vehicle that is on the ground after a flight, more than [`AWAY_M`] from every landing place and from its
+    /// start; `None` for another one.
+    pub(crate) fn landed_away(&self, mission: &Mission, position: Option<Position>) -> Option<String> {
+        let position = position.filter(|_| self.is_airborne == Some(false) && !self.has_crashed)?;
+        let places = mission.landing_places();
+        let nearest = landing::nearest(&places, position).map(|(place, distance_m)| (place.name.as_str(), distance_m));
+        let start = ("its start", geodesy::distance_m(position, mission.start));
+        let (name, distance_m) = nearest.filter(|(_, distance_m)| *distance_m <= start.1).unwrap_or(start);
+        (distance_m > AWAY_M).then(|| {
+            format!(
+                "the vehicle is on the ground at ({:.5} {:.5}), {:.1} km from the nearest landing place, {name}",
+                position.latitude_deg,
+                position.longitude_deg,
+                distance_m / 1e3
+            )
+        })
+    }
 }
+
+/// Distance from a landing place up to which a landing counts as one at the place: a fixed wing rolls out beyond it.
+const AWAY_M: f64 = 3_000.0;
 
 /// Returns a command as the report shows it: whole, or its name for a long one.
 fn command_text(form: &Value) -> String {

@@ -7,6 +7,7 @@ use super::wait::PlannedStart;
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
+use apex_geo::time_limit::flight_time_limit;
 use apex_geo::wind;
 use apex_model::host::HostFunctions;
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
@@ -53,6 +54,24 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
             body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
         };
         functions.register(name, Arc::new(function));
+    }
+    let time_limit = move |arguments: &[Value]| {
+        let known: Vec<Value> = arguments.iter().map(|argument| with_positions(&limits, argument)).collect();
+        flight_time_limit(&known).map_err(|reason| format!("`flight-time-limit`: {reason}"))
+    };
+    functions.register("flight-time-limit", Arc::new(time_limit));
+}
+
+/// Returns a value in which the names of the mission's places are replaced by their positions: a flight to a place of unknown position
+/// has a time limit that is three hours longer.
+fn with_positions(limits: &Limits, value: &Value) -> Value {
+    match value {
+        Value::Symbol(name) => limits.place(name.folded()).map_or_else(
+            || value.clone(),
+            |(place, _)| Value::list([Value::Real(place.latitude_deg), Value::Real(place.longitude_deg)]),
+        ),
+        Value::List(items) => Value::list(items.iter().map(|item| with_positions(limits, item))),
+        _ => value.clone(),
     }
 }
 
