@@ -185,7 +185,7 @@ fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) ->
     }
     let proven = proof::prove(&mut solved, input.is_tour(), input.bound_budget)?;
     let turns = turns::of(&solved.problem, &solved.plan, input.mission());
-    let facts = PlanFacts { proven: &proven, turns, survival: None };
+    let facts = PlanFacts { proven: &proven, turns, survival: None, air_changes: input.air_changes() };
     Ok(json::write(&input.name, input.benchmark.as_ref(), &solved, &facts))
 }
 

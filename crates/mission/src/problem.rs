@@ -11,6 +11,7 @@ use crate::descent::{Descent, descent_rate_mps};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
 use crate::score::{FlownScore, is_complete};
+use crate::site_pictures::{self, Daylight};
 use crate::vehicle::turn_radius_m;
 use crate::visit_altitude::sites;
 pub use crate::visit_altitude::visit_altitude_m;
@@ -53,6 +54,14 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
         let measured = situation.in_measured_wind(mission.clone(), at.seconds());
         surveillance(&measured, situation, at).map(Problem::Surveillance)
     }
+}
+
+/// Returns the surveillance problem of a mission without fires from its start, in which every visit counts: by its costs flights are valued.
+///
+/// # Errors
+/// If the data are invalid.
+pub(crate) fn watched(mission: &Mission) -> Result<SurveillanceProblem, NoPlan> {
+    every_visit(mission, &Situation::default(), Time::ZERO)
 }
 
 /// Returns the position of the vehicle, as far as known.
@@ -235,7 +244,7 @@ pub(crate) fn with_landing(
 
 /// Returns the reason for which a look cannot be observed from the mission's start, with the nearest possibility; `None` if it can.
 pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> Option<String> {
-    let TargetKind::Fire(fire) = &target.kind else { return None };
+    let TargetKind::Fire(fire) = &target.kind else { return site_pictures::trouble(mission, target) };
     let (_, look) = fire.looks().find(|(of_look, _)| of_look == name)?;
     let wish = Wish {
         mission,
@@ -249,7 +258,24 @@ pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> 
     manoeuvres::of(&wish).err()
 }
 
+/// Returns the problem of the visits that can give a valid picture.
 fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<SurveillanceProblem, NoPlan> {
+    let mut problem = every_visit(mission, situation, at)?;
+    let troubles: Vec<(usize, String)> = sites(mission)
+        .enumerate()
+        .filter_map(|(index, site)| Some((index, site_pictures::trouble(mission, site)?)))
+        .collect();
+    if let Some((_, why)) = troubles.first().filter(|_| troubles.len() == problem.targets.len()) {
+        return Err(NoPlan::Fault(format!("no visit of any site can give a valid picture: {why}")));
+    }
+    troubles.iter().for_each(|(index, _)| problem.travel.shut(*index));
+    if let Some(daylight) = Daylight::next(mission, at.seconds()).map_err(NoPlan::NothingLeft)? {
+        daylight.restrict(&mut problem, at.seconds());
+    }
+    Ok(problem)
+}
+
+fn every_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<SurveillanceProblem, NoPlan> {
     let now_s = at.seconds();
     let mut targets = Vec::new();
     let mut positions = Vec::new();

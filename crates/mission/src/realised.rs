@@ -5,14 +5,12 @@
 //! which a picture was taken. Over many seeds the means are equal if every look detects (`detection` 1). Bound: O(fires x visits).
 
 use crate::Mission;
-use crate::problem::pose;
+use crate::problem::watched;
 use crate::report::Report;
-use crate::situation::Situation;
 use apex_metrics::eci::{cost_at, expected_cost};
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind};
-use apex_model::problem::{Problem, SurveillanceVisit};
-use apex_model::time::Time;
+use apex_model::problem::SurveillanceVisit;
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 
@@ -43,7 +41,7 @@ pub struct RealisedIgnorance {
 impl FireLog {
     /// Compares with the report of the flight; `None` for missions without structures.
     pub fn compare(&self, mission: &Mission, report: &Report) -> Option<RealisedIgnorance> {
-        let Ok(Problem::Surveillance(problem)) = pose(mission, &Situation::default(), None, Time::ZERO) else {
+        let Ok(problem) = watched(mission) else {
             return None;
         };
         let visits: Vec<SurveillanceVisit> = report

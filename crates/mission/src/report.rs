@@ -1,13 +1,14 @@
 //! Report of a flight, as text and as JSON: score by factor, visits, targets left out with reasons, notable decisions.
 
-use super::problem::{pose, trouble};
+use super::problem::{trouble, watched};
 use super::score::{FlightScore, FlownScore, flight_score, is_complete};
 use super::situation::{Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
 use crate::observing::looks_with;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
-use apex_model::problem::{Problem, SurveillanceVisit};
+use apex_model::problem::SurveillanceVisit;
 use apex_model::time::Time;
+use apex_observation::result::LookResult;
 use apex_runtime::target_state::{TargetChange, TargetState};
 
 /// The report of one flight.
@@ -61,6 +62,8 @@ pub struct SiteLooks {
     pub look_angle_deg: Option<f64>,
     /// Coverage, clarity and resolution of the best picture, 0 to 1.
     pub quality: f64,
+    /// Greatest cause of its losses; `None` without losses or pictures.
+    pub lost: Option<&'static str>,
 }
 
 /// Returns the report of a flight that ended in this situation, at this time and for this reason; `flown` are its observations, or the
@@ -166,9 +169,7 @@ fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &s
         return MissionValue::Score(flight_score(mission, situation, flown, end.seconds() / 3600.0));
     }
     let mission = &situation.updates.believed(mission);
-    let Ok(Problem::Surveillance(problem)) = pose(mission, &Situation::default(), None, Time::ZERO) else {
-        return MissionValue::None;
-    };
+    let Ok(problem) = watched(mission) else { return MissionValue::None };
     if problem.targets.is_empty() {
         return MissionValue::None;
     }
@@ -176,7 +177,11 @@ fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &s
     let score = flown.ok().filter(|_| looks_with(&mission.model).is_some());
     let is_seen = |visit: &Visit| {
         let end_s = visit.end.map(Time::seconds);
-        end_s.is_some_and(|end_s| score.is_none_or(|score| score.saw(&visit.target, visit.begin.seconds(), end_s)))
+        let site = mission.targets.iter().find(|target| target.id == visit.target);
+        // A vehicle whose sensors cannot see a site from its visits has seen nothing either.
+        let is_in_sight = || site.is_none_or(|site| trouble(mission, site, &site.id).is_none());
+        let saw = |score: &FlownScore, end_s| score.saw(&visit.target, visit.begin.seconds(), end_s);
+        end_s.is_some_and(|end_s| score.map_or_else(is_in_sight, |score| saw(score, end_s)))
     };
     let flown = |visit: &Visit| {
         let end_s = visit.end?.seconds();
@@ -194,8 +199,15 @@ fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &s
             pixel_m: best.seen.pixel_m_mean,
             look_angle_deg: best.seen.look_angle_deg_mean,
             quality: best.factors.product(),
+            lost: greatest_loss(&best),
             target: result.name,
         })
     });
     MissionValue::Ignorance(expected_cost(&problem, &visits), looks.collect())
+}
+
+/// Returns the words of the cause that costs most; `None` if nothing was lost.
+fn greatest_loss(look: &LookResult) -> Option<&'static str> {
+    let losses = look.losses.iter().filter(|loss| loss.points > 0.0);
+    losses.max_by(|a, b| a.points.total_cmp(&b.points)).map(|loss| loss.cause.words())
 }

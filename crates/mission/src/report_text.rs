@@ -193,13 +193,14 @@ fn write_pictures(out: &mut String, looks: &[SiteLooks]) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "  {:<width$} {:>6} {:>5} {:>8} {:>10} {:>8.2}",
+            "  {:<width$} {:>6} {:>5} {:>8} {:>10} {:>8.2}{}",
             site.target,
             site.visits,
             site.seen,
             figure(site.pixel_m.map(|pixel_m| 100.0 * pixel_m), 1, "cm"),
             figure(site.look_angle_deg, 0, "deg"),
-            site.quality
+            site.quality,
+            site.lost.filter(|_| site.seen < site.visits).map_or_else(String::new, |cause| format!("  {cause}"))
         )?;
     }
     Ok(())

@@ -21,17 +21,28 @@ pub fn run(options: &CheckOptions) -> CliResult {
     let mut wrong = false;
     for file in &options.files {
         let mut checked = sources::check_program(file, options.fragment)?;
-        let data = if options.fragment || checked.has_errors() { Ok(()) } else { check_data(file, &mut checked) };
+        let data = match options.fragment || checked.has_errors() {
+            true => Ok(Vec::new()),
+            false => check_data(file, &mut checked),
+        };
         wrong |= checked.has_errors() || data.is_err();
         print(&checked, options.json)?;
         if options.memory {
             memory(&checked, options.json)?;
         }
-        if let Err(error) = &data {
-            print_data(error, options.json)?;
+        match &data {
+            Err(error) => print_data(error, options.json)?,
+            Ok(doubts) => doubts.iter().try_for_each(|doubt| print_doubt(file, doubt, options.json))?,
         }
         if !options.json {
-            let of_data = if data.is_err() { "; 1 error in the data of the mission" } else { "" };
+            let of_data = match &data {
+                Err(_) => "; 1 error in the data of the mission".to_string(),
+                Ok(doubts) if doubts.is_empty() => String::new(),
+                Ok(doubts) => {
+                    let plural = if doubts.len() == 1 { "" } else { "s" };
+                    format!("; {} warning{plural} about the data of the mission", doubts.len())
+                }
+            };
             output::print_line(format_args!(
                 "{}: {}{of_data}",
                 sources::program_path(file).display(),
@@ -46,11 +57,11 @@ pub fn run(options: &CheckOptions) -> CliResult {
 }
 
 /// Reads the data of a mission, with its world file, as planning and flying do, and compares the program with the data; findings are added
-/// to the other messages. A program without a vehicle has no data.
-fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
+/// to the other messages. A program without a vehicle has no data. Returns the doubts about the mission.
+fn check_data(file: &Path, checked: &mut Checked) -> MissionResult<Vec<String>> {
     let application = checked.library.application.as_ref();
     if application.is_none_or(|application| application.option("vehicle").is_none()) {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let mission = Mission::of_program(file, Arc::new(checked.library.clone()))?;
     apex_simulation::world(&mission, None)?;
@@ -58,7 +69,25 @@ fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
     ways::check_take_offs(&mission)?;
     checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped()));
     checked.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
-    Ok(())
+    Ok(mission.doubts())
+}
+
+/// Prints a doubt about a mission, as text or as a JSON line with the members of a diagnostic.
+fn print_doubt(file: &Path, doubt: &str, json: bool) -> CliResult {
+    if !json {
+        return output::print_line(format_args!("warning: {doubt}\n"));
+    }
+    output::print_line(serde_json::json!({
+        "code": null,
+        "severity": "warning",
+        "message": doubt,
+        "file": sources::program_path(file).display().to_string(),
+        "line": null,
+        "column": null,
+        "reason": null,
+        "help": [],
+        "fixes": [],
+    }))
 }
 
 /// Prints an error of a mission's data, as text or as a JSON line with the members of a diagnostic.

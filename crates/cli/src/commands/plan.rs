@@ -60,7 +60,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     let proven = proof::prove(&mut solved, question.is_tour(), bound_budget)?;
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let turns = turns::of(&solved.problem, &solved.plan, question.mission());
-    let facts = PlanFacts { proven: &proven, turns, survival };
+    let facts = PlanFacts { proven: &proven, turns, survival, air_changes: question.air_changes() };
     let text = match format {
         PlanFormat::Table => table::write(&question.name, question.benchmark.as_ref(), &solved, &facts),
         PlanFormat::Json => json::write(&question.name, question.benchmark.as_ref(), &solved, &facts),

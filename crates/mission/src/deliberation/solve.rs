@@ -1,10 +1,12 @@
 //! Solves a posed problem: chooses a planner, runs it isolated and within its budget, and checks its plan.
 
 use crate::problem::{NoPlan, survey, trouble};
+use crate::site_pictures::Daylight;
 use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
+use apex_planning::obstacle::{Obstacle, TimeLimit};
 use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, SolverLimits};
@@ -171,6 +173,7 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
 /// Like [`name_obstacles`], for the looks that are still open.
 pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     name_zones(mission, solved);
+    name_pictures(mission, solved);
     name_unseen(mission, solved, is_open);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
@@ -215,6 +218,38 @@ fn name_zones(mission: &Mission, solved: &mut Deliberation) {
         if let Some(trouble) = site.and_then(|site| ways.trouble(site)) {
             left_out.reason = trouble.to_string();
         }
+    }
+}
+
+/// States where visits of sites cannot give valid pictures: at no time, or outside of the daylight, which the summary names.
+fn name_pictures(mission: &Mission, solved: &mut Deliberation) {
+    let Plan::Surveillance(plan) = &mut solved.plan else { return };
+    let now_s = solved.from.map_or(0.0, |(_, begin)| begin.seconds());
+    let daylight = Daylight::next(mission, now_s).ok().flatten();
+    for left_out in &mut plan.left_out {
+        let site = mission.targets.iter().find(|target| target.id == left_out.target);
+        if let Some(why) = site.and_then(|site| trouble(mission, site, &site.id)) {
+            left_out.reason = format!("no way to observe it: {why}");
+        } else if let (Some(daylight), Some(late)) = (&daylight, Obstacle::parse(&left_out.reason)) {
+            left_out.reason = in_daylight(late, daylight).to_string();
+        }
+    }
+    if let Some(daylight) = daylight {
+        plan.summary = format!("{} {}", plan.summary, daylight.told(now_s));
+    }
+}
+
+/// Returns the obstacle with the daylight as its limit instead of the endurance.
+fn in_daylight(obstacle: Obstacle, daylight: &Daylight) -> Obstacle {
+    match obstacle {
+        Obstacle::Late { over_s, limit: TimeLimit::Flight { name, .. }, alone } if name == "endurance" => {
+            Obstacle::Late {
+                over_s,
+                limit: TimeLimit::Flight { name: "the daylight".to_string(), cause: Some(daylight.cause()) },
+                alone,
+            }
+        }
+        other => other,
     }
 }
 

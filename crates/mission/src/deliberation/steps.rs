@@ -25,6 +25,9 @@ const EARLY_S: f64 = 900.0;
 /// Timing factors that differ by less are equal.
 const TIMING_TOLERANCE: f64 = 1e-3;
 
+/// Shorter waits before the first visit are not flown, s.
+const WAIT_S_MIN: f64 = 30.0;
+
 /// Tag and activity of a step.
 type NamedActivity = (Symbol, PlannedActivity);
 
@@ -189,9 +192,6 @@ fn surveillance_steps(
     mission: &Mission,
     from: Option<(Position, Time)>,
 ) -> (Vec<NamedActivity>, bool) {
-    let repeat = !plan.cycle.is_empty();
-    let order: Vec<&String> =
-        if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };
     let site = |target: &Target| match &target.kind {
         TargetKind::Site(site) => Some((target.clone(), site.dwell_s)),
         _ => None,
@@ -200,6 +200,14 @@ fn surveillance_steps(
     let positions: Vec<Position> = sites.iter().map(|(target, _)| target.position).collect();
     let (start, begin) = from.unwrap_or((mission.start, Time::ZERO));
     let mut ways = survey(mission, &positions, start, begin.seconds()).ok();
+    let first = plan.visits.first();
+    let first_number = first.and_then(|visit| sites.iter().position(|(target, _)| target.id == visit.target));
+    let way_s = ways.as_ref().zip(first_number).map(|(ways, number)| ways.times.start_to(number));
+    // The plan begins with the daylight; a cycle is then written as its visits, so that it begins only once.
+    let wait_s = first.zip(way_s).map_or(0.0, |(visit, way_s)| visit.arrive_s - way_s);
+    let repeat = !plan.cycle.is_empty() && wait_s < WAIT_S_MIN;
+    let order: Vec<&String> =
+        if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };
     // A cycle is flown again and again by the ways of its first lap.
     let mut departs_s = vec![0.0];
     departs_s.extend(plan.visits.iter().map(|visit| visit.end_s));
@@ -218,6 +226,10 @@ fn surveillance_steps(
     let circles = mission.model.airframe == Airframe::FixedWing;
     let camera = looks_with(&mission.model).map(|camera| camera.name);
     let mut steps = Vec::new();
+    if let (false, Some((target, _))) = (repeat, order.first().and_then(|number| sites.get(*number))) {
+        let wait_s = if wait_s < WAIT_S_MIN { 0.0 } else { wait_s };
+        hold(&mut steps, &[start], visit_altitude_m(mission, target), wait_s);
+    }
     let mut before = None;
     for (index, number) in order.iter().enumerate() {
         let Some((target, dwell_s)) = sites.get(*number) else { continue };

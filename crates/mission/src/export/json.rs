@@ -8,7 +8,7 @@ use apex_solvers::bounds::age_grid::cycles::WithoutEnd;
 
 /// Writes the problem, the plan, its value and its proven bound.
 pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {
-    let PlanFacts { proven, turns, survival } = facts;
+    let PlanFacts { proven, turns, survival, air_changes } = facts;
     let Proof { value, bound, gap, proven_optimal } = proven.proof;
     let answer = serde_json::json!({
         "mission": name,
@@ -19,7 +19,7 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, f
         "value": value,
         "bound": bound,
         "gap": gap,
-        "proven_optimal": proven_optimal,
+        "proven_optimal": proven_optimal && !air_changes,
         "work_units": solved.work,
         "bound_work_units": proven.work,
         "bound_complete": proven.complete,

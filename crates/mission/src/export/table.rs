@@ -26,6 +26,9 @@ pub struct PlanFacts<'a> {
     pub turns: Option<Turns>,
     /// Cost of a surveillance plan if only first events count, if requested.
     pub survival: Option<f64>,
+    /// True if the forecast of the air changes during the mission: observations are predicted, and the bound is proven, in the air of the
+    /// earliest arrival at each target.
+    pub air_changes: bool,
 }
 
 /// Writes the problem, the planner with its reason, the visits, their values, and the targets left out.
@@ -76,7 +79,7 @@ fn write_table(out: &mut String, solved: &Deliberation, facts: &PlanFacts<'_>) -
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
     writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", 18, "    "))?;
     match &solved.plan {
-        Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
+        Plan::SingleVisit(plan) => write_single_visit(out, plan, facts.air_changes)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
     }
     if let (Plan::Surveillance(plan), Some(cost)) = (&solved.plan, facts.survival) {
@@ -107,7 +110,7 @@ fn clock(seconds: f64) -> String {
     Time::from_seconds(seconds.round()).to_string()
 }
 
-fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Result {
+fn write_single_visit(out: &mut String, plan: &SingleVisitPlan, air_changes: bool) -> std::fmt::Result {
     let width = name_width("target", plan.visits.iter().map(|visit| visit.target.as_str()));
     writeln!(out, "  {:<width$} {:>10} {:>10} {:>10} {:>8}", "target", "arrive", "begin", "end", "worth")?;
     for visit in &plan.visits {
@@ -124,6 +127,9 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Res
     writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
     writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
     match plan.benefits_bound.zip(plan.gap()) {
+        Some((bound, gap)) if gap < OPTIMAL && air_changes => {
+            writeln!(out, "  no plan can have benefits above {bound:.2}, which this one has, {EARLIEST_AIR}")
+        }
         Some((bound, gap)) if gap < OPTIMAL && plan.costs == 0.0 => {
             writeln!(out, "  proven to be the best: no plan can have benefits above {bound:.2}")
         }
@@ -132,11 +138,15 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Res
         }
         Some((bound, gap)) => {
             let share = 100.0 * gap;
-            writeln!(out, "  no plan can have benefits above {bound:.2}: this one is within {share:.1} % of the most")
+            writeln!(out, "  no plan can have benefits above {bound:.2}: this one is within {share:.1} % of the most")?;
+            if air_changes { writeln!(out, "  the bound holds {EARLIEST_AIR}") } else { Ok(()) }
         }
         None => writeln!(out, "  no bound is known"),
     }
 }
+
+/// Condition of a bound in air that changes.
+const EARLIEST_AIR: &str = "in the air forecast for the earliest arrivals; it changes later";
 
 fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
     if !plan.cycle.is_empty() {

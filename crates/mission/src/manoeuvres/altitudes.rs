@@ -1,6 +1,7 @@
 //! Candidate altitudes for lines of a scanner over a target: where the useful swath is widest, where pixels are just fine enough or the
 //! scan rate just fast enough, where the air is calmest, just above and below zones, and the vehicle's greatest altitude.
 
+use super::air_limits::CalmBands;
 use super::wish::Wish;
 use apex_geo::geodesy;
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
@@ -26,8 +27,10 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     // Above this altitude pixels are too large to have any value.
     let highest_m = ground_m + look.resolution.zero_multiple * look.resolution.wanted_m / mode.pixel_rad();
     let scan_m = ground_m + mode.height_m_min_any(model.true_airspeed_m_s_cruise);
-    let clear_m = mission.clear_altitude_m(wish.target.position, wish.fire.radius_m).map(|clear_m| clear_m + LEVEL_M);
-    let lowest_m = clear_m.unwrap_or(scan_m).max(scan_m);
+    // Where the ground is not known, it lies at the elevation of the target.
+    let flat_m = ground_m + mission.requirements.terrain_clearance_m.unwrap_or(0.0);
+    let clear_m = mission.clear_altitude_m(wish.target.position, wish.fire.radius_m).unwrap_or(flat_m) + LEVEL_M;
+    let lowest_m = clear_m.max(scan_m);
     let top_m = ceiling_m.min(highest_m);
     if lowest_m > top_m {
         let limit = if highest_m < ceiling_m {
@@ -35,13 +38,19 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
         } else {
             format!("the vehicle flies no higher than {ceiling_m:.0} m")
         };
-        let need = if lowest_m > scan_m { "the clearance of the terrain around it" } else { "scanning without gaps" };
+        let need = if lowest_m > scan_m {
+            "the clearance of the terrain around it (requirement terrain)"
+        } else {
+            "scanning without gaps"
+        };
         return Err(format!("{need} needs an altitude of {lowest_m:.0} m, {limit}"));
     }
     if top_m <= ground_m {
         return Err(format!("the ground lies at {ground_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"));
     }
+    let calm = CalmBands::between(wish, (lowest_m, top_m))?;
     let mut found = vec![lowest_m, ceiling_m];
+    found.extend(calm.iter().flat_map(CalmBands::ends_m));
     if look.resolution.wanted_m.is_finite() {
         let half_rad = mode.half_field_rad();
         // The useful swath is widest where its edge is seen at 45 degrees, or at the edge of the field of view.
@@ -61,6 +70,7 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     found.extend(bands.iter().flat_map(|(low_m, high_m)| [*low_m, *high_m]));
     // At ground level nothing is seen, and the least height may be 0 if no scan rate is known.
     found.retain(|altitude_m| *altitude_m >= lowest_m && *altitude_m <= top_m && *altitude_m > ground_m + APART_M);
+    found.retain(|altitude_m| calm.as_ref().is_none_or(|calm| calm.contain(*altitude_m)));
     if let Some((low_m, high_m)) = bands.first() {
         found.retain(|altitude_m| bands.iter().any(|(low_m, high_m)| (*low_m..=*high_m).contains(altitude_m)));
         if found.is_empty() {

@@ -1,5 +1,6 @@
 //! Ways to observe a wanted look, each with its predicted result: the planner chooses among them.
 
+mod air_limits;
 mod altitudes;
 mod camera;
 mod drafts;

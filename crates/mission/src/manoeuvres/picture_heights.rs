@@ -1,5 +1,6 @@
 //! Heights for pictures: the lowest that the mission permits, the highest that the wanted pixels permit, and some between.
 
+use super::air_limits::CalmBands;
 use super::altitudes::{permitted_bands, zones_near};
 use super::wish::Wish;
 use apex_geo::geodesy::RAD_PER_DEG;
@@ -46,6 +47,7 @@ pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -
         return Err(format!("the ground lies at {ground_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"));
     }
     let top_m = highest_m.min(ceiling_m);
+    let calm = CalmBands::between(wish, (lowest_m, top_m))?;
     let mut found = vec![lowest_m, ground_m + model.planning.visit_height_m, mission.cruise_altitude_m()];
     if wanted_m.is_finite() {
         let corner_rad = 0.5 * libm::hypot(camera.wide_deg, camera.high_deg) * RAD_PER_DEG;
@@ -57,9 +59,11 @@ pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -
     for zone in zones_near(wish) {
         found.extend([zone.altitude_m_max + face_m, zone.altitude_m_min - face_m]);
     }
+    found.extend(calm.iter().flat_map(CalmBands::ends_m));
     let bands = permitted_bands(wish, face_m);
     found.extend(bands.iter().flat_map(|(low_m, high_m)| [*low_m, *high_m]));
     found.retain(|altitude_m| (lowest_m..=top_m).contains(altitude_m));
+    found.retain(|altitude_m| calm.as_ref().is_none_or(|calm| calm.contain(*altitude_m)));
     if !bands.is_empty() {
         found.retain(|altitude_m| bands.iter().any(|(low_m, high_m)| (*low_m..=*high_m).contains(altitude_m)));
         if let (true, Some((low_m, high_m))) = (found.is_empty(), bands.first()) {

@@ -173,6 +173,11 @@ impl PlanInput {
         Ok(PlanInput::new("problem".into(), problem))
     }
 
+    /// Returns true if a mission of single visits changes its forecast of the air: bounds then hold in the air of the earliest arrivals.
+    pub fn air_changes(&self) -> bool {
+        matches!(self.problem, Problem::SingleVisit(_)) && self.mission().is_some_and(Mission::air_changes)
+    }
+
     /// Returns the mission of the input, if it has one.
     pub fn mission(&self) -> Option<&Mission> {
         self.mission.as_ref().map(|(mission, _)| mission)

@@ -4,7 +4,7 @@ use super::value::{Cost, CostKind, FlightScore, ScoredLook};
 
 use crate::observing::{CLARITY, COVERAGE, RESOLUTION, TIMING};
 use crate::predicted::Predicted;
-use crate::text::{name_width, wrapped};
+use crate::text::{name_width, wrapped, wrapped_line};
 use apex_model::problem::QualityFactor;
 use apex_observation::result::{LookResult, LossCause, Remark};
 use serde_json::{Value, json};
@@ -12,6 +12,9 @@ use std::fmt::Write;
 
 /// Losses below this many points are left out of the text.
 const LOSS_TOLD_MIN: f64 = 0.05;
+/// Explanation of values in the rows of plans.
+const VALUES_TOLD: &str = "  A value in the second row is what the plan counted: the value then, less what had been seen and what its other visits \
+     show.";
 
 impl FlightScore {
     /// Returns the score for the record and for programs.
@@ -59,8 +62,18 @@ impl FlightScore {
             "  {:<width$} {:>6} {:>9} {:>11} {:>9} {:>7} {:>7}",
             "target", "value", "coverage", "resolution", "clarity", "timing", "worth"
         )?;
-        self.looks.iter().try_for_each(|look| write_look(out, look, width))
+        self.looks.iter().try_for_each(|look| write_look(out, look, width))?;
+        match self.looks.iter().any(|look| planned_value(look).is_some()) {
+            true => writeln!(out, "{}", wrapped_line(VALUES_TOLD)),
+            false => Ok(()),
+        }
     }
+}
+
+/// Returns the value that the plan counted, if it differs from the one as flown.
+fn planned_value(look: &ScoredLook) -> Option<f64> {
+    let counted = look.predicted.as_ref()?.value()?;
+    ((counted - look.flown.value).abs() >= LOSS_TOLD_MIN).then_some(counted)
 }
 
 fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Result {
@@ -79,7 +92,11 @@ fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Re
         writeln!(
             out,
             "  {:<width$} {:>6} {:>9.2} {:>11.2} {:>9.2} {timing:>7.2} {worth:>7.1}",
-            "", "", quality.coverage.factor, quality.resolution.factor, quality.clarity.factor
+            "",
+            planned_value(look).map_or_else(String::new, |value| format!("{value:.1}")),
+            quality.coverage.factor,
+            quality.resolution.factor,
+            quality.clarity.factor
         )?;
     }
     let mut told: Vec<String> = causes(&look.flown, &LossCause::ALL);
@@ -138,6 +155,7 @@ fn predicted_json(predicted: &Predicted) -> Value {
         "resolution": factor(&predicted.quality.resolution),
         "clarity": factor(&predicted.quality.clarity),
         "timing": {"factor": predicted.timing, "cause": ""},
+        "value": predicted.value(),
         "worth": predicted.worth,
         "begin_s": predicted.begin_s,
         "end_s": predicted.end_s,

@@ -1,9 +1,9 @@
 //! The best look of a cell, and the expected best of predicted looks.
 //!
 //! Looks are sorted by value; look l counts with the probability that it is valid and no better one is: `E[best] = sum_l q_l P(l valid,
-//! all better ones not)`. Turbulence is independent between looks. Cloud has one random state per hour: of two looks in the same hour,
-//! the one with the smaller probability of a clear line is clear only if the other is. A flown look is certain, so only the best of them
-//! counts.
+//! all better ones not)`. Turbulence is independent between looks. Cloud has one random state per hour, counted from the first look that it
+//! may hide, so that looks that are all later by the same time have the same value: of two looks in the same hour, the one with the
+//! smaller probability of a clear line is clear only if the other is. A flown look is certain, so only the best of them counts.
 
 use super::by_cell::ByCell;
 use super::worth::{CAUSES, LookWorth, StripWorth, add};
@@ -93,7 +93,9 @@ fn alone(look: LookCandidate) -> (LookCandidate, CellWorth) {
 fn share_out(candidates: &mut [LookCandidate]) {
     let is_plain = candidates.iter().all(|candidate| candidate.worth.clear >= 1.0);
     if !is_plain {
-        candidates.iter_mut().for_each(|look| look.hour = libm::floor(look.time_s / 3_600.0) as i64);
+        let hidden_s = candidates.iter().filter(|look| look.worth.clear < 1.0).map(|look| look.time_s);
+        let first_s = hidden_s.fold(f64::INFINITY, f64::min);
+        candidates.iter_mut().for_each(|look| look.hour = libm::floor((look.time_s - first_s) / 3_600.0) as i64);
     }
     let mut left = 1.0;
     for index in 0..candidates.len() {
@@ -176,6 +178,27 @@ pub(super) fn losses(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn looks_that_are_all_later_count_as_much() {
+        let at = |time_s: f64, clear: f64| LookCandidate {
+            entry: (0, 0),
+            interval: 1.0,
+            worth: LookWorth { valid: 0.9, clear, s: 1.0, sr: 1.0, sro: 1.0 },
+            time_s,
+            hour: 0,
+            used: 0.0,
+        };
+        let shares = |first_s: f64, apart_s: f64| {
+            let mut looks = [at(first_s, 0.6), at(first_s + apart_s, 0.5)];
+            share_out(&mut looks);
+            looks.map(|look| look.used)
+        };
+        // A minute apart, inside of an hour of the mission and on both sides of one.
+        assert_eq!(shares(100.0, 60.0), shares(3_590.0, 60.0));
+        // Of the looks in one state of the cloud the second helps less than in another state.
+        assert!(shares(0.0, 60.0)[1] < shares(0.0, 4_000.0)[1]);
+    }
 
     #[test]
     fn a_look_alone_counts_as_it_does_among_looks() {

@@ -1,7 +1,7 @@
 //! Orbit: circles over ground around the target, seen from all sides.
 
 use super::craft::circle_bank_deg;
-use super::refusal::{Limit, Refusal, positive, rounded_up};
+use super::refusal::{Limit, Refusal, positive, rounded_down, rounded_up};
 use super::scene::Scene;
 use super::track::{Element, Sight, Track, TrackPoint, arc_points, chord_m_max};
 use super::{Craft, Instrument};
@@ -31,6 +31,8 @@ impl Orbit {
     pub const NAME: &'static str = "orbit";
     /// Most circles of one orbit.
     const TURNS_MAX: f64 = 100.0;
+    /// Rounding error of a tilt angle, and angle by which a mount reaches further down than its limit.
+    const TILT_SPARE_DEG: (f64, f64) = (1e-9, 1.0);
     /// Steps of the integral over a circle.
     const STEPS: u32 = 720;
 
@@ -62,7 +64,13 @@ impl Orbit {
         (bank(true_airspeed_mps - wind_mps), bank(true_airspeed_mps + wind_mps))
     }
 
-    pub(crate) fn check(&self, airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Result<(), Refusal> {
+    pub(crate) fn check(
+        &self,
+        airspeed_mps: f64,
+        craft: &Craft,
+        instrument: &Instrument,
+        scene: &Scene,
+    ) -> Result<(), Refusal> {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a radius", "m", self.radius_m)?;
         positive(Self::NAME, "a number of turns", "", self.turns)?;
@@ -70,6 +78,7 @@ impl Orbit {
         turns.at_most(self.turns, Self::TURNS_MAX, "an orbit may have at most this many turns", || {
             "repeat the orbit".to_string()
         })?;
+        self.check_sight(craft, instrument)?;
         if craft.can_hover {
             return Ok(());
         }
@@ -80,14 +89,42 @@ impl Orbit {
         limit.at_least(self.radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
+    /// Rejects an orbit from which the mount of the camera cannot see the target. A scanner looks straight down: it records the ground below
+    /// the circle.
+    fn check_sight(&self, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
+        let Instrument::Camera(camera) = instrument else { return Ok(()) };
+        let aside = "no orbit works; fly over the target, for example by a sweep or straight over it".to_string();
+        if !craft.can_hover && !instrument.pans() {
+            let limit = Limit { manoeuvre: Self::NAME, figure: "a pan range", unit: "degrees" };
+            let because =
+                format!("{} circles with the target at its side, and `{}` does not pan", craft.name, camera.name);
+            return Err(limit.refusal(0.0, 90.0, &because, aside));
+        }
+        let (low_deg, high_deg) = camera.mount.tilt_deg;
+        let (above_deg, below_deg) = Self::TILT_SPARE_DEG;
+        let (most_deg, least_deg) = (90.0 + high_deg + above_deg, 90.0 + low_deg - below_deg);
+        let limit = Limit { manoeuvre: Self::NAME, figure: "a look angle", unit: "degrees" };
+        let because = format!("`{}` tilts from {low_deg} to {high_deg} degrees", camera.name);
+        let radius_m = |angle_deg: f64| self.height_m * libm::tan(angle_deg * RAD_PER_DEG);
+        limit.at_most(self.look_angle_deg(), most_deg, &because, || match radius_m(90.0 + high_deg) {
+            radius_m if high_deg > -90.0 && radius_m >= 1.0 => {
+                format!("a radius of {} m works", rounded_down(radius_m, 0))
+            }
+            _ => aside,
+        })?;
+        limit.at_least(self.look_angle_deg(), least_deg, &because, || {
+            format!("a radius of {} m works", rounded_up(radius_m(90.0 + low_deg), 0))
+        })
+    }
+
     pub(crate) fn track(
         &self,
         airspeed_mps: f64,
         craft: &Craft,
-        _: &Instrument,
+        instrument: &Instrument,
         scene: &Scene,
     ) -> Result<Track, Refusal> {
-        self.check(airspeed_mps, craft, scene)?;
+        self.check(airspeed_mps, craft, instrument, scene)?;
         let sweep_deg = 360.0 * self.turns * if self.clockwise { 1.0 } else { -1.0 };
         let circle = arc_points(Point { x: 0.0, y: 0.0 }, self.radius_m, self.from_deg, sweep_deg, chord_m_max(craft));
         // A hovering vehicle needs acceleration to turn.

@@ -2,6 +2,7 @@
 
 use super::fixtures::*;
 use apex_observation::manoeuvres::*;
+use apex_observation::sensor::{CameraSetting, Gimbal};
 
 /// Returns the first number of a text that says what works.
 fn stated(nearest: &str) -> Option<f64> {
@@ -73,6 +74,43 @@ fn what_a_refusal_calls_possible_is_possible() {
         refused[7] += usize::from(holds(slowing, 9.0, &weak, &still()));
     }
     assert!(refused.iter().all(|count| *count > 20), "{refused:?}");
+}
+
+/// Returns a camera with this mount.
+fn mounted(pan_deg: (f64, f64), tilt_deg: (f64, f64)) -> Instrument {
+    match camera(true) {
+        Instrument::Camera(setting) => {
+            let mount = Gimbal { pan_deg, tilt_deg, ..setting.mount };
+            Instrument::Camera(CameraSetting { mount, ..setting })
+        }
+        scanner => scanner,
+    }
+}
+
+#[test]
+fn an_orbit_whose_target_the_camera_cannot_see_is_refused_with_the_reason() {
+    let refused = |craft: &Craft, instrument: &Instrument, radius_m: f64| {
+        let circle = flown(FlightPath::Orbit(orbit(radius_m, 100.0)), craft.true_airspeed_mps);
+        circle.track(craft, instrument, &still()).err().map(|refusal| refusal.to_string())
+    };
+    // A camera that is fixed downward: neither a small nor a large circle works.
+    let fixed = mounted((0.0, 0.0), (-90.0, -90.0));
+    for radius_m in [10.0, 31.0, 300.0] {
+        let why = refused(&mapper(), &fixed, radius_m).unwrap();
+        assert!(why.contains("does not pan") && why.contains("no orbit works"), "{why}");
+        let why = refused(&helicopter(), &fixed, radius_m).unwrap();
+        assert!(why.contains("tilts from -90 to -90 degrees") && why.contains("no orbit works"), "{why}");
+    }
+    assert_eq!(refused(&mapper(), &mounted((-180.0, 180.0), (-90.0, 10.0)), 300.0), None);
+    // A mount that tilts up to 45 degrees below the horizon sees as far aside as it is high; one that tilts down to it, no nearer.
+    let steep = mounted((-180.0, 180.0), (-90.0, -45.0));
+    let why = refused(&helicopter(), &steep, 150.0).unwrap();
+    assert!(why.contains("a look angle of 56.3 degrees") && why.contains("a radius of 99 m works"), "{why}");
+    assert_eq!(refused(&helicopter(), &steep, 99.0), None);
+    let flat = mounted((-180.0, 180.0), (-45.0, 10.0));
+    let why = refused(&helicopter(), &flat, 50.0).unwrap();
+    assert!(why.contains("a radius of 100 m works"), "{why}");
+    assert_eq!(refused(&helicopter(), &flat, 100.0), None);
 }
 
 #[test]

@@ -17,6 +17,13 @@ use std::cell::{Cell, OnceCell};
 /// Maximum number of visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
 
+/// Maximum number of visits that are flown to find the cheapest places of one more visit, for all targets together: all places of one
+/// target in a word of 2,000 visits.
+const INSERTED_VISITS_MAX: usize = 4_000_000;
+
+/// Visits of a word that counts as short.
+const SHORT_WORD: usize = 100;
+
 /// Work per entry of the travel times when a problem is prepared, in nanoseconds.
 const ENTRY_NS: u64 = 4;
 /// Work of flying a tour: each visit, each target, and the rest.
@@ -194,13 +201,13 @@ impl<'a> Scenario<'a> {
 
     /// Returns the expected cost of flying `word`.
     pub fn cost(&self, word: impl IntoIterator<Item = usize>, budget: &mut dyn Budget) -> f64 {
-        let (cost, ns) = self.price(word);
+        let (cost, ns, _) = self.price(word);
         self.charge(ns, budget);
         cost
     }
 
-    /// Returns the expected cost of `word`, and the work of computing it in nanoseconds.
-    fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
+    /// Returns the expected cost of `word`, the work of computing it in nanoseconds, and the visited targets.
+    fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64, Vec<usize>) {
         let targets = &self.problem.targets;
         // NaN marks a target that was not visited yet.
         let mut last_s = vec![f64::NAN; targets.len()];
@@ -221,7 +228,7 @@ impl<'a> Scenario<'a> {
         total += open.map(|(target, last_s)| eci::interval_cost(target, *last_s, self.problem.horizon_s)).sum::<f64>();
         let evaluations = visits + seen.len() as u64;
         let visits_ns = evaluations * VISIT_NS + visits * self.departure_ns();
-        (total, WORD_NS + visits_ns + targets.len() as u64 * TARGET_NS)
+        (total, WORD_NS + visits_ns + targets.len() as u64 * TARGET_NS, seen)
     }
 
     /// Returns the expected cost of flying `cycle` again and again.
@@ -306,11 +313,13 @@ impl<'a> Scenario<'a> {
                 *flag = true;
             }
         }
-        let unseen = seen.iter().enumerate().filter(|(_, seen)| !**seen).map(|(index, _)| index);
+        let unseen: Vec<usize> = seen.iter().enumerate().filter(|(_, seen)| !**seen).map(|(index, _)| index).collect();
+        let places_max = INSERTED_VISITS_MAX / (unseen.len() * word.len()).max(1);
         unseen
+            .into_iter()
             .filter_map(|index| {
                 let reason = if usable.get(index) == Some(&true) {
-                    self.unwanted_reason(&word, index, cost)
+                    self.unwanted_reason(&word, index, cost, places_max)
                 } else {
                     self.unusable_reason(index)
                 };
@@ -319,31 +328,18 @@ impl<'a> Scenario<'a> {
             .collect()
     }
 
-    /// Returns the effect on the cost of one visit of the target, at the smallest detour or in remaining time at the end.
-    fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
-        let travel = &self.typical;
-        let detour_s = |at: usize| {
-            let before = at.checked_sub(1).and_then(|before| word.get(before));
-            let (leg_s, old_s) = match (before, word.get(at)) {
-                (Some(from), Some(to)) => (travel.between(*from, index), travel.between(*from, *to)),
-                (None, Some(to)) => (travel.start_to(index), travel.start_to(*to)),
-                (Some(from), None) => (travel.between(*from, index), 0.0),
-                (None, None) => (travel.start_to(index), 0.0),
-            };
-            leg_s - old_s + word.get(at).map_or(0.0, |to| travel.between(index, *to))
-        };
-        let least = (0..word.len()).min_by(|a, b| detour_s(*a).total_cmp(&detour_s(*b)));
-        self.spend(word.len() as u64 * ENTRY_NS);
-        let with = least.into_iter().chain([word.len()]).filter_map(|at| {
-            let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
-            let longer = || before.iter().copied().chain([index]).chain(after.iter().copied());
-            let mut seen = false;
-            self.fly(longer(), |stop| seen |= stop.target == index);
-            let (with, ns) = self.price(longer());
-            self.spend(2 * ns);
-            seen.then_some(with)
-        });
-        let best = with.fold(f64::INFINITY, f64::min);
+    /// Returns the effect on the cost of one visit of the target, at the place in the word where it costs least.
+    fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64, places_max: usize) -> String {
+        let places = self.places_for(word, index);
+        let (nearest, end) = (places.get(1).copied().unwrap_or_default(), word.len());
+        let mut best = f64::INFINITY;
+        for at in places.into_iter().take(places_max.max(2)) {
+            let (with, ns) = self.price_with(word, index, at);
+            // In a short word all places are charged like two, each flown twice, so that reasons do not displace the search.
+            let is_charged = word.len() > SHORT_WORD || at == nearest || at == end;
+            self.spend(if is_charged { 2 * ns } else { 0 });
+            best = best.min(with.unwrap_or(f64::INFINITY));
+        }
         if best.is_infinite() {
             return "no time is left for it among the others".to_string();
         }
@@ -354,6 +350,33 @@ impl<'a> Scenario<'a> {
                 "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"
             )
         }
+    }
+
+    /// Returns the places in the word at which one more visit of the target can be inserted: the end, then by rising detour.
+    fn places_for(&self, word: &[usize], index: usize) -> Vec<usize> {
+        let travel = &self.typical;
+        let detour_s = |at: usize| {
+            let before = at.checked_sub(1).and_then(|before| word.get(before));
+            let (leg_s, old_s) = match (before, word.get(at)) {
+                (Some(from), Some(to)) => (travel.between(*from, index), travel.between(*from, *to)),
+                (None, Some(to)) => (travel.start_to(index), travel.start_to(*to)),
+                // A visit at the end delays no other one.
+                (_, None) => return f64::NEG_INFINITY,
+            };
+            leg_s - old_s + word.get(at).map_or(0.0, |to| travel.between(index, *to))
+        };
+        let mut places: Vec<(f64, usize)> = (0..=word.len()).map(|at| (detour_s(at), at)).collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.spend(word.len() as u64 * ENTRY_NS);
+        places.into_iter().map(|(_, at)| at).collect()
+    }
+
+    /// Returns the cost of the word with a visit of the target at place `at` (`None` if it would end too late), and the work in nanoseconds.
+    fn price_with(&self, word: &[usize], index: usize, at: usize) -> (Option<f64>, u64) {
+        let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
+        let longer = before.iter().copied().chain([index]).chain(after.iter().copied());
+        let (with, ns, seen) = self.price(longer);
+        (seen.contains(&index).then_some(with), ns)
     }
 
     fn unusable_reason(&self, index: usize) -> String {

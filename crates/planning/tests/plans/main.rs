@@ -4,4 +4,5 @@
 mod changing_wind;
 mod checker;
 mod circling;
+mod left_out;
 mod previous;

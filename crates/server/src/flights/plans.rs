@@ -33,5 +33,6 @@ pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningR
     }
     let proven = proof::prove(&mut solved, input.is_tour(), budget)?;
     let turns = turns::of(&solved.problem, &solved.plan, input.mission());
-    Ok(json::write(&input.name, None, &solved, &PlanFacts { proven: &proven, turns, survival: None }))
+    let facts = PlanFacts { proven: &proven, turns, survival: None, air_changes: input.air_changes() };
+    Ok(json::write(&input.name, None, &solved, &facts))
 }

@@ -1,0 +1,74 @@
+//! Doubts about a mission whose data are valid: requirements and visits that a flight cannot keep or make as planned.
+
+use crate::site_pictures::{self, Daylight};
+use crate::visit_altitude::sites;
+use crate::{Mission, Target, TargetKind};
+use apex_geo::wind;
+
+impl Mission {
+    /// Returns sentences about sites of which visits give no valid picture, and about forecast air at cruise altitude that a requirement
+    /// does not permit; empty for most missions.
+    pub fn doubts(&self) -> Vec<String> {
+        let mut found: Vec<String> = Vec::new();
+        let mut troubles: Vec<(String, Vec<&str>)> = Vec::new();
+        for (site, why) in sites(self).filter_map(|site| Some((site, site_pictures::trouble(self, site)?))) {
+            match troubles.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, names)) => names.push(&site.id),
+                None => troubles.push((why, vec![&site.id])),
+            }
+        }
+        let all = |(why, names): (String, Vec<&str>)| {
+            format!("no visit of {} gives a valid picture: {why}", names.join(", "))
+        };
+        found.extend(troubles.into_iter().map(all));
+        let has_fires = self.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
+        if !has_fires && sites(self).next().is_some() {
+            match Daylight::next(self, 0.0) {
+                Ok(daylight) => found.extend(daylight.map(|daylight| daylight.told(0.0))),
+                Err(dark) => found.push(dark),
+            }
+        }
+        if has_fires {
+            found.extend(self.rough_cruise());
+        }
+        found
+    }
+
+    /// Returns true if the forecast of winds, turbulence or clouds changes during the mission.
+    pub fn air_changes(&self) -> bool {
+        let end_s = self.settings.duration.seconds();
+        let layers = self.forecast.layers.iter().flat_map(|layer| [layer.from_s, layer.until_s]);
+        let decks = self.clouds.iter().flat_map(|deck| [deck.active.from_s, deck.active.until_s]);
+        layers.chain(decks).any(|at_s| at_s > 0.0 && at_s < end_s)
+    }
+
+    /// Returns the first forecast at cruise altitude over a target that a requirement does not permit.
+    fn rough_cruise(&self) -> Option<String> {
+        let (altitude_m, requirements) = (self.cruise_altitude_m(), &self.requirements);
+        let changes = self.forecast.layers.iter().flat_map(|layer| [layer.from_s, layer.until_s]);
+        let end_s = self.settings.duration.seconds();
+        let mut times_s: Vec<f64> = changes.filter(|at_s| (0.0..end_s).contains(at_s)).chain([0.0]).collect();
+        times_s.sort_by(f64::total_cmp);
+        let told = |target: &Target, time_s: f64| {
+            let there = wind::at(&self.forecast, target.position, altitude_m, time_s);
+            let wind_mps = libm::hypot(there.east_mps, there.north_mps);
+            let figures = [
+                ("turbulence", there.edr, requirements.edr_max, "m^(2/3)/s"),
+                ("wind", wind_mps, requirements.wind_mps_max, "m/s"),
+            ];
+            let exceeded = figures.into_iter().find(|(_, forecast, most, _)| most.is_some_and(|most| *forecast > most));
+            exceeded.map(|(name, forecast, most, unit)| {
+                format!(
+                    "requirement {name} permits at most {} {unit}, and the forecast has {forecast:.2} {unit} over {} at {altitude_m:.0} m, \
+                     the altitude of flights between targets: the flight leaves this altitude, and lands after its fourth alarm within \
+                     an hour",
+                    most.unwrap_or_default(),
+                    target.id
+                )
+            })
+        };
+        let places = self.targets.iter().filter(|target| matches!(target.kind, TargetKind::Fire(_)));
+        let mut all = times_s.iter().flat_map(|time_s| places.clone().map(move |target| (target, *time_s)));
+        all.find_map(|(target, time_s)| told(target, time_s))
+    }
+}
