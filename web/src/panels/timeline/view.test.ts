@@ -1,9 +1,11 @@
 import { describe, expect, it } from 'vitest';
+import { axisOf } from '../../player/clock';
 import { unpackBands } from '../../record/bands';
 import type { Band, Bar, Target, Timeline, Track, Trouble } from '../../record/types';
 import {
   barAt,
   blocksOf,
+  cursorValues,
   densityOf,
   type LaneRow,
   laneAtWork,
@@ -36,6 +38,11 @@ describe('the scale', () => {
     expect(scale.x(1000)).toBe(NAMES_PX + 1000);
     expect(scale.at(scale.x(321))).toBeCloseTo(321, 9);
   });
+});
+
+it('P1: the values of the cursor are seconds and end with the axis', () => {
+  const axis = axisOf({ fromNs: 0, toNs: 3_580.889e9 }, 3_600e9, 1_200.5e9);
+  expect(cursorValues(axis, 1_200.5e9)).toEqual({ min: 0, max: 3600, now: 1200 });
 });
 
 describe('lanes', () => {

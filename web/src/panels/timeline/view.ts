@@ -3,6 +3,7 @@
 import type { Range } from '../../player/clock';
 import { type DenseBand, unpackBands } from '../../record/bands';
 import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import { NANOSECONDS_PER_SECOND } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
 import { subjectWords } from '../../words/subject';
 
@@ -43,6 +44,12 @@ export function scaleOf(visible: Range, width: number): Scale {
     x: atNs => NAMES_PX + ((atNs - visible.fromNs) / span) * room,
     at: x => visible.fromNs + ((x - NAMES_PX) / room) * span,
   };
+}
+
+/** The values of the time cursor in whole seconds. They end with the axis, because the end of the flight is not known before it. */
+export function cursorValues(axis: Range, atNs: number): { min: number; max: number; now: number } {
+  const seconds = (ns: number) => Math.floor(ns / NANOSECONDS_PER_SECOND);
+  return { min: seconds(axis.fromNs), max: seconds(axis.toNs), now: seconds(atNs) };
 }
 
 export interface LaneRow {
