@@ -7,6 +7,7 @@
 
 import type { Alarm } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
+import type { MeasuredWind, Present } from '../record/measured';
 import { RecordError, type RecordSource, ServedRecord, type TimelineQuery } from '../record/source';
 import type {
   AskedQuestion,
@@ -44,7 +45,7 @@ interface Moment {
   troubles: Trouble[];
   questions: AskedQuestion[];
   report: Report;
-  tail: Track;
+  present: Present;
 }
 
 export class Player {
@@ -52,6 +53,8 @@ export class Player {
   track = $state.raw<Track | null>(null);
   /** All samples shortly before the cursor's instant; `track` has only a part of the samples. */
   tail = $state.raw<Track | null>(null);
+  /** The last measured wind. */
+  wind = $state.raw<MeasuredWind | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
   surroundings = $state.raw<Surroundings>({ zones: [], landing_places: [] });
@@ -544,20 +547,21 @@ export class Player {
 
   private async momentAt(atNs: number): Promise<Moment> {
     const { source } = this;
-    const [mission, targets, plan, troubles, { questions }, report, tail] = await Promise.all([
+    const [mission, targets, plan, troubles, { questions }, report, present] = await Promise.all([
       source.mission(atNs),
       source.targets(atNs),
       source.plan(atNs),
       source.troubles(atNs),
       source.questions(atNs),
       source.report(atNs),
-      source.tail(atNs),
+      source.present(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, questions, report, tail };
+    return { mission, targets, plan, troubles: troubles.troubles, questions, report, present };
   }
 
-  private show({ mission, targets, plan, troubles, questions, report, tail }: Moment): void {
-    this.tail = tail;
+  private show({ mission, targets, plan, troubles, questions, report, present }: Moment): void {
+    this.tail = present.tail;
+    this.wind = present.wind;
     this.mission = mission;
     this.targets = targets;
     this.plan = plan;
