@@ -85,7 +85,7 @@ describe('the present state', () => {
     expect([wind?.fromDeg, wind?.atNs]).toEqual([235, 14]);
   });
 
-  it('has the rows of the record where nothing is measured', () => {
+  it('has the rows of the record for quantities that are not measured', () => {
     const { tail, wind } = presentOf(row, [], {});
     expect(tail.t_ns).toEqual(row.t_ns);
     expect([tail.latitude_deg, tail.roll_deg]).toEqual([row.latitude_deg, row.roll_deg]);

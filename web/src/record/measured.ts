@@ -1,4 +1,4 @@
-/** The vehicle's last measurements. The record's track is thinned for drawing, so its last row is not the present value. Pure. */
+/** The vehicle's last measurements. The track of a record is thinned for drawing, so its last row is not the present value. Pure. */
 
 import type { Signal, SignalWindow, Track } from './types';
 
@@ -142,7 +142,7 @@ function tailOf(track: Track, series: Partial<Record<Quantity, Series>>): Track 
   for (const time of times) {
     for (const column of COLUMNS) last[column] = columns[column].get(time) ?? last[column] ?? null;
     const isPlaced = columns.latitude_deg.has(time) || columns.longitude_deg.has(time);
-    // A position has the heading of its time; other quantities have values at the times of their own samples only.
+    // A position has the heading of its time; other quantities have values at the times of their samples only.
     tail.latitude_deg.push(isPlaced ? (last.latitude_deg ?? null) : null);
     tail.longitude_deg.push(isPlaced ? (last.longitude_deg ?? null) : null);
     tail.heading_deg.push(isPlaced ? (last.heading_deg ?? null) : null);

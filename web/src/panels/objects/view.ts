@@ -1,6 +1,7 @@
 /** The object tree: agents, procedures, resources, monitors, variables; pure. */
 
 import type { TreeNode } from '../../parts/rows';
+import { holdsOf } from '../../record/conditions';
 import type {
   Holdings,
   Monitors,
@@ -35,6 +36,9 @@ export interface Things {
 }
 
 type Node = TreeNode<Thing>;
+
+/** Signs of conditions that hold, that do not, and that the data do not decide. */
+const GLYPHS: Record<string, string> = { true: '●', false: '○', null: '◌' };
 
 export function objectTree(things: Things): Node[] {
   return [
@@ -129,7 +133,7 @@ function monitors({ monitors, names }: Things): Node[] {
   return (monitors?.monitors ?? []).map((one, index) => ({
     id: `monitor ${one.task} ${index}`,
     words: `${phrase(one.goal, names)} · ${one.clause}`,
-    glyph: one.condition.holds === null ? '◌' : one.condition.holds ? '●' : '○',
+    glyph: GLYPHS[String(holdsOf(one.condition))],
     note: `T${one.task}`,
     title: one.condition.text,
     choosable: true,
