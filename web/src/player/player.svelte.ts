@@ -8,7 +8,13 @@
 import type { Alarm } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
-import { RecordError, type RecordSource, ServedRecord, type TimelineQuery } from '../record/source';
+import {
+  failureOf,
+  RecordError,
+  type RecordSource,
+  ServedRecord,
+  type TimelineQuery,
+} from '../record/source';
 import type {
   AskedQuestion,
   Growth,
@@ -23,11 +29,13 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
+import { missionTime } from '../time/format';
 import { signalWords, subjectWords } from '../words/subject';
 import type { Address, Rows, Selection } from './address';
 import { Alarms } from './alarms.svelte';
 import { advance, axisOf, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 import { Desk } from './desk.svelte';
+import { type Failure, Freshness } from './freshness.svelte';
 import type { Panel } from './layout';
 import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
@@ -77,7 +85,10 @@ export class Player {
   /** True if the cursor stays at the end of a growing record. */
   following = $state(false);
   connected = $state(true);
-  trouble = $state<{ error: string; help: string } | null>(null);
+  /** Whether all that is shown belongs to the cursor's instant. */
+  readonly freshness = new Freshness();
+  /** Sentences about parts of the address that this record cannot show. */
+  faults = $state.raw<string[]>([]);
 
   selection = $state.raw<Selection>(null);
   /** Plotted signals by name without parentheses; null means the default choice (`chosenSignals`). */
@@ -121,30 +132,28 @@ export class Player {
   >;
 
   constructor(readonly source: RecordSource & Partial<Pick<ServedRecord, 'base' | 'id'>>) {
-    this.scenery = new Scenery(source);
+    this.scenery = new Scenery(source, atNs => this.freshness.answer('plans', atNs));
     this.alarms = new Alarms(source);
     this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
-      answer => {
+      (answer, { atNs }) => {
         this.tasks = answer;
-        this.trouble = null;
+        this.freshness.answer('tasks', atNs);
       },
-      error => this.showError(error),
+      error => this.showError('tasks', error),
     );
     this.momentQuestions = new LatestOnly(
       atNs => this.momentAt(atNs),
-      moment => {
-        this.show(moment);
-        this.trouble = null;
-      },
-      error => this.showError(error),
+      (moment, atNs) => this.show(moment, atNs),
+      error => this.showError('flight', error),
     );
     this.laneQuestions = new LatestOnly(
       question => source.timeline(question),
-      answer => {
+      (answer, { atNs }) => {
         this.timeline = answer;
+        this.freshness.answer('timeline', atNs);
       },
-      error => this.showError(error),
+      error => this.showError('timeline', error),
     );
     this.whyQuestions = new LatestOnly(
       question => source.why(question.task, question.atNs, question.explain),
@@ -203,16 +212,18 @@ export class Player {
       const live = status === 'live';
       const asked = address?.atNs === 'live' || address?.atNs == null ? null : address.atNs;
       this.growth = { end_ns, status, batches: 0 };
+      if (asked !== null && (asked < from_ns || asked > end_ns))
+        this.faults = [outside(asked, from_ns, end_ns)];
       this.atNs = clamp(asked ?? (live ? end_ns : from_ns), { fromNs: from_ns, toNs: end_ns });
+      this.freshness.ask(this.atNs);
       this.following = live && asked === null;
       this.selection = address?.selection ?? null;
       await Promise.all([this.read(), this.scenery.readFacts()]);
     } catch (error) {
-      this.showError(error);
+      this.showError('flight', error);
       setTimeout(() => void this.open(address), REREAD_MS);
       return;
     }
-    this.trouble = null;
     const mission = this.mission;
     if (!mission) return;
     this.visible = this.axis;
@@ -281,6 +292,7 @@ export class Player {
     clearTimeout(this.rereadTimer);
     clearTimeout(this.restTimer);
     clearTimeout(this.sceneryTimer);
+    this.freshness.stop();
     this.stopWatching?.();
   }
 
@@ -319,6 +331,7 @@ export class Player {
     if (this.playing) return;
     if (this.atNs >= this.range.toNs && !this.live) this.seek(this.range.fromNs);
     this.playing = true;
+    this.freshness.play(true);
     let before = performance.now();
     const next = (now: number) => {
       const moved = advance(this.atNs, now - before, this.speed, this.range);
@@ -338,6 +351,7 @@ export class Player {
 
   pause(): void {
     this.playing = false;
+    this.freshness.play(false);
     cancelAnimationFrame(this.frame);
   }
 
@@ -455,10 +469,11 @@ export class Player {
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);
+      this.freshness.succeed('later errors');
       const next = troubles.find(trouble => trouble.t_ns > this.atNs);
       if (next) this.showTrouble(next);
     } catch (error) {
-      this.showError(error);
+      this.showError('later errors', error);
     }
   }
 
@@ -478,8 +493,19 @@ export class Player {
     this.laneQuestions.put({ fromNs, toNs, atNs: this.atNs, pixels: this.pixels, with: this.selectedTask });
   }
 
+  /** The failure to show: that of one subject. */
+  get trouble(): Failure | null {
+    return this.freshness.failures.values().next().value ?? null;
+  }
+
+  /** Requests everything about the cursor's instant again. */
+  retry(): void {
+    this.ask();
+  }
+
   private ask(): void {
     if (!this.mission) return;
+    this.freshness.ask(this.atNs);
     this.momentQuestions.put(this.atNs);
     this.askLanes();
     this.taskQuestions.put({
@@ -523,10 +549,9 @@ export class Player {
     try {
       await this.read();
     } catch (error) {
-      this.showError(error);
+      this.showError('flight', error);
       return;
     }
-    this.trouble = null;
     if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.axis.toNs };
     if (!this.speedChosen && !this.playing) this.speed = speedFor(this.range);
     if (this.following) this.seek(this.range.toNs, true);
@@ -535,14 +560,15 @@ export class Player {
 
   private async read(): Promise<void> {
     this.readAt = performance.now();
+    const { atNs } = this;
     const [track, moment, surroundings] = await Promise.all([
       this.source.track(),
-      this.momentAt(this.atNs),
+      this.momentAt(atNs),
       this.source.surroundings(),
     ]);
     this.track = track;
     this.surroundings = surroundings;
-    this.show(moment);
+    this.show(moment, atNs);
   }
 
   private async momentAt(atNs: number): Promise<Moment> {
@@ -559,7 +585,8 @@ export class Player {
     return { mission, targets, plan, troubles: troubles.troubles, questions, report, present };
   }
 
-  private show({ mission, targets, plan, troubles, questions, report, present }: Moment): void {
+  private show({ mission, targets, plan, troubles, questions, report, present }: Moment, atNs: number): void {
+    this.freshness.answer('flight', atNs);
     this.tail = present.tail;
     this.wind = present.wind;
     this.mission = mission;
@@ -570,10 +597,12 @@ export class Player {
     this.report = report;
   }
 
-  private showError(error: unknown): void {
-    this.trouble =
-      error instanceof RecordError
-        ? { error: error.message, help: error.help }
-        : { error: String(error), help: 'reload the page' };
+  private showError(subject: string, error: unknown): void {
+    this.freshness.fail(subject, failureOf(error));
   }
+}
+
+/** A sentence about an instant of the address that the record does not have. */
+function outside(askedNs: number, fromNs: number, endNs: number): string {
+  return `The address has t=${askedNs / 1e9}; the record goes from ${missionTime(fromNs)} to ${missionTime(endNs)}.`;
 }

@@ -27,7 +27,11 @@ export class Scenery {
   private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
   private readonly scoreQuestions: LatestOnly<number, ScoreSoFar | null>;
 
-  constructor(private readonly source: RecordSource) {
+  /** `onPlans` is called with the instant of the plans that are shown from then on. */
+  constructor(
+    private readonly source: RecordSource,
+    onPlans: (atNs: number) => void = () => undefined,
+  ) {
     const fail = (error: unknown) => {
       this.trouble = String(error instanceof Error ? error.message : error);
     };
@@ -40,8 +44,9 @@ export class Scenery {
     );
     this.planQuestions = new LatestOnly(
       atNs => source.plans(atNs),
-      plans => {
+      (plans, atNs) => {
         this.plans = plans;
+        onPlans(atNs);
       },
       fail,
     );

@@ -120,6 +120,13 @@ export class RecordError extends Error {
   }
 }
 
+/** An error with what to do about it. */
+export function failureOf(error: unknown): { error: string; help: string } {
+  return error instanceof RecordError
+    ? { error: error.message, help: error.help }
+    : { error: String(error), help: 'reload the page' };
+}
+
 const RETRY_MS = 2000;
 /** Duration of the track's tail, and its maximum number of points: as many as 16 samples per second. */
 const [TAIL_NS, TAIL_POINTS] = [60e9, 1000];
