@@ -66,7 +66,7 @@ it('a failure stays until a request for the same subject succeeds', () => {
   freshness.stop();
 });
 
-it('a late instant is named in words', () => {
+it('a late instant is named next to that of the cursor', () => {
   expect(lateWords(80_000e9, 2_000e9, false)).toBe(
     'reading T+0:33:20 …: parts of the page still show T+22:13:20',
   );

@@ -602,7 +602,7 @@ export class Player {
   }
 }
 
-/** A sentence about an instant of the address that the record does not have. */
+/** The fault of an address with an instant that the record does not have. */
 function outside(askedNs: number, fromNs: number, endNs: number): string {
   return `The address has t=${askedNs / 1e9}; the record goes from ${missionTime(fromNs)} to ${missionTime(endNs)}.`;
 }
