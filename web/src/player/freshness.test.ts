@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Freshness, lateInstant, lateWords } from './freshness.svelte';
+import { Freshness, lateInstant, lateWords, quietWords } from './freshness.svelte';
 
 describe('answers of another instant', () => {
   beforeEach(() => void vi.useFakeTimers());
@@ -71,4 +71,9 @@ it('a late instant is named next to that of the cursor', () => {
     'reading T+0:33:20 …: parts of the page still show T+22:13:20',
   );
   expect(lateWords(2_000e9, 2_000.5e9, true)).toContain('T+0:33:20.500 could not be read');
+});
+
+it('a live flight without news is named after three seconds', () => {
+  expect(quietWords(13_000, 10_000)).toBeNull();
+  expect(quietWords(22_400, 10_000)).toBe('no news for 12 s: the page shows the flight as it was then');
 });

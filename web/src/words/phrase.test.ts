@@ -28,7 +28,9 @@ it('ends before the first argument that is left out, except for targets', () => 
 });
 
 it('shortens purposes and messages', () => {
-  expect(untilTarget('(photograph ahorn with camera-1 pointed at ahorn taking 1)', names)).toBe('photograph Ahorn');
+  expect(untilTarget('(photograph ahorn with camera-1 pointed at ahorn taking 1)', names)).toBe(
+    'photograph Ahorn',
+  );
   expect(untilTarget('(take off to 7000m)', names)).toBe('take off to 7000m');
   expect(
     eventWords('(segment-weighed ahorn (47.8 -112.9 5373.0) (47.8 -1) again 0.4 0.0 "the segment")', names),
