@@ -30,14 +30,14 @@ export function lateWords(lateNs: number, atNs: number, failed: boolean): string
   return `${read}: parts of the page still show ${late}`;
 }
 
-/** Time without news from a live flight after which the page says so. */
+/** Time without updates from a live flight after which the page states it. */
 const QUIET_MS = 3000;
 
-/** `no news for 12 s: the page shows the flight as it was then`; null while there is news. Times are of the browser, in milliseconds. */
-export function quietWords(nowMs: number, newsMs: number): string | null {
-  const quiet = nowMs - newsMs;
+/** `no update for 12 s: the page shows the flight as it was then`; null while there are updates. Times are of the browser, in milliseconds. */
+export function quietWords(nowMs: number, updatedMs: number): string | null {
+  const quiet = nowMs - updatedMs;
   if (quiet <= QUIET_MS) return null;
-  return `no news for ${Math.floor(quiet / 1000)} s: the page shows the flight as it was then`;
+  return `no update for ${Math.floor(quiet / 1000)} s: the page shows the flight as it was then`;
 }
 
 export class Freshness {

@@ -73,7 +73,7 @@ it('a late instant is named next to that of the cursor', () => {
   expect(lateWords(2_000e9, 2_000.5e9, true)).toContain('T+0:33:20.500 could not be read');
 });
 
-it('a live flight without news is named after three seconds', () => {
+it('a live flight without updates is named after three seconds', () => {
   expect(quietWords(13_000, 10_000)).toBeNull();
-  expect(quietWords(22_400, 10_000)).toBe('no news for 12 s: the page shows the flight as it was then');
+  expect(quietWords(22_400, 10_000)).toBe('no update for 12 s: the page shows the flight as it was then');
 });

@@ -13,7 +13,7 @@ export class Operator {
   operation = $state.raw<Operation | null>(null);
   trouble = $state<string | null>(null);
   /** The browser's time of the last answer, in milliseconds. */
-  newsMs = 0;
+  updatedMs = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private over = false;
 
@@ -24,7 +24,7 @@ export class Operator {
     clearTimeout(this.timer);
     try {
       this.operation = await this.flight.operation();
-      this.newsMs = performance.now();
+      this.updatedMs = performance.now();
       if (this.operation === null) return;
     } catch {
       // The header reports that there is no connection, and the last state stays.

@@ -117,7 +117,7 @@ export class Player {
   private growth: Growth | null = null;
   private readAt = 0;
   /** The browser's time of the last growth of a live record, in milliseconds. */
-  newsMs = 0;
+  updatedMs = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
   private sceneryTimer: ReturnType<typeof setTimeout> | undefined;
   private restTimer: ReturnType<typeof setTimeout> | undefined;
@@ -233,7 +233,7 @@ export class Player {
     this.speed = speedFor(this.range);
     this.ask();
     if (mission.status !== 'complete') {
-      this.newsMs = performance.now();
+      this.updatedMs = performance.now();
       this.stopWatching = this.source.watch(
         growth => this.grow(growth),
         connected => {
@@ -539,7 +539,7 @@ export class Player {
   }
 
   private grow(growth: Growth): void {
-    this.newsMs = performance.now();
+    this.updatedMs = performance.now();
     const before = this.growth;
     this.growth = growth;
     if (before && before.end_ns === growth.end_ns && before.status === growth.status) return;

@@ -66,7 +66,7 @@ describe('alarms', () => {
     ]);
     const [answered] = list(40e9, { ...asked, closed_ns: 12e9, withdrawn: null });
     expect([answered?.settledNs, answered?.settled]).toEqual([12e9, 'its task ended']);
-    // Nobody has acknowledged a question that is over, but it calls nobody any longer.
+    // No operator has acknowledged a question that is over, but it no longer calls one.
     expect(over && [isCalling(over), countWords([over])]).toEqual([
       false,
       '1 alarm, 0 not acknowledged, 1 question over',

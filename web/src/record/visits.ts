@@ -1,6 +1,7 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
 import { clock, missionTime, NANOSECONDS_PER_SECOND } from '../time/format';
+import { reasonText } from './plans';
 import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
 
 export interface Visit {
@@ -220,8 +221,8 @@ function leftOf(plans: readonly PlanInForce[], threads: readonly Thread[]): Targ
 /** `left out since 0:11:21: no time`, with the later reason where a plan stated another one. */
 export function leftWords({ sinceNs, reason, later }: NonNullable<TargetRow['left']>): string {
   const at = (atNs: number) => clock(atNs / NANOSECONDS_PER_SECOND);
-  const first = `left out since ${at(sinceNs)}: ${reason}`;
-  return later ? `${first}; since ${at(later.sinceNs)}: ${later.reason}` : first;
+  const first = `left out since ${at(sinceNs)}: ${reasonText(reason)}`;
+  return later ? `${first}; since ${at(later.sinceNs)}: ${reasonText(later.reason)}` : first;
 }
 
 function factorsOf(report: Report | null, target: string): TargetRow['factors'] {
