@@ -12,6 +12,8 @@ export class Operator {
   /** Null if there is no flight to command: the record is of a past flight, or of another program. */
   operation = $state.raw<Operation | null>(null);
   trouble = $state<string | null>(null);
+  /** The browser's time of the last answer, in milliseconds. */
+  updatedMs = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private over = false;
 
@@ -22,6 +24,7 @@ export class Operator {
     clearTimeout(this.timer);
     try {
       this.operation = await this.flight.operation();
+      this.updatedMs = performance.now();
       if (this.operation === null) return;
     } catch {
       // The header reports that there is no connection, and the last state stays.

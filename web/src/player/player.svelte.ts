@@ -7,7 +7,14 @@
 
 import type { Alarm } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
-import { RecordError, type RecordSource, ServedRecord, type TimelineQuery } from '../record/source';
+import type { MeasuredWind, Present } from '../record/measured';
+import {
+  failureOf,
+  RecordError,
+  type RecordSource,
+  ServedRecord,
+  type TimelineQuery,
+} from '../record/source';
 import type {
   AskedQuestion,
   Growth,
@@ -22,11 +29,13 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
+import { missionTime } from '../time/format';
 import { signalWords, subjectWords } from '../words/subject';
 import type { Address, Rows, Selection } from './address';
 import { Alarms } from './alarms.svelte';
 import { advance, axisOf, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 import { Desk } from './desk.svelte';
+import { type Failure, Freshness } from './freshness.svelte';
 import type { Panel } from './layout';
 import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
@@ -44,7 +53,7 @@ interface Moment {
   troubles: Trouble[];
   questions: AskedQuestion[];
   report: Report;
-  tail: Track;
+  present: Present;
 }
 
 export class Player {
@@ -52,6 +61,8 @@ export class Player {
   track = $state.raw<Track | null>(null);
   /** All samples shortly before the cursor's instant; `track` has only a part of the samples. */
   tail = $state.raw<Track | null>(null);
+  /** The last measured wind. */
+  wind = $state.raw<MeasuredWind | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
   surroundings = $state.raw<Surroundings>({ zones: [], landing_places: [] });
@@ -74,7 +85,10 @@ export class Player {
   /** True if the cursor stays at the end of a growing record. */
   following = $state(false);
   connected = $state(true);
-  trouble = $state<{ error: string; help: string } | null>(null);
+  /** Whether all that is shown belongs to the cursor's instant. */
+  readonly freshness = new Freshness();
+  /** Sentences about parts of the address that this record cannot show. */
+  faults = $state.raw<string[]>([]);
 
   selection = $state.raw<Selection>(null);
   /** Plotted signals by name without parentheses; null means the default choice (`chosenSignals`). */
@@ -102,6 +116,8 @@ export class Player {
   private speedChosen = false;
   private growth: Growth | null = null;
   private readAt = 0;
+  /** The browser's time of the last growth of a live record, in milliseconds. */
+  updatedMs = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
   private sceneryTimer: ReturnType<typeof setTimeout> | undefined;
   private restTimer: ReturnType<typeof setTimeout> | undefined;
@@ -118,30 +134,28 @@ export class Player {
   >;
 
   constructor(readonly source: RecordSource & Partial<Pick<ServedRecord, 'base' | 'id'>>) {
-    this.scenery = new Scenery(source);
+    this.scenery = new Scenery(source, atNs => this.freshness.answer('plans', atNs));
     this.alarms = new Alarms(source);
     this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
-      answer => {
+      (answer, { atNs }) => {
         this.tasks = answer;
-        this.trouble = null;
+        this.freshness.answer('tasks', atNs);
       },
-      error => this.showError(error),
+      error => this.showError('tasks', error),
     );
     this.momentQuestions = new LatestOnly(
       atNs => this.momentAt(atNs),
-      moment => {
-        this.show(moment);
-        this.trouble = null;
-      },
-      error => this.showError(error),
+      (moment, atNs) => this.show(moment, atNs),
+      error => this.showError('flight', error),
     );
     this.laneQuestions = new LatestOnly(
       question => source.timeline(question),
-      answer => {
+      (answer, { atNs }) => {
         this.timeline = answer;
+        this.freshness.answer('timeline', atNs);
       },
-      error => this.showError(error),
+      error => this.showError('timeline', error),
     );
     this.whyQuestions = new LatestOnly(
       question => source.why(question.task, question.atNs, question.explain),
@@ -200,16 +214,18 @@ export class Player {
       const live = status === 'live';
       const asked = address?.atNs === 'live' || address?.atNs == null ? null : address.atNs;
       this.growth = { end_ns, status, batches: 0 };
+      if (asked !== null && (asked < from_ns || asked > end_ns))
+        this.faults = [outside(asked, from_ns, end_ns)];
       this.atNs = clamp(asked ?? (live ? end_ns : from_ns), { fromNs: from_ns, toNs: end_ns });
+      this.freshness.ask(this.atNs);
       this.following = live && asked === null;
       this.selection = address?.selection ?? null;
       await Promise.all([this.read(), this.scenery.readFacts()]);
     } catch (error) {
-      this.showError(error);
+      this.showError('flight', error);
       setTimeout(() => void this.open(address), REREAD_MS);
       return;
     }
-    this.trouble = null;
     const mission = this.mission;
     if (!mission) return;
     this.visible = this.axis;
@@ -217,6 +233,7 @@ export class Player {
     this.speed = speedFor(this.range);
     this.ask();
     if (mission.status !== 'complete') {
+      this.updatedMs = performance.now();
       this.stopWatching = this.source.watch(
         growth => this.grow(growth),
         connected => {
@@ -278,6 +295,7 @@ export class Player {
     clearTimeout(this.rereadTimer);
     clearTimeout(this.restTimer);
     clearTimeout(this.sceneryTimer);
+    this.freshness.stop();
     this.stopWatching?.();
   }
 
@@ -316,6 +334,7 @@ export class Player {
     if (this.playing) return;
     if (this.atNs >= this.range.toNs && !this.live) this.seek(this.range.fromNs);
     this.playing = true;
+    this.freshness.play(true);
     let before = performance.now();
     const next = (now: number) => {
       const moved = advance(this.atNs, now - before, this.speed, this.range);
@@ -335,6 +354,7 @@ export class Player {
 
   pause(): void {
     this.playing = false;
+    this.freshness.play(false);
     cancelAnimationFrame(this.frame);
   }
 
@@ -452,10 +472,11 @@ export class Player {
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);
+      this.freshness.succeed('later errors');
       const next = troubles.find(trouble => trouble.t_ns > this.atNs);
       if (next) this.showTrouble(next);
     } catch (error) {
-      this.showError(error);
+      this.showError('later errors', error);
     }
   }
 
@@ -475,8 +496,19 @@ export class Player {
     this.laneQuestions.put({ fromNs, toNs, atNs: this.atNs, pixels: this.pixels, with: this.selectedTask });
   }
 
+  /** The failure to show: that of one subject. */
+  get trouble(): Failure | null {
+    return this.freshness.failures.values().next().value ?? null;
+  }
+
+  /** Requests everything about the cursor's instant again. */
+  retry(): void {
+    this.ask();
+  }
+
   private ask(): void {
     if (!this.mission) return;
+    this.freshness.ask(this.atNs);
     this.momentQuestions.put(this.atNs);
     this.askLanes();
     this.taskQuestions.put({
@@ -507,6 +539,7 @@ export class Player {
   }
 
   private grow(growth: Growth): void {
+    this.updatedMs = performance.now();
     const before = this.growth;
     this.growth = growth;
     if (before && before.end_ns === growth.end_ns && before.status === growth.status) return;
@@ -520,10 +553,9 @@ export class Player {
     try {
       await this.read();
     } catch (error) {
-      this.showError(error);
+      this.showError('flight', error);
       return;
     }
-    this.trouble = null;
     if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.axis.toNs };
     if (!this.speedChosen && !this.playing) this.speed = speedFor(this.range);
     if (this.following) this.seek(this.range.toNs, true);
@@ -532,32 +564,35 @@ export class Player {
 
   private async read(): Promise<void> {
     this.readAt = performance.now();
+    const { atNs } = this;
     const [track, moment, surroundings] = await Promise.all([
       this.source.track(),
-      this.momentAt(this.atNs),
+      this.momentAt(atNs),
       this.source.surroundings(),
     ]);
     this.track = track;
     this.surroundings = surroundings;
-    this.show(moment);
+    this.show(moment, atNs);
   }
 
   private async momentAt(atNs: number): Promise<Moment> {
     const { source } = this;
-    const [mission, targets, plan, troubles, { questions }, report, tail] = await Promise.all([
+    const [mission, targets, plan, troubles, { questions }, report, present] = await Promise.all([
       source.mission(atNs),
       source.targets(atNs),
       source.plan(atNs),
       source.troubles(atNs),
       source.questions(atNs),
       source.report(atNs),
-      source.tail(atNs),
+      source.present(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, questions, report, tail };
+    return { mission, targets, plan, troubles: troubles.troubles, questions, report, present };
   }
 
-  private show({ mission, targets, plan, troubles, questions, report, tail }: Moment): void {
-    this.tail = tail;
+  private show({ mission, targets, plan, troubles, questions, report, present }: Moment, atNs: number): void {
+    this.freshness.answer('flight', atNs);
+    this.tail = present.tail;
+    this.wind = present.wind;
     this.mission = mission;
     this.targets = targets;
     this.plan = plan;
@@ -566,10 +601,12 @@ export class Player {
     this.report = report;
   }
 
-  private showError(error: unknown): void {
-    this.trouble =
-      error instanceof RecordError
-        ? { error: error.message, help: error.help }
-        : { error: String(error), help: 'reload the page' };
+  private showError(subject: string, error: unknown): void {
+    this.freshness.fail(subject, failureOf(error));
   }
+}
+
+/** The fault of an address with an instant that the record does not have. */
+function outside(askedNs: number, fromNs: number, endNs: number): string {
+  return `The address has t=${askedNs / 1e9}; the record goes from ${missionTime(fromNs)} to ${missionTime(endNs)}.`;
 }

@@ -8,9 +8,8 @@ import { airSignals } from '../record/seen';
 import type { HoldingsQuery, RecordSource } from '../record/source';
 import type { Footprints, Holdings, MissionFacts, Plans, ScoreSoFar, SignalWindow } from '../record/types';
 
-/** Number of pixels along the track at which links, and winds, are requested. */
+/** Number of pixels along the track at which links and winds are requested. */
 const LINK_PIXELS = 800;
-const WIND_PIXELS = 40;
 
 export class Scenery {
   plans = $state.raw<Plans>({ plans: [], left_out: 0 });
@@ -28,7 +27,11 @@ export class Scenery {
   private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
   private readonly scoreQuestions: LatestOnly<number, ScoreSoFar | null>;
 
-  constructor(private readonly source: RecordSource) {
+  /** `onPlans` is called with the instant of the plans that are shown from then on. */
+  constructor(
+    private readonly source: RecordSource,
+    onPlans: (atNs: number) => void = () => undefined,
+  ) {
     const fail = (error: unknown) => {
       this.trouble = String(error instanceof Error ? error.message : error);
     };
@@ -41,8 +44,9 @@ export class Scenery {
     );
     this.planQuestions = new LatestOnly(
       atNs => source.plans(atNs),
-      plans => {
+      (plans, atNs) => {
         this.plans = plans;
+        onPlans(atNs);
       },
       fail,
     );
@@ -103,7 +107,7 @@ export class Scenery {
         ? []
         : (await this.source.samples({ names, fromNs: 0, toNs: atNs, atNs, pixels })).windows;
     [this.wind, this.links] = await Promise.all([
-      windows(wind ?? [], WIND_PIXELS),
+      windows(wind ?? [], LINK_PIXELS),
       windows(
         links.filter(link => link.limits.some(limit => limit.low !== null)).map(link => link.name),
         LINK_PIXELS,

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { type Alarm, alarmGlyph, alarmsOf, floodOf, groupsOf } from './alarms';
+import { type Alarm, alarmGlyph, alarmsOf, countWords, floodOf, groupsOf, isCalling } from './alarms';
 import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from './types';
 
 const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble => ({
@@ -58,13 +58,20 @@ describe('alarms', () => {
       null,
     ]);
     const [over] = list(40e9);
-    expect([over?.open, over?.acknowledgedNs, over?.settled]).toEqual([
+    expect([over?.open, over?.acknowledgedNs, over?.settledNs, over?.settled]).toEqual([
       false,
+      null,
       40e9,
       "the operator's time is over",
     ]);
     const [answered] = list(40e9, { ...asked, closed_ns: 12e9, withdrawn: null });
-    expect([answered?.acknowledgedNs, answered?.settled]).toEqual([12e9, 'its task ended']);
+    expect([answered?.settledNs, answered?.settled]).toEqual([12e9, 'its task ended']);
+    // No operator has acknowledged a question that is over, but it no longer calls one.
+    expect(over && [isCalling(over), countWords([over])]).toEqual([
+      false,
+      '1 alarm, 0 not acknowledged, 1 question over',
+    ]);
+    expect(open && isCalling(open)).toBe(true);
   });
 
   it('are raised once for each cause and count repeats, and interruptions are none', () => {
@@ -116,6 +123,7 @@ describe('a flood', () => {
     open: false,
     acknowledgedNs: null,
     settled: null,
+    settledNs: null,
     task: null,
     target: `t${number}`,
     signal: null,

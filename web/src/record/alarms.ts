@@ -15,10 +15,11 @@ export interface Alarm {
   count: number;
   /** True while it continues. */
   open: boolean;
-  /** Time at which an operator acknowledged the alarm; null before. */
+  /** Time at which an operator acknowledged the alarm; null before, and for questions. */
   acknowledgedNs: number | null;
-  /** How a question ended: answering it acknowledges it. Null for other alarms, and while it is open. */
+  /** How and when a question ended. Null for other alarms, and while it is open. */
   settled: string | null;
+  settledNs: number | null;
   task: number | null;
   target: string | null;
   signal: string | null;
@@ -36,7 +37,10 @@ const CALLS: Record<Trouble['kind'], string | null> = {
 /** The beginning of a command that acknowledges an alarm. */
 export const ACKNOWLEDGE = 'acknowledge ';
 
-type Raised = Omit<Alarm, 'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs' | 'settled'> & {
+type Raised = Omit<
+  Alarm,
+  'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs' | 'settled' | 'settledNs'
+> & {
   atNs: number;
   settled?: { words: string; atNs: number };
 };
@@ -85,12 +89,13 @@ export function alarmsOf(
       count: 1,
       acknowledgedNs: null,
       settled: null,
+      settledNs: null,
     });
   }
   for (const alarm of alarms.values()) {
     const end = settled.get(alarm.words);
     if (end) {
-      [alarm.settled, alarm.acknowledgedNs] = [end.words, end.atNs];
+      [alarm.settled, alarm.settledNs] = [end.words, end.atNs];
       continue;
     }
     const said = commands.findLast(
@@ -146,6 +151,20 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
   });
 }
 
+/** True while an alarm waits for an operator: it is not acknowledged, and is not a question that has ended. */
+export function isCalling(alarm: Alarm): boolean {
+  return alarm.acknowledgedNs === null && alarm.settledNs === null;
+}
+
+/** `4 alarms, 2 not acknowledged, 1 question over`: a question ends by an answer, or when the operator's time is over. */
+export function countWords(alarms: readonly Alarm[]): string {
+  const open = alarms.filter(isCalling).length;
+  const ended = alarms.filter(alarm => alarm.settledNs !== null).length;
+  const count = `${alarms.length} ${alarms.length === 1 ? 'alarm' : 'alarms'}, ${open} not acknowledged`;
+  if (ended === 0) return count;
+  return `${count}, ${ended} ${ended === 1 ? 'question' : 'questions'} over`;
+}
+
 /** Alarms within this time, and their number from which on they are a flood (ISA-18.2: ten in ten minutes). */
 const [FLOOD_NS, FLOOD_COUNT] = [600e9, 10];
 
@@ -158,7 +177,7 @@ export interface AlarmGroup {
 /** The unacknowledged alarms raised in the ten minutes up to `atNs`, oldest first; null if they are too few for a flood. */
 export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null {
   const late = alarms.filter(
-    alarm => alarm.acknowledgedNs === null && alarm.lastNs <= atNs && alarm.lastNs > atNs - FLOOD_NS,
+    alarm => isCalling(alarm) && alarm.lastNs <= atNs && alarm.lastNs > atNs - FLOOD_NS,
   );
   return late.length >= FLOOD_COUNT ? late.sort((a, b) => a.firstNs - b.firstNs) : null;
 }
@@ -177,6 +196,6 @@ export function groupsOf(alarms: readonly Alarm[]): AlarmGroup[] {
 
 /** `▲` not acknowledged, `△` acknowledged and continuing, `·` over. */
 export function alarmGlyph(alarm: Alarm): string {
-  if (alarm.acknowledgedNs === null) return '▲';
+  if (isCalling(alarm)) return '▲';
   return alarm.open ? '△' : '·';
 }

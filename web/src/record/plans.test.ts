@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { changesOf, changeWords, needsOf } from './plans';
+import { changesOf, changeWords, needsOf, reasonText } from './plans';
 import type { PlanInForce, VisitNeed } from './types';
 
 const MINUTE = 60e9;
@@ -63,6 +63,15 @@ describe('what a plan changed', () => {
   });
 });
 
+it('times of a minute and more have no seconds alone', () => {
+  expect(reasonText('needs 101 s more than the horizon leaves')).toBe(
+    'needs 1 min 41 s more than the horizon leaves',
+  );
+  expect(reasonText('needs 55 s more, at 1.5 s')).toBe('needs 55 s more, at 1.5 s');
+  const [change] = changesOf(plan(2, 15, [['b', 20 + 932]], []), plan(1, 0, [['b', 20]], []));
+  expect(change && changeWords(change)).toBe('15 h 32 min later');
+});
+
 it('what a target lacks fills the column that it is about, with the figures of the planner', () => {
   const column = (needs: VisitNeed | null, reason = '') =>
     Object.entries(needsOf({ needs, reason })).filter(([, text]) => text !== '');
@@ -75,7 +84,7 @@ it('what a target lacks fills the column that it is about, with the figures of t
     ['time', '3 h 5 min more than the end of the mission'],
   ]);
   expect(column({ ...time, more_s: 101, limit: 'the horizon' })).toEqual([
-    ['time', '101 s more than the horizon'],
+    ['time', '1 min 41 s more than the horizon'],
   ]);
   expect(column({ ...time, more_s: 7, limit: 'endurance', is_energy: true })).toEqual([
     ['fuel', 'for 7 s more'],

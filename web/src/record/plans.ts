@@ -66,7 +66,7 @@ export function changeWords(change: Change): string {
   if (afterNs === null) return reason ? 'left out' : 'dropped';
   if (beforeNs === null) return 'added';
   const minutes = Math.round(Math.abs(afterNs - beforeNs) / 60e9);
-  return `${minutes} min ${afterNs > beforeNs ? 'later' : 'earlier'}`;
+  return `${neededTime(60 * minutes)} ${afterNs > beforeNs ? 'later' : 'earlier'}`;
 }
 
 /** Needed changes that would let a plan visit an omitted target; empty if the planner names no such change. */
@@ -81,11 +81,23 @@ export interface Needs {
 
 const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
 
-/** A missing time as the planner states it: `23 s`, `8 min`, `3 h 5 min`. From a minute on the planner rounds up to whole minutes. */
+/** `23 s`, `1 min 41 s`, `8 min`, `3 h 5 min`: a time in whole seconds, rounded up. */
 function neededTime(seconds: number): string {
-  const minutes = seconds / 60;
-  if (seconds < 60 || !Number.isInteger(minutes)) return `${Math.ceil(seconds)} s`;
-  return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  const whole = Math.ceil(seconds);
+  const parts = [
+    [Math.floor(whole / 3600), 'h'],
+    [Math.floor(whole / 60) % 60, 'min'],
+    [whole % 60, 's'],
+  ] as const;
+  const words = parts.filter(([count]) => count > 0).map(([count, unit]) => `${count} ${unit}`);
+  return words.join(' ') || '0 s';
+}
+
+/** Seconds within a reason as minutes: `needs 101 s more` becomes `needs 1 min 41 s more`. */
+export function reasonText(reason: string): string {
+  return reason.replace(/\b(\d{2,}) s\b/g, (text, seconds: string) =>
+    Number(seconds) >= 60 ? neededTime(Number(seconds)) : text,
+  );
 }
 
 /** The changes without which a plan cannot visit a target that was left out, each in its column. The figures are the planner's own. */
@@ -109,6 +121,6 @@ export function needsOf({ needs, reason }: Pick<LeftOutTarget, 'needs' | 'reason
     case 'window':
       return { ...NONE, window: 'one that closes later' };
     default:
-      return { ...NONE, other: reason };
+      return { ...NONE, other: reasonText(reason) };
   }
 }

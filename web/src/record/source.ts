@@ -1,5 +1,6 @@
 /** The only access to a flight record: requests to the server, and updates while the record grows. */
 
+import { type Carriers, carriersOf, isComplete, type Present, presentOf } from './measured';
 import type {
   Events,
   Footprints,
@@ -70,8 +71,8 @@ export interface EventsQuery {
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
   track(): Promise<Track>;
-  /** The last samples of the track before an instant, all of them. */
-  tail(atNs: number): Promise<Track>;
+  /** The vehicle's measurements shortly before an instant, all of them. */
+  present(atNs: number): Promise<Present>;
   tasks(query: { atNs: number; ended: boolean; find: string; with: number | null }): Promise<Tasks>;
   timeline(query: TimelineQuery): Promise<Timeline>;
   targets(atNs: number): Promise<Target[]>;
@@ -119,8 +120,15 @@ export class RecordError extends Error {
   }
 }
 
+/** An error with what to do about it. */
+export function failureOf(error: unknown): { error: string; help: string } {
+  return error instanceof RecordError
+    ? { error: error.message, help: error.help }
+    : { error: String(error), help: 'reload the page' };
+}
+
 const RETRY_MS = 2000;
-/** Duration of the track's tail, and its maximum number of points. The track of a day of flight has a point every 22 s (4,000 points). */
+/** Duration of the track's tail, and its maximum number of points: as many as 16 samples per second. */
 const [TAIL_NS, TAIL_POINTS] = [60e9, 1000];
 /** Maximum number of drawn lanes; the others are merged into one. */
 const LANES = 60;
@@ -129,6 +137,8 @@ const LANES = 60;
 export class ServedRecord implements RecordSource {
   /** The address of all questions. */
   private readonly api: string;
+  /** The signals that carry the vehicle's state, once they are known. */
+  private carriers: Carriers = {};
 
   /** `id` is the record's number in `/api/records`; 0 is the one with which the server was started. */
   constructor(
@@ -141,8 +151,6 @@ export class ServedRecord implements RecordSource {
   mission = (atNs: number | null): Promise<Mission> =>
     this.get('mission', { at: atNs === null ? null : whole(atNs) });
   track = (): Promise<Track> => this.get('track', { points: 4000 });
-  tail = (atNs: number): Promise<Track> =>
-    this.get('track', { from: whole(atNs - TAIL_NS), to: whole(atNs), points: TAIL_POINTS });
   report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
   surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
   signals = (atNs: number): Promise<Signals> => this.get('signals', { at: whole(atNs) });
@@ -186,6 +194,26 @@ export class ServedRecord implements RecordSource {
   program = (): Promise<ProgramContents> => this.get('program', {});
   programText = (name: string): Promise<ProgramText> => this.get('program-text', { name });
   commandLog = (atNs: number): Promise<RecordedCommands> => this.get('command-log', { at: whole(atNs) });
+
+  present = async (atNs: number): Promise<Present> => {
+    const [fromNs, toNs] = [atNs - TAIL_NS, atNs];
+    const [track, carriers] = await Promise.all([
+      this.get<Track>('track', { from: whole(fromNs), to: whole(toNs), points: TAIL_POINTS }),
+      this.carriersAt(atNs),
+    ]);
+    const names = Object.values(carriers);
+    if (names.length === 0) return presentOf(track, [], carriers);
+    const { windows } = await this.samples({ names, fromNs, toNs, atNs, pixels: TAIL_POINTS });
+    return presentOf(track, windows, carriers);
+  };
+
+  /** The signals that carry the vehicle's state; some may be measured only after `atNs`. */
+  private async carriersAt(atNs: number): Promise<Carriers> {
+    if (isComplete(this.carriers)) return this.carriers;
+    const [{ signals }, { agent }] = await Promise.all([this.signals(atNs), this.mission(atNs)]);
+    this.carriers = carriersOf(signals, agent);
+    return this.carriers;
+  }
 
   tasks: RecordSource['tasks'] = query =>
     this.get('tasks', { at: whole(query.atNs), ended: query.ended, find: query.find, with: query.with });

@@ -1,6 +1,7 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
-import { missionTime } from '../time/format';
+import { clock, missionTime, NANOSECONDS_PER_SECOND } from '../time/format';
+import { reasonText } from './plans';
 import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
 
 export interface Visit {
@@ -19,10 +20,34 @@ const TARGET_GONE = 'no longer a target';
  * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
  * so by text and marks. The number of observed targets is the same everywhere.
  */
-export function shownState(target: Pick<Target, 'state' | 'detail' | 'observed_ns'>): string {
+export function shownState(
+  target: Pick<Target, 'id' | 'state' | 'detail' | 'observed_ns' | 'history'>,
+  plan: PlanInForce | null = null,
+): string {
   if (target.detail === TARGET_GONE) return 'skipped';
   if (target.observed_ns !== null && target.state !== 'observing') return 'observed';
+  if (isUnmentioned(target, plan)) return 'known';
   return target.state ?? 'known';
+}
+
+/** True if the target's state comes from an earlier plan, and the plan in force neither visits the target nor leaves it out. */
+export function isUnmentioned(
+  target: Pick<Target, 'id' | 'state' | 'history'>,
+  plan: PlanInForce | null,
+): boolean {
+  if (!plan || (target.state !== 'planned' && target.state !== 'skipped')) return false;
+  // Each plan records the states of its targets again.
+  const last = target.history.at(-1);
+  if (!last || last.t_ns >= plan.adopted_ns) return false;
+  return ![...plan.visits, ...plan.left_out].some(one => one.target === target.id);
+}
+
+/** The instant since which the reason of the target's state has been the present one: several plans may keep the state. */
+export function reasonSince(target: Pick<Target, 'state' | 'detail' | 'history'>): number | null {
+  const other = target.history.findLastIndex(
+    change => change.state !== target.state || change.detail !== target.detail,
+  );
+  return target.history[other + 1]?.t_ns ?? null;
 }
 
 /** The instant at which each visit of a plan was begun, in the order of the plan; null before. The n-th visit to a target is its n-th
@@ -76,6 +101,12 @@ export interface Thread {
   last: boolean;
 }
 
+/** A reason with the instant of the plan that stated it. */
+export interface StatedReason {
+  sinceNs: number;
+  reason: string;
+}
+
 export interface TargetRow {
   id: string;
   name: string;
@@ -89,8 +120,11 @@ export interface TargetRow {
   visits: { fromNs: number; toNs: number; state: string }[];
   /** Times at which a task of its observation was interrupted, so that it is flown again. */
   reflies: number[];
-  /** The instant since which all plans leave it out, and the reason of the last of them; null if that plan visits it. */
-  left: { sinceNs: number; reason: string } | null;
+  /** The instant since which all plans leave it out, with the reason of the first of them; null if the plan in force does not leave it
+   * out. `later` is the reason of the plan in force where it differs, with the instant of the first plan that stated it. */
+  left: (StatedReason & { later: StatedReason | null }) | null;
+  /** The plan in force if it does not mention the target; null otherwise. */
+  unmentioned: StatedReason | null;
   /** The instant since which it needs no observation any longer; null while it does. */
   goneNs: number | null;
   /** As flown; none before the report. */
@@ -123,14 +157,15 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
     const row = {
       id: target.id,
       name: target.name,
-      state: shownState(target),
+      state: shownState(target, last),
       value: target.value,
       windows: (facts?.windows ?? [])
         .filter(window => window.target === target.id)
         .map(window => ({ fromNs: window.from_ns, toNs: window.to_ns })),
       threads,
       nextNs: next?.begin_ns ?? null,
-      left: leftOf(known, threads),
+      left: last && isLeftOut(last, target.id) ? leftOf(known, threads) : null,
+      unmentioned: last && isUnmentioned(target, last) ? notInPlan(last) : null,
       visits: own.map(({ fromNs, toNs, state }) => ({ fromNs, toNs, state })),
       reflies: troubles
         .filter(
@@ -161,11 +196,33 @@ function threadsOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
   return left ? [{ plan: plan.number, beginNs: null, reason: left.reason, last }] : [];
 }
 
+function isLeftOut(plan: PlanInForce, target: string): boolean {
+  return plan.left_out.some(one => one.target === target);
+}
+
+/** `not in plan 2 of 0:16:56`: the plan neither visits the target nor states why. */
+export function notInPlan(plan: PlanInForce): StatedReason {
+  const adopted = clock(plan.adopted_ns / NANOSECONDS_PER_SECOND);
+  return { sinceNs: plan.adopted_ns, reason: `not in plan ${plan.number} of ${adopted}` };
+}
+
 function leftOf(plans: readonly PlanInForce[], threads: readonly Thread[]): TargetRow['left'] {
   const run = threads.slice(threads.findLastIndex(thread => thread.beginNs !== null) + 1);
-  const first = plans.find(plan => plan.number === run[0]?.plan);
-  const last = run.at(-1);
-  return first && last ? { sinceNs: first.adopted_ns, reason: last.reason } : null;
+  const stated = (thread: Thread | undefined): StatedReason | null => {
+    const plan = plans.find(one => one.number === thread?.plan);
+    return plan && thread ? { sinceNs: plan.adopted_ns, reason: thread.reason } : null;
+  };
+  const first = stated(run[0]);
+  const later = stated(run[run.findLastIndex(thread => thread.reason !== run.at(-1)?.reason) + 1]);
+  if (!first) return null;
+  return { ...first, later: later && later.reason !== first.reason ? later : null };
+}
+
+/** `left out since 0:11:21: no time`, with the later reason where a plan stated another one. */
+export function leftWords({ sinceNs, reason, later }: NonNullable<TargetRow['left']>): string {
+  const at = (atNs: number) => clock(atNs / NANOSECONDS_PER_SECOND);
+  const first = `left out since ${at(sinceNs)}: ${reasonText(reason)}`;
+  return later ? `${first}; since ${at(later.sinceNs)}: ${reasonText(later.reason)}` : first;
 }
 
 function factorsOf(report: Report | null, target: string): TargetRow['factors'] {
@@ -182,19 +239,26 @@ function factorsOf(report: Report | null, target: string): TargetRow['factors'] 
   });
 }
 
-/** `Castle Rock, observing, planned T+8:55:00, interrupted 2×, worth up to 90`. */
+/** `Castle Rock, observing, planned T+8:55:00, 2 visits, last T+7:10:00 to T+7:12:00, interrupted 2×, worth up to 90`. */
 function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
-  const thread = row.threads.at(-1);
   if (row.goneNs !== null) parts.push(`${TARGET_GONE} since ${missionTime(row.goneNs)}`);
   else if (row.nextNs !== null) parts.push(`planned ${missionTime(row.nextNs)}`);
-  else if (thread?.reason) parts.push(`left out: ${thread.reason}`);
-  const [first] = row.visits;
-  if (first && first.toNs > first.fromNs)
-    parts.push(`visited ${missionTime(first.fromNs)} to ${missionTime(first.toNs)}`);
-  else if (first) parts.push(`observed ${missionTime(first.fromNs)}`);
+  else if (row.left) parts.push(leftWords(row.left));
+  else if (row.unmentioned) parts.push(row.unmentioned.reason);
+  const last = row.visits.at(-1);
+  if (last) parts.push(visitWords(last, row.visits.length));
   if (row.reflies.length > 0) parts.push(`interrupted ${row.reflies.length}×`);
   if (row.value !== null) parts.push(`worth up to ${row.value}`);
   for (const factor of row.factors) parts.push(`${factor.name} ${factor.value.toFixed(2)}`);
   return parts.join(', ');
+}
+
+/** The last of the visits, after their number if there are several. */
+function visitWords({ fromNs, toNs, state }: TargetRow['visits'][number], count: number): string {
+  const from = missionTime(fromNs);
+  const span = toNs > fromNs ? `${from} to ${missionTime(toNs)}` : from;
+  if (count > 1) return `${count} visits, last ${state === 'observing' ? `since ${from}` : span}`;
+  if (state === 'observing') return `visited since ${from}`;
+  return toNs > fromNs ? `visited ${span}` : `observed ${from}`;
 }

@@ -11,6 +11,7 @@ describe('durations and values', () => {
   it('are short', () => {
     expect(shortValue('17.483216deg')).toBe('17.48deg');
     expect(shortValue('-0.0312999')).toBe('-0.0313');
+    expect(shortValue('T5 ended at 0:53:04.689')).toBe('T5 ended at 0:53:04');
     expect(shortValue('120 of 4.5')).toBe('120 of 4.5');
   });
 });

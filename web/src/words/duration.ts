@@ -16,7 +16,9 @@ function shortNumber(text: string): string {
   return text.includes('.') ? String(Number(Number(text).toPrecision(4))) : text;
 }
 
-/** `17.4832deg` as `17.48deg`: numbers with three or more fraction digits are rounded to four significant digits. */
+/** `17.4832deg` as `17.48deg`: numbers with three or more fraction digits are rounded to four significant digits, times to seconds. */
 export function shortValue(text: string): string {
-  return text.replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toPrecision(4))));
+  return text
+    .replace(/\b(\d+:\d\d:\d\d)\.\d+/g, '$1')
+    .replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toPrecision(4))));
 }

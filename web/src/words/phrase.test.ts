@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { brief, phrase } from './phrase';
+import { brief, eventWords, phrase, untilTarget } from './phrase';
 
 const names = new Map([
   ['butler-2', 'Butler 2'],
@@ -17,6 +17,24 @@ it('names a goal by its words and targets, without arguments', () => {
   expect(phrase('(keep-in-touch over satellite-link)', names)).toBe('keep in touch over satellite link');
   expect(phrase('(take off to 7000m)', names)).toBe('take off to 7000m');
   expect(phrase('(terminate)', names)).toBe('terminate');
+});
+
+it('ends before the first argument that is left out, except for targets', () => {
+  expect(phrase('(loiter at (34.3 -116.9) unless it is ?place)', names)).toBe('loiter');
+  expect(phrase('(respond for terrain because ?why with margin ?m)', names)).toBe('respond for terrain');
+  expect(phrase('(land home :course 3.14159265359rad :hold :via)', names)).toBe('land home');
+  expect(phrase('(replan because "it is late")', names)).toBe('replan');
+  expect(phrase('(fly from (34.3 -116.9) to ahorn)', names)).toBe('fly to Ahorn');
+});
+
+it('shortens purposes and messages', () => {
+  expect(untilTarget('(photograph ahorn with camera-1 pointed at ahorn taking 1)', names)).toBe(
+    'photograph Ahorn',
+  );
+  expect(untilTarget('(take off to 7000m)', names)).toBe('take off to 7000m');
+  expect(
+    eventWords('(segment-weighed ahorn (47.8 -112.9 5373.0) (47.8 -1) again 0.4 0.0 "the segment")', names),
+  ).toBe('segment weighed Ahorn');
 });
 
 it('shortens sentences and keeps unmatched parentheses', () => {

@@ -1,6 +1,15 @@
 import { describe, expect, it } from 'vitest';
 import type { SignalWindow } from '../../record/types';
-import { circleAround, readLayer, seenPatches, weakLinks, windArrows, windText } from './air';
+import {
+  circleAround,
+  positionNote,
+  readLayer,
+  seenPatches,
+  weakLinks,
+  windArrows,
+  windNote,
+  windText,
+} from './air';
 
 function windowOf(
   attribute: string,
@@ -8,7 +17,7 @@ function windowOf(
   low: number[],
   limits: { low: number }[] = [],
 ): SignalWindow {
-  return { attribute, t_ns, low, high: low, mean: low, limits } as unknown as SignalWindow;
+  return { attribute, unit: '', t_ns, low, high: low, mean: low, limits } as unknown as SignalWindow;
 }
 
 const PATH = {
@@ -30,6 +39,20 @@ describe('wind and link', () => {
     expect(windText(arrows[1] as (typeof arrows)[0])).toBe('wind from 276° at 25 kt');
     expect(windText({ ...(arrows[1] as (typeof arrows)[0]), speedMps: 0.2 })).toBe('calm');
     expect(windArrows([], PATH)).toEqual([]);
+    const many = Array.from({ length: 400 }, (_, index) => index);
+    const dense = [windowOf('wind-speed', many, many), windowOf('wind-direction', many, many)];
+    expect(windArrows(dense, PATH).length).toBeLessThanOrEqual(41);
+    expect(windArrows(dense, PATH)[1]).toMatchObject({ speedMps: 10, fromDeg: 10, atNs: 10 });
+  });
+
+  it('state the last measurement, and its time if it is old', () => {
+    const wind = { fromDeg: 235, speedMps: 22, atNs: 100e9 };
+    expect(windNote(wind, 103e9)).toBe('wind from 235° at 43 kt, measured');
+    expect(windNote(wind, 200e9)).toBe('wind from 235° at 43 kt, measured at T+0:01:40');
+    expect(windNote(wind, 99e9)).toBeNull();
+    expect(positionNote({ ...PATH, times: [0, 100e9] }, 130e9)).toBeNull();
+    expect(positionNote({ ...PATH, times: [0, 100e9] }, 200e9)).toBe('aircraft at its position of T+0:01:40');
+    expect(positionNote({ ...PATH, times: [] }, 200e9)).toBeNull();
   });
 
   it('is weak only below the limit of the mission', () => {

@@ -1,6 +1,8 @@
 /** Wind, link and the seen ground as shown on the map; pure. */
 
+import { factorOf, type MeasuredWind } from '../../record/measured';
 import type { Footprints, SignalWindow } from '../../record/types';
+import { missionTime, NANOSECONDS_PER_SECOND } from '../../time/format';
 import { type Path, type Position, placeAt } from './view';
 
 /** A measured wind at a place of the flown track. */
@@ -11,19 +13,45 @@ export interface WindArrow {
   atNs: number;
 }
 
-/** The measured winds along the track, one for each entry of the windows, oldest first. */
+/** Number of winds that are drawn along the track. */
+const WINDS_MAX = 40;
+
+/** Measured winds along the track at equal distances in time, oldest first. */
 export function windArrows(windows: readonly SignalWindow[], flown: Path): WindArrow[] {
   const of = (attribute: string) => windows.find(window => window.attribute === attribute);
   const [speed, direction] = [of('wind-speed'), of('wind-direction')];
   if (!speed || !direction) return [];
+  const [factor, angle] = [factorOf(speed.unit) ?? 1, factorOf(direction.unit) ?? 1];
+  const [first, last] = [speed.t_ns[0] ?? 0, speed.t_ns.at(-1) ?? 0];
+  const stepNs = (last - first) / WINDS_MAX;
+  let next = first;
   return speed.t_ns.flatMap((atNs, index) => {
+    if (atNs < next) return [];
     // For a direction the last sample up to that time applies, because the mean of 359° and 1° would be 180°.
     const at = direction.t_ns.findLastIndex(time => time <= atNs);
     const [fromDeg, speedMps] = [direction.low[at], speed.mean[index]];
     const position = placeAt(flown, atNs);
     if (fromDeg === undefined || speedMps === undefined || !position) return [];
-    return [{ position, fromDeg, speedMps, atNs }];
+    next += stepNs * Math.ceil((atNs + 1 - next) / Math.max(stepNs, 1));
+    return [{ position, fromDeg: fromDeg * angle, speedMps: speedMps * factor, atNs }];
   });
+}
+
+/** Age from which a measurement is shown with its time. */
+const OLD_NS = 60 * NANOSECONDS_PER_SECOND;
+
+/** `wind from 276° at 25 kt, measured`: the last measurement by the instant, with its time if it is old. */
+export function windNote(wind: MeasuredWind | null, atNs: number): string | null {
+  if (!wind || wind.atNs > atNs) return null;
+  const at = atNs - wind.atNs > OLD_NS ? ` at ${missionTime(wind.atNs)}` : '';
+  return `${windText(wind)}, measured${at}`;
+}
+
+/** `aircraft at its position of T+0:52:10`, if no later position is known; null while its position is recent. */
+export function positionNote(flown: Path, atNs: number): string | null {
+  const last = flown.times.at(-1);
+  if (last === undefined || atNs - last <= OLD_NS) return null;
+  return `aircraft at its position of ${missionTime(last)}`;
 }
 
 /** The stretches of time in which a link was below a limit of the mission. */
@@ -111,7 +139,7 @@ export function circleAround([longitude, latitude]: Position, radiusM: number): 
 export const CALM = 'calm';
 
 /** `wind from 276° at 25 kt`. */
-export function windText(wind: WindArrow): string {
+export function windText(wind: Pick<WindArrow, 'fromDeg' | 'speedMps'>): string {
   const knots = Math.round((wind.speedMps * 3600) / 1852);
   if (knots === 0) return CALM;
   return `wind from ${String(Math.round(wind.fromDeg + 360) % 360).padStart(3, '0')}° at ${knots} kt`;

@@ -88,6 +88,26 @@ describe('targets', () => {
     expect(placedTargets([{ ...target, latitude_deg: null }])).toEqual([]);
   });
 
+  it('have a reason with its own instant, and no plan that no longer mentions them', () => {
+    const skipped = (t_ns: number, detail: string) => ({ t_ns, state: 'skipped', detail });
+    const left = {
+      ...target,
+      state: 'skipped',
+      detail: 'second',
+      since_ns: 100e9,
+      history: [skipped(100e9, 'first'), skipped(200e9, 'second'), skipped(300e9, 'second')],
+    };
+    expect(placedTargets([left])[0]).toMatchObject({ sinceNs: 100e9, detail: 'since 0:03:20: second' });
+    const first = { ...left, detail: 'first', history: left.history.slice(0, 1) };
+    expect(placedTargets([first])[0]?.detail).toBe('first');
+    const plan = { number: 4, adopted_ns: 400e9, summary: '', visits: [], route: [], left_out: [] };
+    expect(placedTargets([left], plan)[0]).toMatchObject({
+      state: 'known',
+      sinceNs: 400e9,
+      detail: 'not in plan 4 of 0:06:40',
+    });
+  });
+
   it('are counted in the legend', () => {
     const observed = { ...target, state: 'observed' };
     const entries = legend(placedTargets([observed, observed]));

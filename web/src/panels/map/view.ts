@@ -1,8 +1,8 @@
 /** Contents of the map at an instant; pure. */
 
 import type { PlanInForce, Surroundings, Target, Track } from '../../record/types';
-import { shownState } from '../../record/visits';
-import { NANOSECONDS_PER_SECOND } from '../../time/format';
+import { isUnmentioned, notInPlan, reasonSince, shownState } from '../../record/visits';
+import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
 
 export type Position = [longitudeDeg: number, latitudeDeg: number];
 
@@ -97,22 +97,32 @@ export function aircraftAt(flown: Path): Aircraft | null {
   return { position, headingDeg: flown.headings.at(-1) ?? (before ? bearing(before, position) : 0) };
 }
 
-/** The known targets that have a place, in their states. */
-export function placedTargets(targets: readonly Target[]): TargetView[] {
+/** The known targets that have a place, in their states; `plan` is the plan in force. */
+export function placedTargets(targets: readonly Target[], plan: PlanInForce | null = null): TargetView[] {
   return targets.flatMap(target => {
     if (target.longitude_deg === null || target.latitude_deg === null) return [];
-    const state = shownState(target);
+    const state = shownState(target, plan);
+    const absent = plan && isUnmentioned(target, plan) ? notInPlan(plan) : null;
     return {
       id: target.id,
       name: target.name,
       position: [target.longitude_deg, target.latitude_deg] satisfies Position,
       state,
-      sinceNs: state === 'observed' ? target.observed_ns : target.since_ns,
-      detail:
-        state === 'observed' && target.state === 'skipped' ? `left out: ${target.detail}` : target.detail,
+      sinceNs: state === 'observed' ? target.observed_ns : (absent?.sinceNs ?? target.since_ns),
+      detail: absent?.reason ?? detailWords(target, state),
       value: target.value,
     };
   });
+}
+
+/** The reason of a target's state, with its instant where a later plan stated it. */
+function detailWords(target: Target, state: string): string | null {
+  if (target.detail === null) return null;
+  const leftOut = state === 'observed' && target.state === 'skipped';
+  const sinceNs = reasonSince(target);
+  const later = target.since_ns !== null && sinceNs !== null && sinceNs > target.since_ns;
+  const since = later ? `since ${clock(sinceNs / NANOSECONDS_PER_SECOND)}: ` : '';
+  return `${leftOut ? 'left out: ' : ''}${since}${target.detail}`;
 }
 
 export interface ZoneView {

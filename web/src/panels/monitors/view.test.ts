@@ -59,6 +59,27 @@ describe('the tree of monitors', () => {
     expect(monitorTree(monitors, names, null, 'REFLY')).toHaveLength(1);
   });
 
+  it('says that the data do not decide about a variable without a sample', () => {
+    const fuel = part({ variable: '(fuel uav)', value: '9kg', now: '(fuel uav) = 9kg, 4kg off' });
+    const battery = part({ variable: '(battery-charge uav)', now: 'no sample yet' });
+    const event = part({ kind: 'event', now: 'no such event yet' });
+    const glyphs = (kind: string, ...parts: MonitoredCondition[]) => {
+      const condition = part({ kind, parts });
+      const monitors = {
+        at_ns: 0,
+        bindings: [],
+        monitors: [{ task: 1, goal: '(a)', clause: 'waitfor', condition }],
+      };
+      const [top] = monitorTree(monitors, names, null);
+      return [top?.glyph, ...(top?.children[0]?.children.map(node => node.glyph) ?? [])].join('');
+    };
+    expect(glyphs('or', fuel, battery)).toBe('◌○◌');
+    expect(glyphs('and', fuel, battery)).toBe('○○◌');
+    expect(glyphs('and', battery, battery)).toBe('◌◌◌');
+    expect(glyphs('or', fuel, event)).toBe('○○○');
+    expect(glyphs('not', battery)).toBe('◌◌');
+  });
+
   it('says nothing where there is no limit', () => {
     expect(limitWords(part({}))).toBe('');
   });

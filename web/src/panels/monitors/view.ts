@@ -1,6 +1,7 @@
 /** View model of the monitors: a tree of conditions with value, limit and the instant of the last change. Pure. */
 
 import type { TreeNode } from '../../parts/rows';
+import { holdsOf } from '../../record/conditions';
 import type { MonitoredCondition, Monitors, TaskMonitor } from '../../record/types';
 import { missionTime } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
@@ -45,7 +46,7 @@ export function monitorTree(
     return {
       id,
       words: `${phrase(one.goal, names)} · ${one.clause}`,
-      glyph: glyphOf(one.condition.holds),
+      glyph: glyphOf(holdsOf(one.condition)),
       note: `T${one.task}`,
       title: `${one.goal}\n${one.condition.text}`,
       chosen: one.task === selected,
@@ -70,7 +71,7 @@ function conditionNode(
   return {
     id,
     words: conditionWords(one, names),
-    glyph: glyphOf(one.holds),
+    glyph: glyphOf(holdsOf(one)),
     value: one.value === null ? undefined : shortValue(one.value),
     note: [limitWords(one), since, until].filter(Boolean).join(' · ') || undefined,
     title: [one.text, withDurations(one.now), one.place].filter(Boolean).join('\n'),

@@ -58,7 +58,7 @@ describe('the now line', () => {
     const hover = { ...answer(free), task: { goal: '(hover)' } };
     const above = [{ goal: '(orient camera-1)' }, { goal: '(visit zaca with camera-1)' }];
     expect(reasonWords(hover as never, plan, names, above)).toBe('plan 2, adopted 5:59:45, has Zaca');
-    expect(whatWords({ goal: '(hover)' }, names, above)).toBe('hover, to visit Zaca with camera 1');
+    expect(whatWords({ goal: '(hover)' }, names, above)).toBe('hover, to visit Zaca');
     expect(whatWords({ goal: '(scan zaca)' }, names, above)).toBe('scan Zaca');
     expect(whatWords({ goal: '(hover)' }, names, above.slice(0, 1))).toBe('hover');
     const tree = [3, 2, 1].map(id => ({ id, parent: id === 1 ? null : id - 1, goal: `(g${id})` })) as never;
@@ -68,6 +68,32 @@ describe('the now line', () => {
       'its preconditions hold: roll above 3deg for P6S',
     ];
     expect(because(rolled)).toBe('roll above 3deg for 6 s');
+  });
+
+  it('names ended tasks and messages without numbers of tasks', () => {
+    const because = (...evidence: unknown[]) => {
+      const enabled = {
+        id: 1,
+        to: 'enabled',
+        because: 'its preconditions hold: T5 ended at 0:53:04.689',
+        cause: { kind: 'preconditions-satisfied', evidence },
+      };
+      const began = { id: 2, to: 'ongoing', because: '', cause: { kind: 'resources-granted' } };
+      const answer = { now: '', task: { goal: '(hover)' }, explanation: { history: [enabled, began] } };
+      const goals = new Map([[5, '(power-up camera-1)']]);
+      return reasonWords(answer as never, null, names, [], task => goals.get(task) ?? null);
+    };
+    const end = (task: string, at: number) => ({ type: 'task-end', task, at });
+    expect(because(end('T4', 3127.689), end('T5', 3184.689))).toBe('power up camera 1 ended at 0:53:04');
+    expect(because(end('T4', 45))).toBe('the step before it ended at 0:00:45');
+    const event = {
+      type: 'event',
+      form: '(segment-weighed zaca (1 2) again 0.4 "the segment")',
+      at: 49_445.4,
+    };
+    expect(because(event)).toBe('segment weighed Zaca at 13:44:05');
+    const sample = { type: 'sample', variable: '(roll uav)', value: '4deg', at: 3 };
+    expect(because(sample, end('T5', 4))).toBe('T5 ended at 0:53:04');
   });
 
   it('names the visit after the last one begun, also if it is late or planned again', () => {

@@ -1,10 +1,18 @@
 /** The now line: the agent's present task, its cause, and the next task; pure. */
 
-import type { Holdings, Mission, PlanInForce, Target, Task, TaskExplanation } from '../../record/types';
+import type {
+  Holdings,
+  Mission,
+  Observation,
+  PlanInForce,
+  Target,
+  Task,
+  TaskExplanation,
+} from '../../record/types';
 import { begunVisits } from '../../record/visits';
 import { clock } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
-import { brief, type Names, phrase } from '../../words/phrase';
+import { brief, eventWords, type Names, untilTarget } from '../../words/phrase';
 
 /** Longest cause that is shown. */
 const CAUSE_MAX = 110;
@@ -57,19 +65,41 @@ export function reasonWords(
   plan: PlanInForce | null,
   names: Names,
   above: readonly Pick<Task, 'goal'>[] = [],
+  goalOf: (task: number) => string | null = () => null,
 ): string {
   const history = answer.explanation?.history ?? [];
   const began = history.findLast(moment => moment.to === 'ongoing');
   if (began?.cause?.kind !== 'resources-granted') return causeWords(answer.now, names);
   const enabled = history.findLast(moment => moment.to === 'enabled' && moment.id < began.id);
-  if (enabled?.cause?.kind === 'preconditions-satisfied')
-    return causeWords(` because ${enabled.because.replace(/^its preconditions hold: /, '')}`, names);
+  if (enabled?.cause?.kind === 'preconditions-satisfied') {
+    const evidence = evidenceWords(enabled.cause.evidence ?? [], names, goalOf);
+    return (
+      evidence ?? causeWords(` because ${enabled.because.replace(/^its preconditions hold: /, '')}`, names)
+    );
+  }
   const visit = [answer.task, ...above]
     .map(task => wordsOf(task.goal))
     .flatMap(words => plan?.visits.find(one => words.has(one.target)) ?? [])[0];
   if (!plan || !visit) return causeWords(answer.now, names);
   const adopted = clock(plan.adopted_ns / 1e9);
   return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
+}
+
+/** `power up camera 1 ended at 0:53:04`: the last one of ended tasks and messages, without numbers of tasks; null for other evidence. */
+function evidenceWords(
+  evidence: readonly Observation[],
+  names: Names,
+  goalOf: (task: number) => string | null,
+): string | null {
+  const events = evidence.flatMap(one => (one.type === 'task-end' || one.type === 'event' ? [one] : []));
+  const last = events.reduce<(typeof events)[number] | null>(
+    (best, one) => (best === null || one.at > best.at ? one : best),
+    null,
+  );
+  if (!last || events.length < evidence.length) return null;
+  if (last.type === 'event') return `${eventWords(last.form, names)} at ${clock(last.at)}`;
+  const goal = goalOf(Number(last.task.replace(/^T/, '')));
+  return `${goal === null ? 'the step before it' : untilTarget(goal, names)} ended at ${clock(last.at)}`;
 }
 
 /** The visit of the plan in force after the last one begun, also if it is late: `East Zone Complex, planned 9:35`. */
@@ -97,7 +127,7 @@ export function whatWords(
   above: readonly Pick<Task, 'goal'>[] = [],
 ): string {
   const hasTarget = ({ goal }: Pick<Task, 'goal'>) => [...wordsOf(goal)].some(word => names.has(word));
-  const own = phrase(task.goal, names);
+  const own = untilTarget(task.goal, names);
   const purpose = hasTarget(task) ? undefined : above.find(hasTarget);
-  return purpose ? `${own}, to ${phrase(purpose.goal, names)}` : own;
+  return purpose ? `${own}, to ${untilTarget(purpose.goal, names)}` : own;
 }

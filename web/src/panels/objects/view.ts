@@ -1,6 +1,7 @@
 /** The object tree: agents, procedures, resources, monitors, variables; pure. */
 
 import type { TreeNode } from '../../parts/rows';
+import { holdsOf } from '../../record/conditions';
 import type {
   Holdings,
   Monitors,
@@ -36,19 +37,29 @@ export interface Things {
 
 type Node = TreeNode<Thing>;
 
+/** Signs of conditions that hold, that do not, and that the data do not decide. */
+const GLYPHS: Record<string, string> = { true: '●', false: '○', null: '◌' };
+
 export function objectTree(things: Things): Node[] {
   return [
-    group('agents', 'agents', agents(things)),
-    group('procedures', 'procedures', procedures(things)),
-    group('resources', 'resources', resources(things)),
-    group('monitors', 'monitors', monitors(things)),
-    group('variables', 'variables', variables(things)),
+    group('agents', agents(things), things.records.length > 0),
+    group('procedures', procedures(things), things.program !== null),
+    group('resources', resources(things), things.program !== null && things.holdings !== null),
+    group('monitors', monitors(things), things.monitors !== null),
+    group('variables', variables(things), things.signals !== null),
   ];
 }
 
-function group(id: string, words: string, children: Node[]): Node {
+/** A group with the number of its objects; while they are not known, it has no number. */
+function group(id: string, children: Node[], known: boolean): Node {
   const leaves = children.reduce((sum, child) => sum + Math.max(child.children.length, 1), 0);
-  return { id, words, note: String(leaves), open: id === 'agents' || id === 'resources', children };
+  return {
+    id,
+    words: id,
+    note: known ? String(leaves) : 'not read',
+    open: id === 'agents' || id === 'resources',
+    children,
+  };
 }
 
 function agents({ records, shown }: Things): Node[] {
@@ -129,7 +140,7 @@ function monitors({ monitors, names }: Things): Node[] {
   return (monitors?.monitors ?? []).map((one, index) => ({
     id: `monitor ${one.task} ${index}`,
     words: `${phrase(one.goal, names)} · ${one.clause}`,
-    glyph: one.condition.holds === null ? '◌' : one.condition.holds ? '●' : '○',
+    glyph: GLYPHS[String(holdsOf(one.condition))],
     note: `T${one.task}`,
     title: one.condition.text,
     choosable: true,

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce, Target } from '../../record/types';
-import { shownState, targetRows, visitsOf } from '../../record/visits';
+import { leftWords, shownState, targetRows, visitsOf } from '../../record/visits';
 import { resourceRows } from './rows';
 import { NAMES_PX, scaleOf } from './view';
 
@@ -63,7 +63,7 @@ describe('rows of targets', () => {
     expect(a?.reflies).toEqual([60]);
     expect(a?.windows).toEqual([{ fromNs: 5, toNs: 80 }]);
     expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
-    expect(b?.words).toContain('left out: no time');
+    expect(b?.words).toContain('left out since 0:00:00: no time');
   });
   it('show all visits of the plan in force, and the time of the next one', () => {
     const visits = [60, 100, 140].map(begin_ns => ({ target: 'a', begin_ns, end_ns: begin_ns + 1 }));
@@ -105,7 +105,7 @@ describe('rows of targets', () => {
       [10, 30, 'observed'],
     ]);
   });
-  it('say since which plan a target is left out, and why the last plan leaves it out', () => {
+  it('say since which plan a target is left out with the reason of that plan, and a later reason with its own plan', () => {
     const plans = [1, 2, 3].map(number => {
       const begins: Record<string, number> = number === 1 ? { b: 60 } : {};
       const made = plan(number, 10 * number, begins, number === 1 ? [] : ['b']);
@@ -113,8 +113,41 @@ describe('rows of targets', () => {
     });
     const row = (atNs: number) => targetRows({ ...known, plans, atNs }).find(one => one.id === 'b');
     expect(row(15)?.left).toBeNull();
-    expect(row(25)?.left).toEqual({ sinceNs: 20, reason: 'reason 2' });
-    expect(row(35)?.left).toEqual({ sinceNs: 20, reason: 'reason 3' });
+    expect(row(25)?.left).toEqual({ sinceNs: 20, reason: 'reason 2', later: null });
+    const later = row(35)?.left;
+    expect(later).toEqual({ sinceNs: 20, reason: 'reason 2', later: { sinceNs: 30, reason: 'reason 3' } });
+    expect(later && leftWords(later)).toBe('left out since 0:00:00: reason 2; since 0:00:00: reason 3');
+    expect(row(35)?.words).toContain('left out since 0:00:00: reason 2; since');
+  });
+  it('show no target as planned that the plan in force does not mention', () => {
+    const plans = [plan(1, 0, { a: 40, b: 60 }, ['c']), plan(2, 70e9, {}, [])];
+    const passed = target('b', [[0, 'planned']]);
+    const closed = target('c', [[0, 'skipped']]);
+    const rows = targetRows({ ...known, targets: [passed, closed], plans, atNs: 80e9 });
+    expect(rows.map(row => [row.state, row.left, row.nextNs])).toEqual(Array(2).fill(['known', null, null]));
+    expect(rows[0]?.words).toContain('B, known, not in plan 2 of 0:01:10');
+    expect(shownState(passed, plan(2, 70e9, { b: 90 }, []))).toBe('planned');
+    expect(shownState(closed, plan(2, 70e9, {}, ['c']))).toBe('skipped');
+    // A state that was recorded after the plan is not the plan's.
+    expect(shownState(target('c', [[75e9, 'skipped']]), plan(2, 70e9, {}, []))).toBe('skipped');
+  });
+  it('name the last visit and the number of visits', () => {
+    const changes: [number, string][] = [
+      [10e9, 'observing'],
+      [20e9, 'observed'],
+      [50e9, 'observing'],
+    ];
+    const words = (count: number, atNs: number) =>
+      targetRows({
+        ...known,
+        targets: [target('a', changes.slice(0, count))],
+        plans: [],
+        troubles: [],
+        atNs,
+      })[0]?.words;
+    expect(words(1, 15e9)).toContain('visited since T+0:00:10');
+    expect(words(2, 30e9)).toContain('visited T+0:00:10 to T+0:00:20');
+    expect(words(3, 80e9)).toContain('2 visits, last since T+0:00:50');
   });
   it('say since when a target is none any longer, whatever plans said before', () => {
     const gone = { ...target('b', [[30, 'skipped']]), detail: 'no longer a target', since_ns: 3600e9 };

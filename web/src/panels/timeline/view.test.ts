@@ -1,9 +1,11 @@
 import { describe, expect, it } from 'vitest';
+import { axisOf } from '../../player/clock';
 import { unpackBands } from '../../record/bands';
 import type { Band, Bar, Target, Timeline, Track, Trouble } from '../../record/types';
 import {
   barAt,
   blocksOf,
+  cursorValues,
   densityOf,
   type LaneRow,
   laneAtWork,
@@ -17,7 +19,7 @@ import {
   stripsOf,
   troubleMarks,
   troubleWords,
-  valueAt,
+  valueWords,
   visitsOf,
 } from './view';
 
@@ -36,6 +38,11 @@ describe('the scale', () => {
     expect(scale.x(1000)).toBe(NAMES_PX + 1000);
     expect(scale.at(scale.x(321))).toBeCloseTo(321, 9);
   });
+});
+
+it('P1: the values of the cursor are seconds and end with the axis', () => {
+  const axis = axisOf({ fromNs: 0, toNs: 3_580.889e9 }, 3_600e9, 1_200.5e9);
+  expect(cursorValues(axis, 1_200.5e9)).toEqual({ min: 0, max: 3600, now: 1200 });
 });
 
 describe('lanes', () => {
@@ -209,18 +216,29 @@ describe('strips', () => {
   };
 
   it('are made of quantities that were recorded, up to the cursor', () => {
-    expect(stripsOf(track, 1000).map(made => made.name)).toEqual(['altitude', 'fuel']);
-    expect(stripsOf(track, 499).map(made => made.high)).toEqual([6, 5]);
-    expect(stripsOf(null, 0)).toEqual([]);
+    expect(stripsOf(track, null, 1000).map(made => made.name)).toEqual(['altitude', 'fuel']);
+    expect(stripsOf(track, null, 499).map(made => made.high)).toEqual([6, 5]);
+    expect(stripsOf(null, null, 0)).toEqual([]);
   });
 
   it('keep every peak in few points', () => {
-    const [altitude] = stripsOf(track, 1000);
+    const [altitude] = stripsOf(track, null, 1000);
     if (!altitude) throw new Error('there is no altitude');
     const points = lineOf(altitude, visible, scale, 0, 100);
     expect(points.length).toBeLessThanOrEqual(2002);
     expect(Math.min(...points.map(point => point[1]))).toBe(0);
-    expect(valueAt(altitude, 500)).toBe(900);
-    expect(valueAt(altitude, -1)).toBeNull();
+    const altitudeAt = (atNs: number) => stripsOf(track, null, atNs).map(one => valueWords(one, atNs))[0];
+    expect(altitudeAt(500)).toBe('900 m');
+    expect(altitudeAt(-1)).toBe('');
+  });
+
+  it('state the last measurement, not the last row of the thinned track, and the age of an old one', () => {
+    const thinned = { ...track, t_ns: [0, 10e9], altitude_m: [5, 7], roll_deg: [1, 2], fuel_kg: [9, 9] };
+    const tail = { ...thinned, t_ns: [10e9, 12e9, 14e9], altitude_m: [7, 8, null], roll_deg: [2, 2.5, 0.4] };
+    const words = (atNs: number) => stripsOf(thinned, tail, atNs).map(one => valueWords(one, atNs));
+    expect(words(14.5e9)).toEqual(['8 m', '0.4 °', '9 kg']);
+    expect(words(13e9)[1]).toBe('2.5 °');
+    expect(words(11e9)[1]).toBe('2.0 °');
+    expect(words(100e9)[1]).toBe('0.4 °, 1 min 26 s ago');
   });
 });

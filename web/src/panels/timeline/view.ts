@@ -2,7 +2,9 @@
 
 import type { Range } from '../../player/clock';
 import { type DenseBand, unpackBands } from '../../record/bands';
+import { columnUntil } from '../../record/measured';
 import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
 import { subjectWords } from '../../words/subject';
 
@@ -43,6 +45,12 @@ export function scaleOf(visible: Range, width: number): Scale {
     x: atNs => NAMES_PX + ((atNs - visible.fromNs) / span) * room,
     at: x => visible.fromNs + ((x - NAMES_PX) / room) * span,
   };
+}
+
+/** The values of the time cursor in whole seconds. They end with the axis, because the end of the flight is not known before it. */
+export function cursorValues(axis: Range, atNs: number): { min: number; max: number; now: number } {
+  const seconds = (ns: number) => Math.floor(ns / NANOSECONDS_PER_SECOND);
+  return { min: seconds(axis.fromNs), max: seconds(axis.toNs), now: seconds(atNs) };
 }
 
 export interface LaneRow {
@@ -235,49 +243,43 @@ export interface Strip {
   values: number[];
 }
 
-/** The quantities drawn as strips, in this order, if the record has them, with their samples up to `atNs`. */
-export function stripsOf(track: Track | null, atNs: number): Strip[] {
+/** The quantities drawn as strips, in this order, if the record has them, with their samples up to `atNs`. `tail` has all samples of the
+ * last time, so that the last one is the present value. */
+export function stripsOf(track: Track | null, tail: Track | null, atNs: number): Strip[] {
   if (!track) return [];
   return [
-    strip('altitude', 'm', track.t_ns, track.altitude_m, atNs, 0),
-    strip('roll', '°', track.t_ns, track.roll_deg, atNs, 1),
-    strip('fuel', 'kg', track.t_ns, track.fuel_kg, atNs, 0),
+    strip('altitude', 'm', track, tail, 'altitude_m', atNs, 0),
+    strip('roll', '°', track, tail, 'roll_deg', atNs, 1),
+    strip('fuel', 'kg', track, tail, 'fuel_kg', atNs, 0),
   ].filter(made => made !== null);
 }
 
 function strip(
   name: string,
   unit: string,
-  all: number[],
-  column: (number | null)[],
+  track: Track,
+  tail: Track | null,
+  column: 'altitude_m' | 'roll_deg' | 'fuel_kg',
   atNs: number,
   decimals: number,
 ): Strip | null {
   // The row is present from the start, and only its samples depend on the time.
-  if (column.every(value => value === null)) return null;
-  const times: number[] = [];
-  const values: number[] = [];
+  if (track[column].every(value => value === null)) return null;
+  const { times, values } = columnUntil(track, tail, column, atNs);
   let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-  column.forEach((value, index) => {
-    const time = all[index];
-    if (value === null || time === undefined || time > atNs) return;
-    times.push(time);
-    values.push(value);
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  });
+  for (const value of values) [low, high] = [Math.min(low, value), Math.max(high, value)];
   return { name, unit, low, high, decimals, times, values };
 }
 
-/** The last value up to `atNs`. */
-export function valueAt(strip: Strip, atNs: number): number | null {
-  let [low, high] = [0, strip.times.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((strip.times[middle] as number) <= atNs) low = middle + 1;
-    else high = middle;
-  }
-  return strip.values[low - 1] ?? null;
+/** Age from which a value is shown with it: the duration of `tail`. */
+const OLD_NS = 60 * NANOSECONDS_PER_SECOND;
+
+/** `69 m`, the last value of a strip up to `atNs`; with its age if it is old: `69 m, 3 min 20 s ago`. */
+export function valueWords(strip: Strip, atNs: number): string {
+  const [time, value] = [strip.times.at(-1), strip.values.at(-1)];
+  if (time === undefined || value === undefined) return '';
+  const ageNs = atNs - time;
+  return `${value.toFixed(strip.decimals)} ${strip.unit}${ageNs > OLD_NS ? `, ${span(ageNs)} ago` : ''}`;
 }
 
 /** Points of a strip's line: at most one lowest and one highest value for each pixel. */
