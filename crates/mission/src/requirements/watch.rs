@@ -148,7 +148,7 @@ impl Watch {
         // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
-        (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, false);
+        (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, scene.is_joining());
         let mut findings = Findings::default();
         for reading in scene.readings() {
             let is_urgent = |within_s: f64| {
