@@ -92,12 +92,6 @@ pub(crate) fn moved(position: Position, north_m: f64, east_m: f64) -> Position {
     Position { latitude_deg, longitude_deg }
 }
 
-/// Returns the fastest climb at `altitude_m`.
-pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
-    let share = (altitude_m / model.ceiling_m).clamp(0.0, 1.0);
-    model.climb_rate_m_s_max * (1.0 - 0.9 * share)
-}
-
 /// Time constants of altitude capture and of climb.
 pub(crate) const ALTITUDE_CAPTURE_S: f64 = 6.0;
 const CLIMB_LAG_S: f64 = 2.0;
@@ -110,7 +104,7 @@ const STEEPEST: f64 = 2.0;
 /// so far from it that a long step cannot pass it.
 pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt: f64) -> bool {
     let error_m = altitude_m - state.altitude_m;
-    let up = climb_rate_max(model, state.altitude_m);
+    let up = model.climb().rate_m_s(state.altitude_m);
     let mut wanted = (error_m / ALTITUDE_CAPTURE_S.max(dt)).clamp(-model.descent_rate_m_s_max, up);
     if !state.engine_running {
         // A glide can be steepened, by a slip or by brakes, and not stretched.

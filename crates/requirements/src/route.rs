@@ -100,6 +100,20 @@ impl Route {
         self.fly_to(from).fly_to(to)
     }
 
+    /// Turns onto the line through `begin` towards `along` (unit length) by a circle of `radius_m` that touches it at `begin`: straight to
+    /// the circle, and along it. Of the circles on both sides it takes the one with the shorter way. Returns the centre, too; `None` where
+    /// the vehicle is inside both.
+    pub fn join(mut self, (begin, along): (Point, Point), radius_m: f64) -> (Route, Option<Point>) {
+        let (from, track) = self.end;
+        let joins = [1.0, -1.0].map(|side| LineJoin::of(from, track, (begin, along), (radius_m, side)));
+        let shortest = joins.into_iter().flatten().min_by(|a, b| a.cost_m.total_cmp(&b.cost_m));
+        let Some(join) = shortest else { return (self.fly_to(begin), None) };
+        self = self.fly_to(join.tangent);
+        let outward = join.tangent.minus(join.centre);
+        let from_rad = libm::atan2(outward.y, outward.x);
+        (self.arc(join.centre, radius_m, from_rad, join.sweep_rad), Some(join.centre))
+    }
+
     /// Flies to the circle of `radius_m` around `centre` and once around it, to the side with the smaller turn.
     pub fn circle(mut self, centre: Point, radius_m: f64) -> Route {
         let (from, track) = self.end;
@@ -190,6 +204,11 @@ impl Route {
         Some(RouteState { after_s, point, altitude_m: self.altitude_m_at(after_s) })
     }
 
+    /// Returns true if the commanded altitude is reached by the end of the last piece.
+    pub fn is_level_at_end(&self) -> bool {
+        (self.altitude_m_at(self.end_s) - self.altitude_m.1).abs() < LEVEL_M
+    }
+
     fn altitude_m_at(&self, after_s: f64) -> f64 {
         let (now_m, commanded_m) = self.altitude_m;
         if commanded_m >= now_m {
@@ -199,6 +218,9 @@ impl Route {
         }
     }
 }
+
+/// Difference to the commanded altitude up to which a vehicle flies level.
+const LEVEL_M: f64 = 10.0;
 
 fn wind_mps(wind: Wind) -> f64 {
     libm::hypot(wind.east_mps, wind.north_mps)
@@ -241,6 +263,44 @@ impl Turn {
             sweep_rad = 0.0;
         }
         (sweep_rad > 0.0).then_some(Turn { centre, from_rad, sweep_rad: side * sweep_rad })
+    }
+}
+
+/// A turn onto a line, by a circle that touches it.
+struct LineJoin {
+    centre: Point,
+    /// The place at which the straight way meets the circle.
+    tangent: Point,
+    /// Positive to the left.
+    sweep_rad: f64,
+    cost_m: f64,
+}
+
+/// A turn of more than this is none: the vehicle is in line, seen from the other side.
+const WHOLE_TURN_RAD: f64 = 6.2;
+
+impl LineJoin {
+    /// Returns the turn by the circle on the left (`side` 1) or right (-1) of the line; `None` from inside of it.
+    fn of(from: Point, track: Point, (begin, along): (Point, Point), (radius_m, side): (f64, f64)) -> Option<LineJoin> {
+        let normal = Point { x: -side * along.y, y: side * along.x };
+        let centre = begin.plus(radius_m, normal);
+        let way = centre.minus(from);
+        let gap_m = way.length();
+        if gap_m <= radius_m {
+            return None;
+        }
+        let course_rad = libm::atan2(way.y, way.x) - side * libm::asin(radius_m / gap_m);
+        let straight_m = libm::sqrt(gap_m * gap_m - radius_m * radius_m);
+        let tangent = from.plus(straight_m, Point { x: libm::cos(course_rad), y: libm::sin(course_rad) });
+        let turn_rad = |from_rad: f64, to_rad: f64| {
+            let turned = libm::fmod(side * (to_rad - from_rad), TAU);
+            if turned < 0.0 { turned + TAU } else { turned }
+        };
+        let turned_rad = turn_rad(course_rad, libm::atan2(along.y, along.x));
+        let arc_rad = if turned_rad > WHOLE_TURN_RAD { 0.0 } else { turned_rad };
+        let first_rad = turn_rad(libm::atan2(track.y, track.x), course_rad);
+        let cost_m = straight_m + radius_m * (arc_rad + first_rad.min(TAU - first_rad));
+        Some(LineJoin { centre, tangent, sweep_rad: side * arc_rad, cost_m })
     }
 }
 
@@ -313,6 +373,22 @@ mod tests {
         assert_eq!(route.at(0.0).unwrap().point, p(0.0, 0.0));
         assert!((route.at(16.0).unwrap().point.minus(p(800.0, 0.0))).length() < 1e-6);
         assert!((route.at(60.0).unwrap().point.length() - 800.0).abs() < 1e-6);
+    }
+
+    /// An aircraft on the line, beyond its beginning, turns back around one of the circles that touch the line there.
+    #[test]
+    fn a_line_is_joined_in_its_direction() {
+        for (from, track) in
+            [(p(2_000.0, 300.0), p(1.0, 0.0)), (p(-9_000.0, 4_000.0), p(0.0, -1.0)), (p(500.0, -6_000.0), p(0.0, 1.0))]
+        {
+            let begin = Route::begin(from, track, (100.0, 100.0), motion(500.0));
+            let (route, centre) = begin.join((p(0.0, 0.0), p(1.0, 0.0)), 600.0);
+            let centre = centre.unwrap();
+            assert!(centre.x.abs() < 1e-6 && (centre.y.abs() - 600.0).abs() < 1e-6, "{centre:?}");
+            let (end, along) = route.end();
+            assert!(end.length() < 1e-3 && along.x > 1.0 - 1e-9, "{end:?} towards {along:?}");
+            assert!(route.is_level_at_end());
+        }
     }
 
     #[test]

@@ -36,6 +36,8 @@ mod partly_shut;
 mod still_air;
 #[path = "odd/strong_wind.rs"]
 mod strong_wind;
+#[path = "odd/tight_circles.rs"]
+mod tight_circles;
 #[path = "odd/unplanned_end.rs"]
 mod unplanned_end;
 #[path = "odd/waiting.rs"]

@@ -1,5 +1,6 @@
 //! Figures that follow from a vehicle file, against which a reader can check it: ranges, turns, pixels, swaths, scan rates.
 
+use crate::climb::Climb;
 use crate::energy::{EnergyModel, density_ratio};
 use crate::model::{Airframe, VehicleModel};
 use crate::sensor::{CarriedSensor, Optics, ScannerMode};
@@ -45,6 +46,11 @@ impl VehicleModel {
     /// needs an angle of attack that falls with the square of the indicated airspeed.
     pub fn level_pitch_rad(slowness: f64) -> f64 {
         ANGLE_OF_ATTACK_RAD.0 * slowness * slowness - ANGLE_OF_ATTACK_RAD.1
+    }
+
+    /// Returns the fastest climb by the altitude.
+    pub fn climb(&self) -> Climb {
+        Climb { rate_m_s_max: self.climb_rate_m_s_max, ceiling_m: self.ceiling_m }
     }
 
     /// Returns the pitch angle of level flight at cruise speed, rad; 0 for a rotorcraft.

@@ -3,6 +3,7 @@
 //! A vehicle file is JSON in which every figure names its source; `docs/reference/vehicles.md` and `docs/reference/sensors.md`
 //! describe the files. The simulator and the planner read the same model. The crate reads text and touches no file.
 
+mod climb;
 pub mod derived;
 mod energy;
 mod error;
@@ -18,6 +19,7 @@ mod sheet;
 mod shipped;
 mod validate;
 
+pub use climb::Climb;
 pub use energy::{
     BatteryModel, EnergyModel, FlightPower, FuelModel, JOULES_PER_WH, Reserve, StatedEndurance, density_ratio,
     ideal_hover_w, standard_temperature_c,

@@ -14,6 +14,8 @@ pub(super) struct Circling {
     pub(super) centre: Option<Position>,
     /// Radius over ground; 0 for a vehicle that hovers.
     pub(super) radius_m: f64,
+    /// Radius over ground of the turn onto a line, and the distance before the line at which it ends.
+    pub(super) join_m: (f64, f64),
     /// Length of the straight flight until a vehicle that takes off begins to turn.
     pub(super) straight_m: f64,
 }
@@ -53,15 +55,17 @@ pub(super) fn along(
             let route = if circling.radius_m > 0.0 { begin.straight(turns) } else { begin };
             hold(route, centre.unwrap_or(turns))
         }
-        Some(FlightOrder::Line(positions)) => {
-            let points = points(positions);
-            let left = match points.as_slice() {
-                [from, to] if is_on_line(begin.end(), *from, *to) => points.get(1..).unwrap_or_default(),
-                all => all,
-            };
-            by(begin, left)
+        Some(FlightOrder::Line(positions)) => match points(positions).as_slice() {
+            [before @ .., from, to] => onto_line(by(begin, before), !before.is_empty(), (*from, *to), circling),
+            other => by(begin, other),
+        },
+        // A fixed wing that is not at its altitude at the place circles there.
+        Some(FlightOrder::FlyBy(positions)) => {
+            let route = by(begin, &points(positions));
+            let place = route.end().0;
+            if circling.radius_m > 0.0 && !route.is_level_at_end() { hold(route, place) } else { route }
         }
-        Some(FlightOrder::FlyBy(positions) | FlightOrder::Land(positions)) => by(begin, &points(positions)),
+        Some(FlightOrder::Land(positions)) => by(begin, &points(positions)),
         Some(FlightOrder::Stay(positions)) => by(begin, &points(positions)).stop(look_ahead_s),
         Some(FlightOrder::Circle(positions)) => {
             let points = points(positions);
@@ -71,6 +75,45 @@ pub(super) fn along(
             }
         }
     }
+}
+
+/// Returns the route along a line, with the turn onto it. A fixed wing that is not lined up, or not at the altitude of the line, turns onto
+/// it by a circle at its beginning, on which it also climbs or descends. The way of a command ends in line.
+fn onto_line(route: Route, is_by_way: bool, (from, to): (Point, Point), circling: &Circling) -> Route {
+    let Some(along) = to.minus(from).unit() else { return route.fly_to(to) };
+    let (radius_m, lead_m) = circling.join_m;
+    let is_level = route.is_level_at_end();
+    if is_level && !is_by_way && is_on_line(route.end(), from, to) {
+        return route.fly_to(to);
+    }
+    if radius_m <= 0.0 || (is_level && (is_by_way || is_lined_up(route.end(), from, along))) {
+        return route.fly_to(from).straight(to);
+    }
+    let (route, centre) = route.join((from.plus(-lead_m, along), along), radius_m);
+    let route = match centre {
+        Some(centre) if !route.is_level_at_end() => route.circle(centre, radius_m),
+        _ => route,
+    };
+    route.straight(from).straight(to)
+}
+
+/// Returns true if a vehicle at the beginning of a route is not in line, and no way of its command leads it there.
+pub(super) fn is_joining(begin: &Route, order: &FlightOrder, plane: &Plane) -> bool {
+    let FlightOrder::Line(positions) = order else { return false };
+    let [from, to] = positions.as_slice() else { return false };
+    let Some((from, to)) = plane.project(*from).zip(plane.project(*to)) else { return false };
+    let Some(along) = to.minus(from).unit() else { return false };
+    !is_on_line(begin.end(), from, to) && !is_lined_up(begin.end(), from, along)
+}
+
+/// Greatest distance from a line of a vehicle that flies onto it without a further turn, and the cosine of the greatest angle to it.
+const LINED_UP_M: f64 = 400.0;
+const LINED_UP_COSINE: f64 = 0.939;
+
+/// Returns true if the vehicle is in line before the beginning of a line, or just behind it.
+fn is_lined_up((point, track): (Point, Point), from: Point, along: Point) -> bool {
+    let passed = point.minus(from);
+    along.cross(passed).abs() <= LINED_UP_M && passed.dot(along) <= ON_LINE_M && along.dot(track) >= LINED_UP_COSINE
 }
 
 /// A vehicle this near to a line, in about its direction, continues along it.
@@ -110,8 +153,9 @@ mod tests {
     const HOME: Position = Position { latitude_deg: 37.4, longitude_deg: -121.0 };
     const RADIUS_M: f64 = 4_000.0;
     const STRAIGHT_M: f64 = 1_500.0;
+    const JOIN_M: (f64, f64) = (3_500.0, 2_000.0);
 
-    /// Returns the distances of points of the route from a place, east and north of the vehicle, which flies east.
+    /// Returns the distances of points of the route from a place, east and north of the vehicle, which flies east and climbs.
     fn distances_m(order: Option<&FlightOrder>, centre: Option<Position>, east_m: f64, north_m: f64) -> Vec<f64> {
         let motion = Motion {
             true_airspeed_mps: 100.0,
@@ -122,7 +166,7 @@ mod tests {
         };
         let plane = Plane::new(HOME);
         let begin = Route::begin(Point::default(), Point { x: 1.0, y: 0.0 }, (500.0, 6_000.0), motion);
-        let circling = Circling { centre, radius_m: RADIUS_M, straight_m: STRAIGHT_M };
+        let circling = Circling { centre, radius_m: RADIUS_M, join_m: JOIN_M, straight_m: STRAIGHT_M };
         let route = along(begin, order, &plane, &circling, 300.0);
         let points = (0..route.end_s() as u32).filter_map(|after_s| route.at(f64::from(after_s)));
         points.map(|state| libm::hypot(state.point.x - east_m, state.point.y - north_m)).collect()
@@ -150,5 +194,32 @@ mod tests {
         let centre = geodesy::destination(HOME, 0.0, RADIUS_M);
         let around_m = distances_m(None, Some(centre), 0.0, RADIUS_M);
         assert!((most_m(&around_m) - RADIUS_M).abs() < 20.0, "{}", most_m(&around_m));
+    }
+
+    /// The place is reached in 100 s, and the altitude in 1,100 s.
+    #[test]
+    fn a_climb_at_a_place_is_a_circle_around_it() {
+        let place = geodesy::destination(HOME, 90.0, 10_000.0);
+        let there = Plane::new(HOME).project(place).unwrap_or_default();
+        let around_m = distances_m(Some(&FlightOrder::FlyBy(vec![place])), None, there.x, there.y);
+        let last_m = around_m.last().copied().unwrap_or_default();
+        assert!((last_m - RADIUS_M).abs() < 1.0, "{last_m}");
+    }
+
+    #[test]
+    fn a_climb_before_a_line_is_a_circle_next_to_its_beginning() {
+        let (from, to) = (geodesy::destination(HOME, 90.0, 10_000.0), geodesy::destination(HOME, 90.0, 30_000.0));
+        let begin = Plane::new(HOME).project(from).unwrap_or_default();
+        for side in [1.0, -1.0] {
+            let (radius_m, lead_m) = JOIN_M;
+            let order = FlightOrder::Line(vec![from, to]);
+            let around_m = distances_m(Some(&order), None, begin.x - lead_m, begin.y + side * radius_m);
+            let near = around_m.iter().filter(|distance_m| (**distance_m - radius_m).abs() < 1.0).count();
+            println!("{near} s on the circle at side {side}");
+            if near > 200 {
+                return;
+            }
+        }
+        panic!("no circle touches the line at its lead-in");
     }
 }

@@ -8,6 +8,7 @@ mod commanded;
 mod commanded_route;
 mod endurance;
 mod exposure;
+mod landing_distance;
 mod mission_end;
 mod readings;
 mod recovery;

@@ -1,9 +1,9 @@
 //! One reading for each requirement: its present margin, and the time until the commanded route violates it.
 
 use super::commanded::{Commanded, FlightOrder, Flown};
-use super::commanded_route::{Circling, along, chart_distance_m};
+use super::commanded_route::{Circling, along, chart_distance_m, is_joining};
 use super::response::Response;
-use super::statement::{LandingReach, Requirements};
+use super::statement::Requirements;
 use crate::link::LinkMemory;
 use crate::vehicle::{Airframe, turn_radius_m};
 use crate::ways::STRAIGHT_CLIMB_M;
@@ -13,10 +13,9 @@ use apex_geo::plane::{Plane, Point};
 use apex_geo::wind::{self, triangle};
 use apex_model::problem::WindField;
 use apex_model::quantity::Dimension;
-use apex_requirements::margin::landing::{Glide, disc_m, glide_m};
 use apex_requirements::margin::weather;
 use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
-use apex_requirements::prediction::{RouteSpan, active_span};
+use apex_requirements::prediction::active_span;
 use apex_requirements::response::turn_away_s;
 use apex_requirements::{Concern, Motion, Route, first_violation};
 use std::cell::OnceCell;
@@ -44,6 +43,8 @@ pub struct Reading {
 
 /// Greatest reported margin: obstacles farther away are not searched.
 pub(super) const DISTANCE_M_MAX: f64 = 50_000.0;
+/// Time for which a vehicle that turns onto a line is predicted straight ahead, s.
+const AHEAD_S: f64 = 120.0;
 /// Error of the speed along the route, as a share.
 const SPEED_ERROR: f64 = 0.05;
 /// Time from the command to the full bank.
@@ -78,6 +79,8 @@ pub(super) struct Scene<'a> {
     pub(super) plane: Plane,
     pub(super) motion: Motion,
     pub(super) route: Route,
+    /// Straight ahead, for a vehicle that turns onto a line as its autopilot chooses, which may lead it away from the line first.
+    ahead: Option<Route>,
     /// The flight command that is open.
     pub(super) order: Option<&'a FlightOrder>,
     /// The way from here to the nearest landing site, once a reading has asked for it.
@@ -100,26 +103,39 @@ impl<'a> Scene<'a> {
         let plane = Plane::new(here);
         let blowing = wind::at(forecast, here, flown.altitude_m, now_s);
         let speed_mps = commanded.true_airspeed_mps.or(flown.true_airspeed_mps.filter(|speed| *speed > 1.0));
+        // In thin air the slowest speed exceeds that of cruise, and turns are wider.
+        let faster = flown.true_airspeed_mps.map_or(1.0, |speed| speed / model.true_airspeed_m_s_cruise).max(1.0);
         let motion = Motion {
             true_airspeed_mps: speed_mps.unwrap_or(model.true_airspeed_m_s_cruise),
             wind: blowing,
-            turn_radius_m: turn_radius_m(model),
-            climb_mps: model.climb_rate_m_s_max * model.planning.climb_share,
+            turn_radius_m: turn_radius_m(model) * faster * faster,
+            // The climb rate falls with the altitude.
+            climb_mps: (model.climb_rate_m_s_max * model.planning.climb_share)
+                .min(model.climb().rate_m_s(flown.altitude_m)),
             descent_mps: model.descent_rate_m_s_max,
         };
         let track_rad = flown.track_deg().to_radians();
         let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
         let altitude_m = (flown.altitude_m, commanded.altitude_m().unwrap_or(flown.altitude_m));
         let begin = Route::begin(Point::default(), track, altitude_m, motion);
+        let (widening, fastest_mps) = wider(&motion, flown.wind_mps);
+        let turn_radius_m = motion.turn_radius_m * widening;
+        let order = commanded.order_at(now_s);
+        let is_joining = motion.turn_radius_m > 0.0 && order.is_some_and(|order| is_joining(&begin, order, &plane));
+        let ahead = is_joining.then(|| {
+            let there = Point::default().plus(AHEAD_S * motion.true_airspeed_mps, track);
+            begin.clone().straight(there)
+        });
         let circling = Circling {
             centre: commanded.circle(),
-            radius_m: model.turns.circle_width * motion.turn_radius_m * wider(&motion, flown.wind_mps),
+            radius_m: model.turns.circle_width * turn_radius_m,
+            join_m: (JOIN_WIDTH * turn_radius_m, JOIN_LEAD_IN_S * fastest_mps),
             straight_m: straight_climb_m(&motion, flown),
         };
-        let route = along(begin, commanded.order_at(now_s), &plane, &circling, mission.requirements.look_ahead_s);
+        let route = along(begin, order, &plane, &circling, mission.requirements.look_ahead_s);
         let way_from_here = OnceCell::new();
         let order = commanded.order.as_ref();
-        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, order, way_from_here })
+        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, ahead, order, way_from_here })
     }
 
     pub(super) fn requirements(&self) -> &'a Requirements {
@@ -131,6 +147,16 @@ impl<'a> Scene<'a> {
         let takes_off = matches!(self.order, Some(FlightOrder::TakeOff(_)));
         let is_low = self.flown.height_above_ground_m.is_some_and(|height_m| height_m < STRAIGHT_CLIMB_M);
         takes_off && is_low && self.mission.model.airframe == Airframe::FixedWing
+    }
+
+    /// Returns the routes that the vehicle may fly.
+    pub(super) fn routes(&self) -> impl Iterator<Item = &Route> {
+        std::iter::once(&self.route).chain(&self.ahead)
+    }
+
+    /// Returns true if the autopilot of the vehicle turns onto a line by a way of its choice.
+    pub(super) fn is_joining(&self) -> bool {
+        self.ahead.is_some()
     }
 
     /// Returns the landing places: airfields and bases.
@@ -247,45 +273,6 @@ impl<'a> Scene<'a> {
         all.flatten().collect()
     }
 
-    fn landing(&self) -> Option<Reading> {
-        let reach = self.requirements().landing?;
-        let model = &self.mission.model;
-        let margin_m = |position: Position, altitude_m: f64| {
-            let (site, (distance_m, track_deg)) = self.way_to_site(position);
-            match reach {
-                LandingReach::Disc { distance_m_max } => disc_m(distance_m, distance_m_max),
-                LandingReach::Gliding { pattern_m } => {
-                    let glide = Glide {
-                        ratio: model.glide_ratio,
-                        airspeed_mps: GLIDE_SPEED_SHARE * model.true_airspeed_m_s_cruise,
-                    };
-                    let tail_mps = self.ground_speed_mps(track_deg, glide.airspeed_mps) - glide.airspeed_mps;
-                    glide_m(glide, altitude_m - site.elevation_m, pattern_m, tail_mps, distance_m)
-                }
-            }
-        };
-        let margin = margin_m(self.here, self.flown.altitude_m);
-        let span = RouteSpan { from_s: 0.0, until_s: self.requirements().look_ahead_s };
-        // A glide reaches less far by the glide ratio, in metres, for each metre of height lost.
-        let change_per_s = match reach {
-            LandingReach::Disc { .. } => self.route.speed_mps_max(),
-            LandingReach::Gliding { .. } => self.route.speed_mps_max() * (1.0 + model.glide_ratio),
-        };
-        let lost = first_violation(&self.route, span, change_per_s, |state| {
-            margin_m(self.plane.position(state.point), state.altitude_m)
-        });
-        Some(Reading {
-            concern: Concern::LandingDistance,
-            name: "landing-distance",
-            margin: margin.min(DISTANCE_M_MAX * 10.0),
-            unit: Dimension::LENGTH,
-            after_s: lost.map(|lost| lost.after_s),
-            response_s: self.turn_away_s(),
-            what: self.nearest_site(self.here).0.name.to_string(),
-            response: Response::TurnAway,
-        })
-    }
-
     /// Returns the zones on the plane that the vehicle can reach within the look-ahead, and a lower bound of the distance to all others.
     pub(super) fn near_zones(&self) -> (Vec<LocalZone>, f64) {
         let reach_m = self.route.speed_mps_max().max(self.motion.true_airspeed_mps) * self.requirements().look_ahead_s;
@@ -320,11 +307,13 @@ impl<'a> Scene<'a> {
                     (margin, what) = (here_m, Some(zone.number));
                 }
             }
-            let entry = zone.first_entry(&self.route, &buffer, self.now_s, SPEED_ERROR, look_ahead_s);
-            if let Some(entry) = entry
-                && first.is_none_or(|(first_s, _)| entry.after_s < first_s)
-            {
-                first = Some((entry.after_s, zone.number));
+            let entries = self
+                .routes()
+                .filter_map(|route| zone.first_entry(route, &buffer, self.now_s, SPEED_ERROR, look_ahead_s));
+            for entry in entries {
+                if first.is_none_or(|(first_s, _)| entry.after_s < first_s) {
+                    first = Some((entry.after_s, zone.number));
+                }
             }
         }
         let (inside_m, leaves_s) = self.keep_in(&zones, &buffer);
@@ -421,11 +410,17 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Returns the radius over ground of a circle in the wind, forecast or measured, as a multiple of that in still air.
-fn wider(motion: &Motion, measured_mps: Option<f64>) -> f64 {
+/// Radius of the turn onto a line as a multiple of that of the tightest planned turn, and the time from there to the line, of autopilots.
+const JOIN_WIDTH: f64 = 1.1;
+const JOIN_LEAD_IN_S: f64 = 16.0;
+
+/// Returns the radius over ground of a circle in the wind, forecast or measured, as a multiple of that in still air, and the greatest speed
+/// over ground.
+fn wider(motion: &Motion, measured_mps: Option<f64>) -> (f64, f64) {
     let forecast_mps = libm::hypot(motion.wind.east_mps, motion.wind.north_mps);
-    let share = 1.0 + forecast_mps.max(measured_mps.unwrap_or(0.0)) / motion.true_airspeed_mps;
-    share * share
+    let fastest_mps = motion.true_airspeed_mps + forecast_mps.max(measured_mps.unwrap_or(0.0));
+    let share = fastest_mps / motion.true_airspeed_mps;
+    (share * share, fastest_mps)
 }
 
 /// Returns the length of the straight flight until a vehicle that takes off begins to turn.
@@ -433,6 +428,3 @@ fn straight_climb_m(motion: &Motion, flown: &Flown) -> f64 {
     let left_m = STRAIGHT_CLIMB_M - flown.height_above_ground_m.unwrap_or(STRAIGHT_CLIMB_M);
     left_m.max(0.0) / motion.climb_mps.max(1.0) * flown.ground_speed_mps.unwrap_or(motion.true_airspeed_mps)
 }
-
-/// Speed of the best glide as a share of cruise speed.
-const GLIDE_SPEED_SHARE: f64 = 0.65;

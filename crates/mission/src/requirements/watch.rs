@@ -150,7 +150,7 @@ impl Watch {
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_first = self.read_s.is_none();
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
-        (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, false);
+        (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, scene.is_joining());
         let mut findings = Findings::default();
         if is_first && let Some(reason) = too_much_wind_at_start(known.0) {
             findings.notes.push(reason);

@@ -47,9 +47,10 @@ impl Limits {
             return (request.to, None);
         }
         let radius_m = self.circle_radius_m();
-        // A vehicle that circles at its present place climbs or descends on the circle; elsewhere it arrives at the altitude.
-        let is_here = geodesy::distance_m(request.from, request.to) < radius_m;
-        let from_altitude_m = if is_here { request.from_altitude_m } else { request.to_altitude_m };
+        // Where the way is too short for the change of altitude, the vehicle climbs or descends on the circle.
+        let way_s = geodesy::distance_m(request.from, request.to) / (self.true_airspeed_mps + self.wind_mps_max());
+        let is_level = way_s >= self.change_s(request.from_altitude_m, request.to_altitude_m);
+        let from_altitude_m = if is_level { request.to_altitude_m } else { request.from_altitude_m };
         let shut_by = |centre: Position| {
             let there = Request { from: centre, to: centre, from_altitude_m, ..*request };
             let is_within = geodesy::distance_m(request.from, centre) < radius_m;
@@ -101,7 +102,7 @@ impl Limits {
             Some(track_rad) => geodesy::destination(request.from, track_rad.to_degrees(), straight_m),
             None => request.from,
         };
-        let stay_s = (request.to_altitude_m - request.from_altitude_m).max(0.0) / self.climb_rate_mps;
+        let stay_s = self.change_s(request.from_altitude_m, request.to_altitude_m);
         let from_altitude_m = request.from_altitude_m + STRAIGHT_CLIMB_M;
         Request { from, to: from, from_altitude_m, stay_s, ..*request }
     }

@@ -173,7 +173,7 @@ impl Limits {
             return Err(Closed::Final(GROUND.to_string()));
         }
         let onto = Request { to: begin, to_track_rad: Some(course_deg.to_radians()), ..*request };
-        let strict = Strictness::all(margins);
+        let strict = Strictness::without_circles(margins);
         let closed = |reason| Closed::Way { course_deg, reason };
         let mut way = self.way(&onto, &strict).map_err(closed)?;
         let late_s = self.late_s(&onto, &way);

@@ -5,7 +5,7 @@
 //! reached by the shortest leg; zones that enclose everything are crossed one by one.
 
 use super::limits::{GROUND, Limits, PERMITTED, TURN_WIDTH};
-use super::route::{MARGIN_SHARES, Strictness};
+use super::route::{CIRCLE_ROOM, MARGIN_SHARES, Strictness};
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::plane::{self, Plane, Point};
@@ -87,8 +87,21 @@ impl Limits {
             return way;
         }
         let why = first.unwrap_or(TravelError::Shut).to_string();
-        let way = self.way_between_permitted_ends(request).or_else(|| self.through_zones(request, &why));
+        let way = self.way_without_space_for_circles(request);
+        let way = way.or_else(|| self.way_between_permitted_ends(request));
+        let way = way.or_else(|| self.through_zones(request, &why));
         way.unwrap_or_else(|| self.straight_anyway(request, why))
+    }
+
+    /// Returns the path of a vehicle that changes its altitude on circles at its end for which there is no space, with the obstacle.
+    fn way_without_space_for_circles(&self, request: &Request) -> Option<Way> {
+        let shares = MARGIN_SHARES.iter().filter(|share| **share > 0.0);
+        let mut ways = shares.filter_map(|share| self.way(request, &Strictness::without_circles(*share)).ok());
+        let way = ways.next()?;
+        let around = Request { from: request.to, ..*request };
+        let name = self.shut_by(&around, (CIRCLE_ROOM * self.circle_radius_m(), 0.0));
+        let why = "no place within reach has room for the circles on which the altitude changes".to_string();
+        Some(Way { broken: name.map(|name| Broken { name, why }), ..way })
     }
 
     /// Returns the path of a vehicle over or under a zone to a line at another altitude, which it reaches in circles before the line.
@@ -141,9 +154,9 @@ impl Limits {
             eased.to_track_rad = None;
         }
         let found = self
-            .way(&eased, &Strictness::all(0.0))
+            .way(&eased, &Strictness::without_circles(0.0))
             .ok()
-            .or_else(|| self.way(&eased, &Strictness { turns: false, ..Strictness::all(0.0) }).ok())?;
+            .or_else(|| self.way(&eased, &Strictness { turns: false, ..Strictness::without_circles(0.0) }).ok())?;
         let mut via = Vec::new();
         via.extend(begin.iter().map(|(there, _)| *there));
         via.extend(found.via);
@@ -196,7 +209,7 @@ impl Limits {
             }
         }
         let without = |without: Vec<String>, turns: bool| {
-            self.way(request, &Strictness { turns, without, ..Strictness::all(0.0) }).ok()
+            self.way(request, &Strictness { turns, without, ..Strictness::without_circles(0.0) }).ok()
         };
         let through_one = |turns: bool| {
             let ways = names.iter().filter_map(|name| {
@@ -218,7 +231,7 @@ impl Limits {
             .or_else(|| through_all(&restricted))
             .or_else(|| through_all(&names))
             .or_else(|| {
-                let strict = Strictness { turns: false, reach: false, ..Strictness::all(0.0) };
+                let strict = Strictness { turns: false, reach: false, ..Strictness::without_circles(0.0) };
                 let way = self.way(request, &strict).ok()?;
                 Some(self.breaking(request, way, ("landing distance", why), false))
             })

@@ -7,6 +7,7 @@ use apex_geo::landing;
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::terrain::Terrain;
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
+use apex_vehicle::Climb;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -48,9 +49,8 @@ pub struct Limits {
     /// Radius of circles as a multiple of `turn_radius_m`.
     pub(super) circle_width: f64,
     pub(super) climb_rate_mps: f64,
-    /// Fastest climb at sea level, and the altitude at which it is 0.
-    pub(super) climb_rate_mps_max: f64,
-    pub(super) ceiling_m: f64,
+    /// The fastest climb.
+    pub(super) climb: Climb,
     pub(super) descent_rate_mps: f64,
     /// Fastest descent, which plans do not count on.
     pub(super) descent_rate_mps_max: f64,
@@ -94,6 +94,8 @@ const RIM_S: f64 = 5.3;
 /// Width of the ground that counts on either side of a leg: a multiple of the turn radius, with a minimum.
 const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
+/// Time of a climb as a multiple of the shortest one.
+const CLIMB_SPARE: f64 = 1.05;
 /// Least space for climbs and descents around a landing place.
 const FIELD_M: f64 = 200.0;
 /// Steps along a final approach, and the ground that counts around each: at most, and as shares of a short approach.
@@ -159,8 +161,7 @@ impl Limits {
             turn_radius_m: turn_radius_m(model),
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
-            climb_rate_mps_max: model.climb_rate_m_s_max,
-            ceiling_m: model.ceiling_m,
+            climb: model.climb(),
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
             descent_rate_mps_max: model.descent_rate_m_s_max,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,
@@ -229,6 +230,22 @@ impl Limits {
     /// Returns the radius of the circles that the vehicle flies where it holds.
     pub(super) fn circle_radius_m(&self) -> f64 {
         self.circle_width * self.turn_radius_m_over_ground()
+    }
+
+    /// Returns the time of a climb or a descent: as long as plans count it, and as the vehicle needs, whose climb rate falls with the
+    /// altitude.
+    pub(super) fn change_s(&self, from_m: f64, to_m: f64) -> f64 {
+        self.planned_change_s(from_m, to_m).max(CLIMB_SPARE * self.climb.time_s(from_m, to_m))
+    }
+
+    /// Returns the time that plans count for a climb or a descent.
+    pub(super) fn planned_change_s(&self, from_m: f64, to_m: f64) -> f64 {
+        ((to_m - from_m) / self.climb_rate_mps).max((from_m - to_m) / self.descent_rate_mps)
+    }
+
+    /// Returns the shortest time of a climb or a descent.
+    pub(super) fn fastest_change_s(&self, from_m: f64, to_m: f64) -> f64 {
+        self.climb.time_s(from_m, to_m).max((from_m - to_m) / self.descent_rate_mps_max)
     }
 
     /// Returns true if the vehicle must stay inside a zone.

@@ -15,6 +15,8 @@ pub(super) struct Strictness {
     pub(super) margins: f64,
     /// True if turns are computed with their radius.
     pub(super) turns: bool,
+    /// True if changes of altitude for which a way is too short need space for their circles.
+    pub(super) circles: bool,
     /// True if landing places must be in reach.
     pub(super) reach: bool,
     /// Zones that do not count.
@@ -24,8 +26,22 @@ pub(super) struct Strictness {
 impl Strictness {
     /// Returns every requirement, with this share of the margins.
     pub(super) fn all(margins: f64) -> Strictness {
-        Strictness { margins, turns: true, reach: true, without: Vec::new() }
+        Strictness { margins, turns: true, circles: true, reach: true, without: Vec::new() }
     }
+
+    /// Returns every requirement except for space for changes of altitude, with this share of the margins.
+    pub(super) fn without_circles(margins: f64) -> Strictness {
+        Strictness { circles: false, ..Strictness::all(margins) }
+    }
+}
+
+/// Place of the circles on which a vehicle changes its altitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PlaceOfChange {
+    /// The vehicle's position, for so many seconds; the rest on the way and at its end.
+    Here(f64),
+    /// This centre, until the altitude is reached.
+    Around(Position),
 }
 
 /// Shares of the margins that are tried in sequence.
@@ -77,7 +93,8 @@ impl Limits {
     /// Returns the fastest way through open airspace: turns in the wind, and a straight leg between them.
     pub(super) fn open_way(&self, request: &Request) -> Option<Way> {
         let without = self.zones.iter().map(|zone| zone.name.clone()).collect();
-        self.way_at(request, request.to_altitude_m, &Strictness { reach: false, without, ..Strictness::all(1.0) }).ok()
+        let strict = Strictness { reach: false, without, ..Strictness::without_circles(1.0) };
+        self.way_at(request, request.to_altitude_m, &strict).ok()
     }
 
     fn is_nearly_straight(&self, request: &Request, way: &Way) -> bool {
@@ -115,18 +132,59 @@ impl Limits {
         unique_m
     }
 
-    /// Returns the time to circle before departure so that the altitude is reached on the way; 0 if the vehicle can climb or descend at
-    /// the end.
-    fn climb_hold_s(&self, request: &Request, altitude_m: f64, way_s: f64) -> f64 {
-        let climb_m = altitude_m - request.from_altitude_m;
-        let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
-        let late_s = climb_m.abs() / rate_mps - way_s;
-        let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
-        // A line is met at its altitude; at a place an aircraft would circle up or down, for which no space is kept there.
+    /// Returns the place of the circles on which the vehicle changes its altitude if its way, which takes `way_s`, is too short for that. It
+    /// circles before it leaves for as long as plans count, if there is space, and for the rest at the end.
+    ///
+    /// # Errors
+    /// No place within reach has space for them.
+    fn place_of_change(
+        &self,
+        request: &Request,
+        (altitude_m, way_s): (f64, f64),
+        strict: &Strictness,
+    ) -> Result<PlaceOfChange, TravelError> {
+        let change = (request.from_altitude_m, altitude_m);
+        // A line is met at its altitude, and a place, too; on a circle the vehicle continues to climb or descend.
         let must_be_level =
             request.to_track_rad.is_some() || (self.turn_radius_m > 0.0 && request.circle_radius_m == 0.0);
-        let has_room = || self.is_open(&here, CIRCLE_ROOM * self.circle_radius_m());
-        if must_be_level && late_s > 0.0 && has_room() { late_s } else { 0.0 }
+        let short_s = self.change_s(change.0, change.1) - way_s;
+        if !must_be_level || short_s <= 0.0 {
+            return Ok(PlaceOfChange::Here(0.0));
+        }
+        let room_m = CIRCLE_ROOM * self.circle_radius_m();
+        let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
+        let is_open_here = self.is_open(&here, room_m);
+        let stay_s = self.change_s(change.0, change.1);
+        let there = Request { from: request.to, to: request.to, stay_s, ..here };
+        // Plans count on less than the fastest descent.
+        let needs_circles = self.turn_radius_m > 0.0 && self.fastest_change_s(change.0, change.1) > way_s;
+        let shut_by =
+            if strict.circles && needs_circles { self.shut_by(&there, (room_m, strict.margins)) } else { None };
+        let planned_s = (self.planned_change_s(change.0, change.1) - way_s).max(0.0);
+        match shut_by {
+            None => Ok(PlaceOfChange::Here(if is_open_here { planned_s } else { 0.0 })),
+            Some(_) if is_open_here => Ok(PlaceOfChange::Here(short_s)),
+            Some(name) => {
+                let centre = self.circle_from_here(&Request { stay_s, ..here });
+                centre.map(PlaceOfChange::Around).ok_or_else(|| self.no_room(&there, &name))
+            }
+        }
+    }
+
+    /// Returns the path of a vehicle that first climbs or descends to its altitude on the circle around `centre`.
+    fn way_by_circle(
+        &self,
+        request: &Request,
+        (centre, altitude_m): (Position, f64),
+        strict: &Strictness,
+    ) -> Result<Way, TravelError> {
+        let slowest_mps = (self.true_airspeed_mps - self.wind_mps_max()).max(1.0);
+        let reach_s = (geodesy::distance_m(request.from, centre) + self.circle_radius_m()) / slowest_mps;
+        let hold_s = reach_s.max(self.change_s(request.from_altitude_m, altitude_m));
+        let at_s = request.at_s + hold_s;
+        let level = Request { from: centre, from_altitude_m: altitude_m, from_track_rad: None, at_s, ..*request };
+        let way = self.way_at(&level, altitude_m, strict)?;
+        Ok(Way { hold_s: hold_s + way.hold_s, hold_around: Some(centre), ..way })
     }
 
     /// Returns the place to wait near the vehicle, with space for a circle between its altitude and that of the path, on which it climbs
@@ -139,7 +197,9 @@ impl Limits {
             return Ok(None);
         }
         let here = Request { to: request.from, to_altitude_m: altitude_m, stay_s: hold_s, ..*request };
-        match self.circle_centre(&here) {
+        // A circle onto which the way is open comes first.
+        let found = self.circle_from_here(&here).map_or_else(|| self.circle_centre(&here), |centre| (centre, None));
+        match found {
             (_, Some(name)) => Err(self.no_room(&here, &name)),
             (centre, None) => Ok((centre != request.from).then_some(centre)),
         }
@@ -183,12 +243,16 @@ impl Limits {
         {
             return Err(self.no_room(&there, &name));
         }
-        let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let way_s = trip.arrive_s - trip.depart_s;
-        let hold_s = (trip.depart_s - request.at_s).max(self.climb_hold_s(request, altitude_m, way_s));
+        let change_s = match self.place_of_change(request, (altitude_m, way_s), strict)? {
+            PlaceOfChange::Here(hold_s) => hold_s,
+            PlaceOfChange::Around(centre) => return self.way_by_circle(request, (centre, altitude_m), strict),
+        };
+        let hold_s = (trip.depart_s - request.at_s).max(change_s);
         // An aircraft below the ground ahead climbs before it leaves.
-        let below_m = if self.terrain.is_some() { needs_m.min(altitude_m) - request.from_altitude_m } else { 0.0 };
-        let hold_s = hold_s.max(below_m / self.climb_rate_mps);
+        let is_below = self.terrain.is_some() && needs_m.min(altitude_m) > request.from_altitude_m;
+        let below_s = if is_below { self.change_s(request.from_altitude_m, needs_m.min(altitude_m)) } else { 0.0 };
+        let hold_s = hold_s.max(below_s);
         let mut via = thinned(&path);
         if climb_m != 0.0 {
             // The whole way is flown at its altitude.
@@ -199,7 +263,7 @@ impl Limits {
             altitude_m,
             hold_s: if hold_s < HOLD_S_MIN { 0.0 } else { hold_s },
             hold_around: self.hold_around(request, altitude_m, hold_s)?,
-            time_s: way_s + climb_m.abs() / rate_mps,
+            time_s: way_s + self.change_s(altitude_m, request.to_altitude_m),
             broken: None,
         })
     }
@@ -224,8 +288,7 @@ impl Limits {
         if let Some(name) = self.shut_by(&here, (room_m, strict.margins)) {
             return Err(self.no_room(&here, &name));
         }
-        let rate_mps = if change_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
-        let change_s = (1.0 + LATE_SHARE) * change_m.abs() / rate_mps + HOLD_S_MIN;
+        let change_s = (1.0 + LATE_SHARE) * self.change_s(request.from_altitude_m, altitude_m) + HOLD_S_MIN;
         let level = Request { from_altitude_m: altitude_m, at_s: request.at_s + change_s, ..*request };
         let way = self.way_at(&level, altitude_m, strict)?;
         let hold_s = change_s + way.hold_s;

@@ -92,7 +92,7 @@ impl Limits {
             if altitude_m >= request.to_altitude_m || altitude_m >= ground_m + STRAIGHT_CLIMB_M {
                 break;
             }
-            altitude_m = (altitude_m + STEP_S * self.climb_rate_mps_at(altitude_m)).min(request.to_altitude_m);
+            altitude_m = (altitude_m + STEP_S * self.climb.rate_m_s(altitude_m)).min(request.to_altitude_m);
             distance_m += STEP_S * speed_mps;
         }
         if altitude_m >= request.to_altitude_m {
@@ -102,7 +102,7 @@ impl Limits {
         let middle = at(request.from, heading_deg, distance_m);
         let outer_m = CIRCLE_WIDTH * self.circle_radius_m();
         (1..=RINGS).map(|ring| f64::from(ring) / f64::from(RINGS) * outer_m).find_map(|out_m| {
-            let climbed_m = out_m / self.true_airspeed_mps * self.climb_rate_mps_at(altitude_m);
+            let climbed_m = out_m / self.true_airspeed_mps * self.climb.rate_m_s(altitude_m);
             let there_m = (altitude_m + climbed_m).min(request.to_altitude_m);
             let width_m = outer_m / f64::from(RINGS);
             (0..DIRECTIONS).find_map(|direction| {
@@ -110,11 +110,6 @@ impl Limits {
                 closed(there, (geodesy::distance_m(request.from, there), there_m), width_m)
             })
         })
-    }
-
-    /// Returns the climb rate at an altitude: it falls linearly to 0 at the ceiling.
-    fn climb_rate_mps_at(&self, altitude_m: f64) -> f64 {
-        self.climb_rate_mps_max * (1.0 - altitude_m / self.ceiling_m).clamp(0.0, 1.0)
     }
 
     fn tailwind_mps(&self, request: &Request, heading_rad: f64) -> f64 {

@@ -106,8 +106,17 @@ fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found
     }
 }
 
-/// Flies `route` in steps and compares time, airspace and landing distance. The altitude changes at the beginning of the leg or at its end:
-/// one of both must keep the rules.
+/// Part of a leg in which the altitude changes.
+#[derive(Clone, Copy, PartialEq)]
+enum ChangeOfAltitude {
+    AtOnce,
+    Late,
+    /// In circles over the end of the leg, which take their own time.
+    OverTheEnd,
+}
+
+/// Flies `route` in steps and compares time, airspace and landing distance. The altitude changes at the beginning of the leg, at its end, or
+/// in circles over the end: one of these must keep the rules.
 fn fly(
     problem: &SingleVisitProblem,
     route: &[Position],
@@ -134,24 +143,34 @@ fn fly(
         }
     }
     let end_s = time_s;
-    let against = |is_late: bool| {
+    let against = |change: ChangeOfAltitude| {
         let mut against = Vec::new();
         for (middle, begin_s, time_s) in &middles {
-            let heights = match is_late {
-                false => heights_m(problem, leg, begin_s - depart_s),
-                true => heights_m(problem, &leg.backwards(), end_s - time_s),
+            let heights = match change {
+                ChangeOfAltitude::AtOnce => heights_m(problem, leg, begin_s - depart_s),
+                ChangeOfAltitude::Late => heights_m(problem, &leg.backwards(), end_s - time_s),
+                ChangeOfAltitude::OverTheEnd => (leg.from_m, leg.from_m),
             };
             inside_rules(problem, *middle, heights, *time_s, leg.to, &mut against);
         }
+        if change == ChangeOfAltitude::OverTheEnd
+            && let Some(end) = route.last()
+        {
+            let heights = (leg.from_m.min(leg.to_m), leg.from_m.max(leg.to_m));
+            inside_rules(problem, *end, heights, end_s, leg.to, &mut against);
+        }
         against
     };
-    let at_once = against(false);
-    if !at_once.is_empty() && !against(true).is_empty() {
-        at_once.into_iter().for_each(|message| note(found, message));
-    }
     let rate = if leg.to_m > leg.from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
     let change_s = if rate > 0.0 { (leg.to_m - leg.from_m).abs() / rate } else { 0.0 };
-    let needed_s = (time_s - depart_s).max(change_s);
+    let mut needed_s = (time_s - depart_s).max(change_s);
+    let at_once = against(ChangeOfAltitude::AtOnce);
+    if !at_once.is_empty() && !against(ChangeOfAltitude::Late).is_empty() {
+        needed_s = time_s - depart_s + change_s;
+        if !against(ChangeOfAltitude::OverTheEnd).is_empty() {
+            at_once.into_iter().for_each(|message| note(found, message));
+        }
+    }
     let given_s = arrive_s - depart_s;
     if given_s.is_nan() || given_s < needed_s * (1.0 - TIME_TOLERANCE) - TIME_TOLERANCE_S {
         found.push(format!("allows {given_s:.0} s for the way to {}, but it takes {needed_s:.0} s", leg.to));
@@ -298,7 +317,14 @@ fn observe(
     }
     let heights = (manoeuvre.altitude_m, manoeuvre.altitude_m);
     let lead_in = manoeuvre.entry.and_then(|entry| Some((entry, manoeuvre.lines.first()?.0)));
-    for (from, to) in lead_in.iter().chain(&manoeuvre.lines) {
+    // Every line is met in its direction, after the same straight flight as the first one.
+    let lead_m = lead_in.map_or(0.0, |(entry, begin)| geodesy::distance_m(entry, begin));
+    let before = |(begin, end): &(Position, Position)| {
+        let back_deg = geodesy::azimuth_deg(*begin, *end) + 180.0;
+        (geodesy::destination(*begin, geodesy::wrap_360(back_deg), lead_m), *begin)
+    };
+    let lead_ins: Vec<(Position, Position)> = manoeuvre.lines.iter().skip(1).map(before).collect();
+    for (from, to) in lead_in.iter().chain(&manoeuvre.lines).chain(&lead_ins) {
         let steps = ((geodesy::distance_m(*from, *to) / STEP_M) as usize + 1).min(STEPS_MAX);
         for step in 0..=steps {
             let place = geodesy::interpolate(*from, *to, step as f64 / steps as f64);

@@ -9,4 +9,5 @@ mod places;
 pub(crate) mod reach;
 pub(crate) mod schedule;
 pub(crate) mod travel;
+mod turns_between;
 mod zones;

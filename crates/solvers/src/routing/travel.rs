@@ -7,9 +7,11 @@
 
 pub(crate) use super::places::PointKey;
 use super::places::{given_s, given_s_min, place, track_rad};
+use super::turns_between::{CIRCLES_RADII, TurnBetween};
 use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
 use apex_geo::geodesy::{self, Position};
+use apex_geo::landing;
 use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
 use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, ZoneKind};
 use std::collections::BTreeMap;
@@ -205,7 +207,7 @@ impl<'a> Travel<'a> {
     }
 
     /// Returns the layer, the times and the trip; climbs and descents take their time. The altitude changes at the beginning of the way.
-    /// Where zones leave no such way, it changes at the end, as below a zone that is flown under.
+    /// Where zones leave no such way, it changes at the end, as below a zone that is flown under, or in circles over the end.
     fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
         let is_at_base = |base| geodesy::distance_m(self.problem.start, base) <= 1.0;
         let is_flying = match from {
@@ -224,9 +226,36 @@ impl<'a> Travel<'a> {
         if found.is_err() && is_flying && at_end != at_once {
             found = self.find_where(at_end, (from, to), ready_s).or(found);
         }
+        let mut circles_s = 0.0;
+        if found.is_err() && is_flying {
+            let level = self.zones_below_circles(to, start.altitude_m, end.altitude_m);
+            if let Some(level) = level.and_then(|zones| self.find_where(zones, (from, to), ready_s).ok()) {
+                (found, circles_s) = (Ok(level), climb_s);
+            }
+        }
         let (number, trip) = found?;
-        let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
-        Ok((number, times, trip))
+        let arrive_s = (trip.arrive_s + circles_s).max(trip.depart_s + climb_s);
+        Ok((number, Times { depart_s: trip.depart_s, arrive_s }, trip))
+    }
+
+    /// Returns the zones of a path at the altitude of its beginning, if there is space around its end for circles up or down to the other
+    /// altitude.
+    fn zones_below_circles(&self, to: usize, from_m: f64, to_m: f64) -> Option<ZoneSet> {
+        let room_m = CIRCLES_RADII * self.problem.vehicle.turn_radius_m + self.problem.zone_margin_m;
+        let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
+        let distances = self.zones_m.get(to)?;
+        let is_open = |(number, zone): (usize, &AirspaceZone)| {
+            let is_passed = zone.altitude_m_min <= high_m && low_m < zone.altitude_m_max;
+            let is_far = distances.get(number).is_some_and(|distance_m| *distance_m > room_m);
+            zone.kind == ZoneKind::Permitted || !is_passed || is_far
+        };
+        let place = self.spots.get(to)?.position;
+        let is_within = |limit_m| landing::leg_is_within(&self.problem.landing_places, place, place, limit_m - room_m);
+        let is_open = self.problem.zones.iter().enumerate().all(is_open)
+            && self.problem.landing_distance_m_max.is_none_or(is_within);
+        is_open.then(|| {
+            self.zones_where(|zone, _| holds(zone, from_m) && (zone.kind == ZoneKind::Restricted || holds(zone, to_m)))
+        })
     }
 
     /// Returns the layer in which these zones count, and the trip in it.
@@ -251,18 +280,22 @@ impl<'a> Travel<'a> {
         self.zones_where(|zone, _| holds(zone, altitude_m))
     }
 
-    /// Returns the zones of a path from `from` to an altitude: those at that altitude, and near `from` those at altitudes passed in
-    /// `climb_s`.
+    /// Returns the zones of a path from `from` to an altitude that is reached in `climb_s`: those at that altitude, and those that the
+    /// vehicle may reach before it has left their altitudes.
     fn zones_between(&self, from: usize, from_m: f64, to_m: f64, climb_s: f64) -> ZoneSet {
-        let reach_m = climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m;
         let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
+        let reach_m = |zone: &AirspaceZone| {
+            let within_m = if to_m > from_m { zone.altitude_m_max - from_m } else { from_m - zone.altitude_m_min };
+            let share = if high_m > low_m { (within_m / (high_m - low_m)).clamp(0.0, 1.0) } else { 1.0 };
+            share * climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m
+        };
         let distances = self.zones_m.get(from).map_or(&[][..], Vec::as_slice);
         self.zones_where(|zone, number| {
             if zone.kind == ZoneKind::Permitted {
                 return holds(zone, from_m) && holds(zone, to_m);
             }
             let passed = zone.altitude_m_min <= high_m && low_m < zone.altitude_m_max;
-            holds(zone, to_m) || (passed && distances.get(number).is_none_or(|distance_m| *distance_m <= reach_m))
+            holds(zone, to_m) || (passed && distances.get(number).is_none_or(|distance_m| *distance_m <= reach_m(zone)))
         })
     }
 
@@ -345,6 +378,7 @@ impl<'a> Travel<'a> {
             Err(trouble) => return Some(trouble),
         };
         let entry_node = self.number(PointKey::Entry(target, manoeuvre));
+        let problem = self.problem;
         let layer = self.layers.get_mut(number)?;
         let epochs = (layer.network.epoch(begin_s), layer.network.epoch(end_s));
         let key = (target, manoeuvre, epochs);
@@ -354,8 +388,11 @@ impl<'a> Travel<'a> {
         let lines = self.problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
         let lead_in = lines.and_then(|manoeuvre| Some((manoeuvre.entry?, manoeuvre.lines.first()?.0)));
         let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
-        let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
-        let mut legs = lead_in.into_iter().chain(lines.iter().copied()).chain(turns);
+        let lead_m = lead_in.map_or(0.0, |(entry, begin)| geodesy::distance_m(entry, begin));
+        let turns: Vec<TurnBetween> =
+            lines.iter().zip(lines.iter().skip(1)).map(|(line, next)| TurnBetween::of(*line, *next, lead_m)).collect();
+        let between = turns.iter().flat_map(|turn| [(turn.from, turn.to), (turn.to, turn.begin)]);
+        let mut legs = lead_in.into_iter().chain(lines.iter().copied()).chain(between);
         let track_rad = self.spots.get(entry_node).and_then(|spot| spot.track_rad);
         let trouble = match layer.place(entry_node, entry, track_rad) {
             Ok(place) => layer.network.place_trouble(place, (begin_s, end_s)),
@@ -363,6 +400,8 @@ impl<'a> Travel<'a> {
         };
         let network = &mut layer.network;
         let trouble = trouble.or_else(|| legs.find_map(|(from, to)| network.leg_trouble(from, to, (begin_s, end_s))));
+        let near = |turn: &&TurnBetween| turn.is_near_limits(problem, altitude_m);
+        let trouble = trouble.or_else(|| turns.iter().filter(near).find_map(|turn| turn.trouble(network, begin_s)));
         let trouble = trouble.map(|trouble| trouble.to_string());
         self.lines.insert(key, trouble.clone());
         trouble
