@@ -62,6 +62,66 @@ fn without_engine_the_aircraft_glides_to_the_field_in_reach() {
     flown.assert_replays();
 }
 
+/// The glide led to the ground below, far from any field, although the engine ran again long before the ground was reached.
+#[test]
+fn with_power_again_the_aircraft_lands_at_a_field() {
+    let fly = |engine: &str| {
+        let world = format!(r#""faults": [{engine}]"#).leak();
+        let work = "(step up (take off to 4000m)) (step out (fly to (38.6 -117.0 4000))) (step home (return to home at 4000m))";
+        let flown =
+            Flight { guards: "(step guard (guard against engine failure))", work, world, ..Flight::default() }.fly();
+        assert!(flown.count("(landed uav-1)") == 1 && flown.count("(crashed") == 0, "{}", flown.story());
+        flown.assert_replays();
+        flown
+    };
+    let stopped = fly(r#"{"fault": "engine", "at_s": 2000}"#);
+    let from_field_m = |flown: &flown::Flown| flown.last_distance_m(37.54, -117.0);
+    assert!(from_field_m(&stopped) > 20_000.0, "a field is in reach: {}", stopped.story());
+    let again = fly(r#"{"fault": "engine", "at_s": 2000, "for_s": 60}"#);
+    assert!(from_field_m(&again) < 3_000.0, "{} m\n{}", from_field_m(&again), again.story());
+    assert_eq!(again.count("(landing-because engine"), 1, "{}", again.story());
+    let twice = fly(r#"{"fault": "engine", "at_s": 2000, "for_s": 60}, {"fault": "engine", "at_s": 2120}"#);
+    assert!(from_field_m(&twice) > 3_000.0, "{}", twice.story());
+}
+
+/// Returns the instant at which the last phase of a name begins.
+fn begins_s(flown: &flown::Flown, phase: &str) -> f64 {
+    let phases = flown.words("(flight-phase uav-1)");
+    let last = phases.iter().rposition(|(_, word)| word != phase && word != "landing" && word != "parked");
+    let begins = last.and_then(|last| phases[last..].iter().find(|(_, word)| word == phase));
+    begins.map(|(at_s, _)| *at_s).unwrap_or_else(|| panic!("no {phase}: {phases:?}"))
+}
+
+/// The altimeter freezes during the landing: the climb that the guard commanded led past the field.
+#[test]
+fn a_frozen_altimeter_does_not_raise_an_aircraft_that_lands() {
+    let unhurt = Flight { work: NORTH, ..Flight::default() }.fly();
+    let landing_s = begins_s(&unhurt, "approaching");
+    let world =
+        format!(r#""faults": [{{"fault": "freeze", "of": "altitude", "at_s": {}, "for_s": 600}}]"#, landing_s + 10.0)
+            .leak();
+    let guards = "(step guard (guard against frozen readings))";
+    let flown = Flight { guards, work: NORTH, world, ..Flight::default() }.fly();
+    assert!(flown.count("(reading-frozen altitude uav-1)") >= 1, "{}", flown.story());
+    let raised = flown.commands.iter().find(|(_, command)| command.starts_with("(set-altitude"));
+    assert_eq!(raised, None, "{}", flown.story());
+    assert!(flown.last_distance_m(37.0, -117.0) < 3_000.0, "{}", flown.story());
+    flown.assert_replays();
+}
+
+/// The acknowledgement that the aircraft is over home is lost: it circled for three hours, and the mission ended in the air.
+#[test]
+fn a_flight_home_without_an_answer_ends_with_a_landing() {
+    let unhurt = Flight { work: NORTH, ..Flight::default() }.fly();
+    let arrives_s = begins_s(&unhurt, "approaching");
+    let world =
+        format!(r#""faults": [{{"fault": "acknowledgements", "at_s": {}, "for_s": 120}}]"#, arrives_s - 60.0).leak();
+    let flown = Flight { work: NORTH, world, ..Flight::default() }.fly();
+    assert_eq!(flown.count("(landing-after-failed-flight home)"), 1, "{}", flown.story());
+    assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
+    assert!(flown.last_distance_m(37.0, -117.0) < 3_000.0, "{}", flown.story());
+}
+
 #[test]
 fn a_leak_is_found_and_the_flight_ends_at_the_nearest_field() {
     let flown = Flight {

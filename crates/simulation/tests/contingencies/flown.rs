@@ -66,6 +66,8 @@ pub(crate) struct Flown {
     pub(crate) end: String,
     /// Instants, and messages of the world and of tasks as text.
     pub(crate) said: Vec<(f64, String)>,
+    /// Commands with their instants, as text.
+    pub(crate) commands: Vec<(f64, String)>,
     /// Measurements: instant, variable, value.
     measured: Vec<(f64, String, Value)>,
 }
@@ -116,7 +118,7 @@ fn fly(mission: Mission, folder: tempfile::TempDir) -> Flown {
     let outcome = apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut [])
         .unwrap_or_else(|error| panic!("{error:?}"));
     drop(recorder);
-    let (mut said, mut measured) = (Vec::new(), Vec::new());
+    let (mut said, mut commands, mut measured) = (Vec::new(), Vec::new(), Vec::new());
     for step in RecordReader::open(&record).unwrap().steps_of_all(Time::END).unwrap() {
         let step = step.unwrap();
         for event in &step.batch.events {
@@ -129,12 +131,15 @@ fn fly(mission: Mission, folder: tempfile::TempDir) -> Flown {
             }
         }
         for effect in &step.decoded_effects().unwrap() {
-            if let Effect::Inform { form, .. } = effect {
-                said.push((step.batch.now.seconds(), form.to_string()));
+            let now_s = step.batch.now.seconds();
+            match effect {
+                Effect::Inform { form, .. } => said.push((now_s, form.to_string())),
+                Effect::Command { form, .. } => commands.push((now_s, form.to_string())),
+                _ => {}
             }
         }
     }
-    Flown { _folder: folder, record, end: outcome.end.reason.text(), said, measured }
+    Flown { _folder: folder, record, end: outcome.end.reason.text(), said, commands, measured }
 }
 
 impl Flown {
