@@ -155,7 +155,9 @@ impl Limits {
         let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
         let is_open_here = self.is_open(&here, room_m);
         let stay_s = self.change_s(change.0, change.1);
-        let there = Request { from: request.to, to: request.to, stay_s, ..here };
+        // A vehicle climbs faster at the beginning: it is at least so far on its way up when it arrives.
+        let arrives_m = change.0 + (change.1 - change.0) * (way_s / stay_s).min(1.0);
+        let there = Request { from: request.to, to: request.to, from_altitude_m: arrives_m, stay_s, ..here };
         // Plans count on less than the fastest descent.
         let needs_circles = self.turn_radius_m > 0.0 && self.fastest_change_s(change.0, change.1) > way_s;
         let shut_by =
