@@ -266,7 +266,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         .filter_map(|(index, site)| Some((index, site_pictures::trouble(mission, site)?)))
         .collect();
     if let Some((_, why)) = troubles.first().filter(|_| troubles.len() == problem.targets.len()) {
-        return Err(NoPlan::Fault(format!("no visit of any site can give a valid picture: {why}")));
+        return Err(NoPlan::NothingLeft(format!("no visit of any site can give a valid picture: {why}")));
     }
     troubles.iter().for_each(|(index, _)| problem.travel.shut(*index));
     if let Some(daylight) = Daylight::next(mission, at.seconds()).map_err(NoPlan::NothingLeft)? {

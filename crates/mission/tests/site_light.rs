@@ -70,7 +70,7 @@ fn visits_begin_with_the_daylight_that_the_camera_needs() {
 fn visits_of_a_vehicle_whose_sensors_cannot_see_sites_are_not_planned() {
     for (model, what) in [("fixed-wing-mapper", "(camera-1)"), ("global-hawk", "none of its sensors")] {
         match problem(model, "2026-06-01T11:00:00Z") {
-            Err(NoPlan::Fault(why)) => assert!(why.contains("turned sideways") && why.contains(what), "{why}"),
+            Err(NoPlan::NothingLeft(why)) => assert!(why.contains("turned sideways") && why.contains(what), "{why}"),
             other => panic!("{other:?}"),
         }
     }

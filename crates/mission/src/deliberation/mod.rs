@@ -20,7 +20,7 @@ use crate::problem::{NoPlan, here, pose};
 use crate::report::{Report, report};
 use crate::score::{FlownScore, told};
 use crate::situation::{OperatorPlan, Situation};
-use crate::{Mission, acquisition};
+use crate::{Mission, TargetKind, acquisition};
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::Batch;
 use apex_model::problem::{Plan, Position, Problem, WindField};
@@ -150,6 +150,8 @@ struct Question {
     from: (Position, Time),
     /// True if an observation has ended: if nothing more can be visited, the mission is then complete.
     has_observed: bool,
+    /// True for a surveillance whose vehicle is in the air: without a visit that can be planned, the mission continues after it.
+    is_surveying: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
     /// True if a plan is imposed: if it cannot be flown, planning fails, and the mission does not end.
@@ -203,9 +205,12 @@ impl Question {
             .ok()
             .and_then(|problem| current_plan::current_plan(&believed, situation, &request.goal, problem, at));
         // The open visits of an imposed plan are the answer; planners are not asked.
-        let is_open = |id: &&String| !situation.observed().any(|visit| visit.target == **id);
-        let imposed: Vec<String> = situation.updates.imposed().iter().filter(is_open).cloned().collect();
+        let is_site = |id: &str| {
+            mission.targets.iter().any(|target| target.id == id && matches!(target.kind, TargetKind::Site(_)))
+        };
+        let imposed = situation.open_imposed(is_site);
         let imposed_is_empty = imposed.is_empty();
+        let watches_sites = mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Site(_)));
         let asked = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
         let (solver, operator_plan) = match imposed.is_empty() {
             true => (asked, situation.updates.operator_plan().cloned()),
@@ -225,6 +230,7 @@ impl Question {
             seed: mission.settings.seed,
             from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
+            is_surveying: situation.ending().is_airborne() && watches_sites,
             observed: situation.observed().map(|visit| visit.target.clone()).collect(),
             number: situation.posed,
             believed,
@@ -251,7 +257,8 @@ impl Question {
     }
 
     fn answer(self, means: &PlanningResources, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
-        let Question { believed, goal, budget, from, has_observed, is_imposed, number, observed, .. } = self;
+        let Question { believed, goal, budget, from, has_observed, is_imposed, is_surveying, number, observed, .. } =
+            self;
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
         let solved = self.problem.and_then(|problem| {
@@ -266,7 +273,9 @@ impl Question {
             }
         });
         match solved {
-            Err(NoPlan::NothingLeft(reason)) if (has_observed || !believed.weak_targets.is_empty()) && !is_imposed => {
+            Err(NoPlan::NothingLeft(reason))
+                if (has_observed || is_surveying || !believed.weak_targets.is_empty()) && !is_imposed =>
+            {
                 SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },

@@ -203,6 +203,11 @@ impl Ending {
         Some((*at, format!("no task pursued {goal}{ended}")))
     }
 
+    /// Returns true if the vehicle is in the air, as it last reported.
+    pub(crate) fn is_airborne(&self) -> bool {
+        self.is_airborne == Some(true)
+    }
+
     /// Records that a planner had no plan.
     pub(super) fn take_missing_plan(&mut self, reason: &str) {
         self.no_plan = Some(reason.to_string());

@@ -77,6 +77,8 @@ pub struct Situation {
     pub vehicle: VehicleState,
     /// New data of targets and weather.
     pub updates: MissionUpdates,
+    /// Instant from which the visits of an imposed plan count.
+    imposed_from: Time,
     /// Changes of targets' states in order.
     pub target_changes: Vec<TargetChange>,
     /// The plan that the executive adopted last.
@@ -170,6 +172,23 @@ impl Situation {
     /// Returns the observations that have ended.
     pub fn observed(&self) -> impl Iterator<Item = &Visit> {
         self.visits.iter().filter(|visit| visit.end.is_some())
+    }
+
+    /// Returns the visits of the imposed plan that are still open, in order. A site may be visited repeatedly: visits before the plan was
+    /// imposed do not count for it. A look at a fire that has been observed is done.
+    pub(crate) fn open_imposed(&self, is_site: impl Fn(&str) -> bool) -> Vec<String> {
+        let mut done: Vec<&str> = Vec::new();
+        for visit in self.observed().filter(|visit| visit.end.is_some_and(|end| end > self.imposed_from)) {
+            done.push(&visit.target);
+        }
+        let mut is_open = |target: &&String| {
+            if !is_site(target) {
+                return !self.observed().any(|visit| visit.target == **target);
+            }
+            let found = done.iter().position(|visited| visited == target);
+            found.map(|index| done.remove(index)).is_none()
+        };
+        self.updates.imposed().iter().filter(|target| is_open(target)).cloned().collect()
     }
 
     /// Returns the turbulence as last measured, m^(2/3)/s.
@@ -323,6 +342,9 @@ impl Situation {
                 self.change(printed, at, TargetState::Skipped, TARGET_GONE.to_string());
             }
             _ => {
+                if matches!(update, MissionUpdate::PlanImposed(_)) {
+                    self.imposed_from = at;
+                }
                 let note = self.updates.apply(update);
                 self.note(at, note);
             }
