@@ -47,6 +47,7 @@ mod settings;
 mod site_pictures;
 pub mod situation;
 mod sources;
+mod stated_vehicle;
 mod surroundings;
 mod tables;
 mod targets;

@@ -2,7 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::requirements::Stated;
-use crate::vehicle::ModelSource;
+use crate::stated_vehicle::{ModelSource, StatedVehicle, vehicle_of};
 use apex_model::library::{Application, Library};
 use apex_model::problem::FailureTerm;
 use apex_model::symbol::Symbol;
@@ -24,7 +24,7 @@ pub struct Settings {
     pub model: ModelSource,
     /// Start of the vehicle: a location or the name of a place in the data.
     pub start: Value,
-    /// Direction in which the vehicle stands at the start, in degrees clockwise from north.
+    /// Heading of the parked vehicle at the start, in degrees clockwise from north.
     pub start_heading_deg: f64,
     /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
     pub epoch_unix_s: Option<f64>,
@@ -214,24 +214,6 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     })
 }
 
-/// `:vehicle` of an application.
-pub(crate) struct StatedVehicle {
-    /// Source of the model.
-    pub(crate) model: ModelSource,
-    /// Start: a location or the name of a place in the data.
-    pub(crate) start: Value,
-    /// Direction in which the vehicle stands at the start, in degrees clockwise from north.
-    pub(crate) heading_deg: f64,
-}
-
-/// Reads `:vehicle` of the application of `library`.
-///
-/// # Errors
-/// No vehicle, or a form of another shape.
-pub(crate) fn vehicle_of(application: &Application, library: &Library) -> MissionResult<StatedVehicle> {
-    SettingsReader { application, library }.vehicle()
-}
-
 struct SettingsReader<'a> {
     application: &'a Application,
     library: &'a Library,
@@ -399,60 +381,6 @@ impl SettingsReader<'_> {
             self.wrong("start", &Value::text(text), "a civil time with its offset: `:start \"2007-09-08T01:00:00Z\"`")
         })
     }
-
-    /// `(sim :model NAME|"FILE" :at PLACE [:heading ANGLE])`
-    fn vehicle(&self) -> MissionResult<StatedVehicle> {
-        let Some(form) = self.application.option("vehicle") else {
-            return Err(MissionError::setting("the mission names no vehicle")
-                .at(self.place_of("vehicle"))
-                .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
-        };
-        let items = form.as_list().unwrap_or_default();
-        let wanted = "`:vehicle (sim :model NAME :at PLACE)`, or the name of a vehicle file in quotes for NAME; optional: `:heading 90deg`";
-        match items.first() {
-            Some(Value::Symbol(kind)) if kind.is("sim") => {}
-            Some(Value::Symbol(kind)) => {
-                return Err(MissionError::setting(format!("unknown kind of vehicle `{kind}`"))
-                    .at(self.place_of("vehicle"))
-                    .because("only the built-in simulator `sim` can be flown so far")
-                    .help(format!("write {wanted}")));
-            }
-            _ => return Err(self.wrong("vehicle", form, wanted)),
-        }
-        let mut model = None;
-        let mut start = None;
-        let mut heading_deg = 0.0;
-        for pair in items.get(1..).unwrap_or_default().chunks(2) {
-            match pair {
-                [Value::Symbol(key), Value::Symbol(name)] if key.is(":model") => {
-                    model = Some(ModelSource::Shipped(name.folded().to_string()));
-                }
-                [Value::Symbol(key), Value::Text(file)] if key.is(":model") => {
-                    model = Some(ModelSource::File(file.to_string()));
-                }
-                [Value::Symbol(key), place] if key.is(":at") => start = Some(place.clone()),
-                [Value::Symbol(key), angle] if key.is(":heading") => {
-                    heading_deg = heading(angle).ok_or_else(|| self.wrong("vehicle", form, wanted))?;
-                }
-                _ => return Err(self.wrong("vehicle", form, wanted)),
-            }
-        }
-        match (model, start) {
-            (Some(model), Some(start)) => Ok(StatedVehicle { model, start, heading_deg }),
-            _ => Err(self.wrong("vehicle", form, wanted)),
-        }
-    }
-}
-
-/// Returns the degrees of a heading from 0 to 360: an angle, or a bare number in degrees.
-fn heading(value: &Value) -> Option<f64> {
-    use apex_model::quantity::Dimension;
-    let degrees = match value.as_number()? {
-        (radians, Dimension::ANGLE) => radians.to_degrees(),
-        (degrees, Dimension::NONE) => degrees,
-        _ => return None,
-    };
-    (0.0..=360.0).contains(&degrees).then_some(degrees)
 }
 
 /// Returns seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.

@@ -3,8 +3,9 @@
 use crate::Files;
 use crate::error::{ErrorKind, MissionError, MissionResult};
 use crate::files::text_of;
-use crate::settings;
 use crate::sources::Sources;
+pub use crate::stated_vehicle::ModelSource;
+use crate::stated_vehicle::vehicle_of;
 use apex_geo::travel;
 use apex_model::library::Library;
 use apex_pdl::SourceText;
@@ -18,15 +19,6 @@ pub const FIGURES_LIBRARY: &str = "vehicle-figures";
 /// Name of the generated text. Records find it by its last part, like all libraries.
 const FIGURES_NAME: &str = "generated/vehicle-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/vehicle-figures.pdl";
-
-/// Source of a mission's vehicle model.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ModelSource {
-    /// A model that ships with Apex, by name.
-    Shipped(String),
-    /// A vehicle file, relative to the mission's folder.
-    File(String),
-}
 
 /// Reads a vehicle model with its sensors: a shipped one by name, or a vehicle file, whose name ends in `.json`.
 ///
@@ -132,7 +124,7 @@ pub(crate) fn figures_for(
     let application = library.application.as_ref()?;
     application.option("vehicle")?;
     // Errors of the vehicle are reported when the mission is loaded.
-    let model = match settings::vehicle_of(application, library).ok()?.model {
+    let model = match vehicle_of(application, library).ok()?.model {
         ModelSource::Shipped(name) => VehicleModel::named(&name).ok()?,
         ModelSource::File(name) => {
             let text = read(&folder.join(&name)).ok()?;

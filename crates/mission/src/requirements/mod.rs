@@ -16,14 +16,15 @@ mod response;
 mod sensors;
 mod start;
 mod statement;
+mod surface_wind;
 mod watch;
 
 pub use readings::Reading;
 pub use response::Response;
 pub use statement::{HeatLimit, LandingReach, Requirements, SunKeepOut};
+pub use surface_wind::check_wind_at_start;
 pub use watch::{Findings, Watch};
 
 pub(crate) use sensors::sun_margin_deg;
-pub use start::check_wind_at_start;
 pub(crate) use start::{StartConditions, check_start};
 pub(crate) use statement::{Stated, state};

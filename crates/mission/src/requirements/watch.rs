@@ -8,7 +8,7 @@
 use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
-use super::start::too_much_wind_at_start;
+use super::surface_wind::too_much_wind_at_start;
 use crate::Mission;
 use crate::link::LinkMemory;
 use crate::ways::STRAIGHT_CLIMB_M;

@@ -175,7 +175,7 @@ impl Situation {
     }
 
     /// Returns the visits of the imposed plan that are still open, in order. A site may be visited repeatedly: visits before the plan was
-    /// imposed do not count for it. A look at a fire that has been observed is done.
+    /// imposed do not count for it. A fire that has been observed is done.
     pub(crate) fn open_imposed(&self, is_site: impl Fn(&str) -> bool) -> Vec<String> {
         let mut done: Vec<&str> = Vec::new();
         for visit in self.observed().filter(|visit| visit.end.is_some_and(|end| end > self.imposed_from)) {

@@ -4,10 +4,9 @@ use super::landing::on_line;
 use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
 use super::wait::PlannedStart;
-use super::{Broken, Request, Way};
+use super::{Broken, Request, Way, time_limits};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
-use apex_geo::time_limit::flight_time_limit;
 use apex_geo::wind;
 use apex_model::host::HostFunctions;
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
@@ -55,24 +54,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
         };
         functions.register(name, Arc::new(function));
     }
-    let time_limit = move |arguments: &[Value]| {
-        let known: Vec<Value> = arguments.iter().map(|argument| with_positions(&limits, argument)).collect();
-        flight_time_limit(&known).map_err(|reason| format!("`flight-time-limit`: {reason}"))
-    };
-    functions.register("flight-time-limit", Arc::new(time_limit));
-}
-
-/// Returns a value in which the names of the mission's places are replaced by their positions: a flight to a place of unknown position
-/// has a time limit that is three hours longer.
-fn with_positions(limits: &Limits, value: &Value) -> Value {
-    match value {
-        Value::Symbol(name) => limits.place(name.folded()).map_or_else(
-            || value.clone(),
-            |(place, _)| Value::list([Value::Real(place.latitude_deg), Value::Real(place.longitude_deg)]),
-        ),
-        Value::List(items) => Value::list(items.iter().map(|item| with_positions(limits, item))),
-        _ => value.clone(),
-    }
+    time_limits::register(limits, functions);
 }
 
 /// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, otherwise nil.

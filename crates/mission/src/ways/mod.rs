@@ -15,6 +15,7 @@ mod route;
 mod segment;
 mod straight;
 mod take_off;
+mod time_limits;
 mod wait;
 
 pub(crate) use answers::register;

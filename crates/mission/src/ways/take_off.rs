@@ -118,7 +118,7 @@ impl Limits {
     }
 }
 
-/// Checks the take-offs of a mission's program that state their altitude, as if the vehicle stood at the start.
+/// Checks the take-offs of a mission's program that state their altitude, for a vehicle at the start.
 ///
 /// # Errors
 /// A climb that meets the ground, and a circle of the climb for which the airspace leaves no space; with the place of the goal.
