@@ -47,7 +47,6 @@ mod settings;
 mod site_pictures;
 pub mod situation;
 mod sources;
-mod stated_vehicle;
 mod surroundings;
 mod tables;
 mod targets;

@@ -2,7 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::requirements::Stated;
-use crate::stated_vehicle::{ModelSource, StatedVehicle, vehicle_of};
+use crate::vehicle::stated::{ModelSource, StatedVehicle, vehicle_of};
 use apex_model::library::{Application, Library};
 use apex_model::problem::FailureTerm;
 use apex_model::symbol::Symbol;

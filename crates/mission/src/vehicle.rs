@@ -1,16 +1,18 @@
 //! The vehicle of a mission: its model from a vehicle file, and its figures as constants of PDL.
 
+pub(crate) mod stated;
+
 use crate::Files;
 use crate::error::{ErrorKind, MissionError, MissionResult};
 use crate::files::text_of;
 use crate::sources::Sources;
-pub use crate::stated_vehicle::ModelSource;
-use crate::stated_vehicle::vehicle_of;
 use apex_geo::travel;
 use apex_model::library::Library;
 use apex_pdl::SourceText;
 pub use apex_vehicle::{Airframe, VehicleModel};
 use apex_vehicle::{CruiseLevel, EnergyModel, ShippedSensor, ShippedVehicle, VehicleFileError};
+pub use stated::ModelSource;
+use stated::vehicle_of;
 use std::fmt::Write;
 use std::path::Path;
 
