@@ -150,7 +150,7 @@ struct Question {
     from: (Position, Time),
     /// True if an observation has ended: if nothing more can be visited, the mission is then complete.
     has_observed: bool,
-    /// True for a surveillance whose vehicle is in the air: without a visit that can be planned, the mission continues after it.
+    /// True for a surveillance in the air of which no visit can give a picture: the mission continues after it.
     is_surveying: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
@@ -210,6 +210,7 @@ impl Question {
         };
         let imposed = situation.open_imposed(is_site);
         let imposed_is_empty = imposed.is_empty();
+        let has_no_visit = matches!(problem, Err(NoPlan::NothingLeft(_)));
         let watches_sites = mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Site(_)));
         let asked = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
         let (solver, operator_plan) = match imposed.is_empty() {
@@ -230,7 +231,7 @@ impl Question {
             seed: mission.settings.seed,
             from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
-            is_surveying: situation.ending().is_airborne() && watches_sites,
+            is_surveying: situation.ending().is_airborne() && watches_sites && has_no_visit,
             observed: situation.observed().map(|visit| visit.target.clone()).collect(),
             number: situation.posed,
             believed,

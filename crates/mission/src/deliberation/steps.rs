@@ -5,6 +5,7 @@ use super::operator_plan;
 use super::solve::Deliberation;
 use crate::observing::looks_with;
 use crate::problem::{survey, visit_altitude_m};
+use crate::site_pictures::Daylight;
 use crate::vehicle::Airframe;
 use crate::{Mission, Target, TargetKind};
 use apex_geo::sun::is_light;
@@ -203,8 +204,11 @@ fn surveillance_steps(
     let first = plan.visits.first();
     let first_number = first.and_then(|visit| sites.iter().position(|(target, _)| target.id == visit.target));
     let way_s = ways.as_ref().zip(first_number).map(|(ways, number)| ways.times.start_to(number));
-    // The plan begins with the daylight; a cycle is then written as its visits, so that it begins only once.
-    let wait_s = first.zip(way_s).map_or(0.0, |(visit, way_s)| visit.arrive_s - way_s);
+    // The plan begins with the daylight; a cycle is then written as its visits, so that it begins only once. The planned arrival does not
+    // tell the wait: it may be later because of the wind that is measured.
+    let dark_s =
+        Daylight::next(mission, begin.seconds()).ok().flatten().map_or(0.0, |light| light.from_s - begin.seconds());
+    let wait_s = way_s.map_or(0.0, |way_s| (dark_s - way_s).max(0.0));
     let repeat = !plan.cycle.is_empty() && wait_s < WAIT_S_MIN;
     let order: Vec<&String> =
         if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };

@@ -24,6 +24,8 @@ const JOIN_STEP_M: f64 = 2_000.0;
 const JOIN_STEPS_MAX: f64 = 200.0;
 /// Height of the straight climb after take-off, before the first turn, and its speed as a multiple of the slowest one.
 pub(crate) const STRAIGHT_CLIMB_M: f64 = 300.0;
+/// Distance from a zone at which a path counts as inside.
+const TOUCH_M: f64 = 1.0;
 pub(super) const CLIMB_SPEED: f64 = 1.4;
 
 impl Limits {
@@ -76,15 +78,21 @@ impl Limits {
     /// # Errors
     /// The zone that no circle within reach avoids.
     pub(super) fn climb_circle(&self, request: &Request) -> Result<Option<Position>, Broken> {
-        let is_climb = request.to_altitude_m > request.from_altitude_m + STRAIGHT_CLIMB_M;
-        if self.turn_radius_m <= 0.0 || self.are_none() || !is_climb {
+        if self.turn_radius_m <= 0.0 || self.are_none() {
             return Ok(None);
         }
         let begin = self.begin_of_turns(request);
+        let turns_m = begin.from_altitude_m.min(request.to_altitude_m);
+        let straight = Request { to: begin.from, to_altitude_m: turns_m, ..*request };
+        if let Some(name) = self.shut_by(&straight, (TOUCH_M, 0.0)).filter(|name| self.is_zone(name)) {
+            return Err(Broken { name, why: "the straight climb after the take-off leads through it".to_string() });
+        }
+        if request.to_altitude_m <= request.from_altitude_m + STRAIGHT_CLIMB_M {
+            return Ok(None);
+        }
         let room_m = CIRCLE_ROOM * self.circle_radius_m();
         let Some(name) = self.shut_by(&begin, (room_m, CIRCLE_MARGINS)) else { return Ok(None) };
-        let is_zone = self.zones.iter().any(|zone| zone.name == name) || name == PERMITTED;
-        if !is_zone {
+        if !self.is_zone(&name) && name != PERMITTED {
             return Ok(None);
         }
         match self.circle_from_here(&begin) {
@@ -92,6 +100,11 @@ impl Limits {
             None if self.can_join_circle(&begin, begin.from, (0.0, 0.0)) => Ok(None),
             None => Err(Broken { name, why: "no place within reach has room for the circle of the climb".to_string() }),
         }
+    }
+
+    /// Returns true if a limit of this name is a zone.
+    fn is_zone(&self, name: &str) -> bool {
+        self.zones.iter().any(|zone| zone.name == name)
     }
 
     /// Returns the climb from the place at which the first turn after a take-off begins.

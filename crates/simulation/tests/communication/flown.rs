@@ -82,12 +82,25 @@ impl World {
         self
     }
 
+    /// Returns the model as a mission names it. The camera of the mapper is fixed downward and sees no site from a circle around it: here
+    /// the aircraft has one on a gimbal.
+    fn model(&self, folder: &std::path::Path) -> String {
+        if self.vehicle != "fixed-wing-mapper" {
+            return self.vehicle.clone();
+        }
+        let shipped =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../library/vehicles/fixed-wing-mapper.json");
+        let text = std::fs::read_to_string(shipped).unwrap().replace("\"mapping-camera\"", "\"quadrotor-camera\"");
+        std::fs::write(folder.join("mapper.json"), text).unwrap();
+        "\"mapper.json\"".to_string()
+    }
+
     pub(crate) fn load(&self, folder: &std::path::Path) -> Result<Mission, apex_mission::error::MissionError> {
         let text = format!(
             "(defapplication \"Touch\" :type native-sim :libraries (\"vehicle\" \"contingencies\" \"replanning\")\n\
              :vehicle (sim :model {} :at home) :duration {} :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
              :modems ((900MHzModem {})) {}\n:agents ((agent uav-1 :initial-task (fly the mission))))\n{}",
-            self.vehicle,
+            self.model(folder),
             self.duration,
             self.modem,
             self.options,
