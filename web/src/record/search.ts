@@ -26,7 +26,7 @@ export async function search(
 /** Maximum number of lines in an answer of the server. */
 const ANSWER_LINES = 2000;
 
-/** All lines of a query, oldest first, from as many answers as needed; none after the first `linesMax` is read, and `more` says so. */
+/** The newest lines of a query, at most `linesMax`, oldest first, from as many answers as needed; `more` is true if older ones are left out. */
 export async function allLines(
   ask: (query: EventsQuery) => Promise<Events>,
   query: Omit<EventsQuery, 'limit'>,
