@@ -10,6 +10,7 @@ import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
 import {
   failureOf,
+  pageHelp,
   RecordError,
   type RecordSource,
   ServedRecord,
@@ -179,7 +180,8 @@ export class Player {
       },
       error => {
         this.why = null;
-        this.whyTrouble = error instanceof RecordError ? `${error.message}; ${error.help}` : String(error);
+        this.whyTrouble =
+          error instanceof RecordError ? `${error.message}; ${pageHelp(error.help)}` : String(error);
       },
     );
   }
