@@ -6,6 +6,7 @@
  */
 
 import type { Alarm } from '../record/alarms';
+import { targetsWithoutEndedVisits } from '../record/ended';
 import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
 import {
@@ -602,7 +603,15 @@ export class Player {
       source.report(atNs),
       source.present(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, questions, report, present };
+    return {
+      mission,
+      targets: await targetsWithoutEndedVisits(source, targets, troubles.troubles, mission, atNs),
+      plan,
+      troubles: troubles.troubles,
+      questions,
+      report,
+      present,
+    };
   }
 
   private show({ mission, targets, plan, troubles, questions, report, present }: Moment, atNs: number): void {

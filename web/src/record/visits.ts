@@ -1,6 +1,7 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
 import { clock, missionTime, NANOSECONDS_PER_SECOND } from '../time/format';
+import { INTERRUPTED } from './interrupted';
 import { reasonText } from './plans';
 import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
 
@@ -26,7 +27,7 @@ export function shownState(
 ): string {
   if (target.detail === TARGET_GONE) return 'skipped';
   if (target.observed_ns !== null && target.state !== 'observing') return 'observed';
-  if (isUnmentioned(target, plan)) return 'known';
+  if (target.state === INTERRUPTED || isUnmentioned(target, plan)) return 'known';
   return target.state ?? 'known';
 }
 
@@ -76,6 +77,9 @@ export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
       if (state === 'observing' && !open) {
         open = { id, name, fromNs: t_ns, toNs: endNs, state };
         own.push(open);
+      } else if (state === INTERRUPTED) {
+        if (open) Object.assign(open, { toNs: t_ns, state });
+        open = undefined;
       } else if (state === 'observed' || state === 'skipped') {
         if (open) Object.assign(open, { toNs: t_ns, state });
         else own.push({ id, name, fromNs: t_ns, toNs: t_ns, state });
