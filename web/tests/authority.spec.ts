@@ -70,6 +70,7 @@ test('authority is taken, offered to a station of the list, refused, and handed 
   await van.getByTestId('take').click();
   await expect(tower.getByTestId('authority')).toContainText('van (operator)');
   await van.getByTestId('run-stop').click();
+  await van.getByTestId('stop-confirm').click();
   await expect(van.getByTestId('operator')).toHaveCount(0);
 
   const trace = execFileSync(apexProgram(), ['trace', record, '--json'], { maxBuffer: 1 << 28 })

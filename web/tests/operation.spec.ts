@@ -120,6 +120,8 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   await expect(question).toHaveCount(0);
 
   await page.getByTestId('run-stop').click();
+
+  await page.getByTestId('stop-confirm').click();
   await expect(page.getByTestId('operator')).toHaveCount(0);
   await expect(page.getByTestId('status')).toHaveAttribute('title', 'it was stopped from outside');
 

@@ -144,6 +144,7 @@ test('a plan is drawn on the map, its violation is shown at the place, and it is
       )
       .toEqual([first, second]);
     await page.getByTestId('run-stop').click();
+    await page.getByTestId('stop-confirm').click();
     await expect(page.getByTestId('operator')).toHaveCount(0);
     const trace = execFileSync(apexProgram(), ['trace', path, '--json'], { maxBuffer: 1 << 28 }).toString();
     expect(trace).toContain(`plan-imposed (${first} ${second})`);
@@ -201,6 +202,7 @@ test('an alarm is acknowledged by an operator, and the record holds it', async (
     await alarm.getByTestId('acknowledge').click();
     await expect(page.locator(`[data-alarm="${id}"]`)).toContainText('acknowledged');
     await page.getByTestId('run-stop').click();
+    await page.getByTestId('stop-confirm').click();
     await expect(page.getByTestId('operator')).toHaveCount(0);
     const trace = execFileSync(apexProgram(), ['trace', path, '--json'], { maxBuffer: 1 << 28 }).toString();
     expect(trace).toContain(`acknowledge ${id}`);

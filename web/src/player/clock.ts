@@ -1,5 +1,6 @@
 /** Movement of the cursor over a record; pure. */
 
+import type { Growth } from '../record/types';
 import { NANOSECONDS_PER_SECOND } from '../time/format';
 
 /** Playing speeds: seconds of mission for one second of watching. */
@@ -69,4 +70,9 @@ export function shift(visible: Range, whole: Range, byNs: number): Range {
     Math.max(whole.toNs - length, whole.fromNs),
   );
   return { fromNs, toNs: Math.min(fromNs + length, whole.toNs) };
+}
+
+/** True if a record has new contents. While a flight is paused, accepted commands add batches at the same mission time. */
+export function hasGrown(before: Growth, after: Growth): boolean {
+  return before.end_ns !== after.end_ns || before.batches !== after.batches || before.status !== after.status;
 }

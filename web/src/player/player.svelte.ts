@@ -6,10 +6,12 @@
  */
 
 import type { Alarm } from '../record/alarms';
+import { targetsWithoutEndedVisits } from '../record/ended';
 import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
 import {
   failureOf,
+  pageHelp,
   RecordError,
   type RecordSource,
   ServedRecord,
@@ -33,7 +35,18 @@ import { missionTime } from '../time/format';
 import { signalWords, subjectWords } from '../words/subject';
 import type { Address, Rows, Selection } from './address';
 import { Alarms } from './alarms.svelte';
-import { advance, axisOf, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
+import {
+  advance,
+  axisOf,
+  clamp,
+  hasGrown,
+  otherSpeed,
+  type Range,
+  shift,
+  speedFor,
+  stepNs,
+  zoom,
+} from './clock';
 import { Desk } from './desk.svelte';
 import { type Failure, Freshness } from './freshness.svelte';
 import type { Panel } from './layout';
@@ -79,6 +92,8 @@ export class Player {
   readonly scenery: Scenery;
 
   atNs = $state(0);
+  /** Counts the readings of a growing record. Panels that read on their own read again: the facts of an instant change in a pause. */
+  revision = $state(0);
   visible = $state.raw<Range>({ fromNs: 0, toNs: 0 });
   playing = $state(false);
   speed = $state(1);
@@ -166,7 +181,8 @@ export class Player {
       },
       error => {
         this.why = null;
-        this.whyTrouble = error instanceof RecordError ? `${error.message}; ${error.help}` : String(error);
+        this.whyTrouble =
+          error instanceof RecordError ? `${error.message}; ${pageHelp(error.help)}` : String(error);
       },
     );
   }
@@ -542,7 +558,7 @@ export class Player {
     this.updatedMs = performance.now();
     const before = this.growth;
     this.growth = growth;
-    if (before && before.end_ns === growth.end_ns && before.status === growth.status) return;
+    if (before && !hasGrown(before, growth)) return;
     clearTimeout(this.rereadTimer);
     const wait = Math.max(0, this.readAt + REREAD_MS - performance.now());
     this.rereadTimer = setTimeout(() => void this.reread(), wait);
@@ -556,6 +572,7 @@ export class Player {
       this.showError('flight', error);
       return;
     }
+    this.revision += 1;
     if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.axis.toNs };
     if (!this.speedChosen && !this.playing) this.speed = speedFor(this.range);
     if (this.following) this.seek(this.range.toNs, true);
@@ -586,7 +603,15 @@ export class Player {
       source.report(atNs),
       source.present(atNs),
     ]);
-    return { mission, targets, plan, troubles: troubles.troubles, questions, report, present };
+    return {
+      mission,
+      targets: await targetsWithoutEndedVisits(source, targets, troubles.troubles, mission, atNs),
+      plan,
+      troubles: troubles.troubles,
+      questions,
+      report,
+      present,
+    };
   }
 
   private show({ mission, targets, plan, troubles, questions, report, present }: Moment, atNs: number): void {

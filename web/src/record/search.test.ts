@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { search } from './search';
+import { allLines, search } from './search';
 import type { EventsQuery } from './source';
 import type { EventRow, Events } from './types';
 
@@ -16,6 +16,26 @@ function asked(): { queries: EventsQuery[]; ask: (query: EventsQuery) => Promise
   };
   return { queries, ask };
 }
+
+describe('all lines', () => {
+  /** A record with the lines 1 to 5000, in answers of at most 2000. */
+  const ask = async ({ before = 5001, limit }: EventsQuery): Promise<Events> => {
+    const first = Math.max((before ?? 5001) - Math.min(limit, 2000), 1);
+    const ids = Array.from({ length: (before ?? 5001) - first }, (_, index) => row(first + index));
+    return { events: ids, more: first > 1, next: null };
+  };
+
+  it('are read from several answers, each once, oldest first', async () => {
+    const { events, more } = await allLines(ask, QUERY, 100_000);
+    expect(events.map(one => one.id)).toEqual(Array.from({ length: 5000 }, (_, index) => index + 1));
+    expect(more).toBe(false);
+  });
+
+  it('are the newest up to a maximum, and the answer says that there are more', async () => {
+    const { events, more } = await allLines(ask, QUERY, 3000);
+    expect([events.length, events[0]?.id, more]).toEqual([3000, 2001, true]);
+  });
+});
 
 describe('search', () => {
   it('continues before the last answer until it has all lines, oldest first', async () => {

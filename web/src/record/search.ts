@@ -22,3 +22,26 @@ export async function search(
   }
   return found;
 }
+
+/** Maximum number of lines in an answer of the server. */
+const ANSWER_LINES = 2000;
+
+/** The newest lines of a query, at most `linesMax`, oldest first, from as many answers as needed; `more` is true if older ones are left out. */
+export async function allLines(
+  ask: (query: EventsQuery) => Promise<Events>,
+  query: Omit<EventsQuery, 'limit'>,
+  linesMax: number,
+): Promise<Events> {
+  const parts: Events['events'][] = [];
+  let count = 0;
+  let before = query.before;
+  for (;;) {
+    const limit = Math.min(ANSWER_LINES, linesMax - count);
+    const part = await ask({ ...query, before, limit });
+    parts.push(part.events);
+    count += part.events.length;
+    before = part.next ?? part.events[0]?.id;
+    const over = !part.more || before === undefined || count >= linesMax;
+    if (over) return { events: parts.reverse().flat(), more: part.more, next: null };
+  }
+}

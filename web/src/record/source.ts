@@ -123,8 +123,13 @@ export class RecordError extends Error {
 /** An error with what to do about it. */
 export function failureOf(error: unknown): { error: string; help: string } {
   return error instanceof RecordError
-    ? { error: error.message, help: error.help }
+    ? { error: error.message, help: pageHelp(error.help) }
     : { error: String(error), help: 'reload the page' };
+}
+
+/** The help of an error for readers of the page, who have panels instead of addresses of the server. */
+export function pageHelp(help: string): string {
+  return help.replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks');
 }
 
 const RETRY_MS = 2000;

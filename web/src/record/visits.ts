@@ -1,6 +1,7 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
 import { clock, missionTime, NANOSECONDS_PER_SECOND } from '../time/format';
+import { INTERRUPTED } from './interrupted';
 import { reasonText } from './plans';
 import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
 
@@ -26,7 +27,7 @@ export function shownState(
 ): string {
   if (target.detail === TARGET_GONE) return 'skipped';
   if (target.observed_ns !== null && target.state !== 'observing') return 'observed';
-  if (isUnmentioned(target, plan)) return 'known';
+  if (target.state === INTERRUPTED || isUnmentioned(target, plan)) return 'known';
   return target.state ?? 'known';
 }
 
@@ -76,6 +77,9 @@ export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
       if (state === 'observing' && !open) {
         open = { id, name, fromNs: t_ns, toNs: endNs, state };
         own.push(open);
+      } else if (state === INTERRUPTED) {
+        if (open) Object.assign(open, { toNs: t_ns, state });
+        open = undefined;
       } else if (state === 'observed' || state === 'skipped') {
         if (open) Object.assign(open, { toNs: t_ns, state });
         else own.push({ id, name, fromNs: t_ns, toNs: t_ns, state });
@@ -129,6 +133,8 @@ export interface TargetRow {
   goneNs: number | null;
   /** As flown; none before the report. */
   factors: { name: string; value: number; cause: string }[];
+  /** Points as flown; null before the report. */
+  worth: number | null;
   /** The row as text. */
   words: string;
 }
@@ -177,6 +183,7 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
         .map(trouble => trouble.t_ns),
       goneNs: target.detail === TARGET_GONE ? target.since_ns : null,
       factors: factorsOf(report, target.id),
+      worth: worthOf(report, target.id),
     };
     return { ...row, words: wordsOf(row) };
   });
@@ -225,11 +232,21 @@ export function leftWords({ sinceNs, reason, later }: NonNullable<TargetRow['lef
   return later ? `${first}; since ${at(later.sinceNs)}: ${reasonText(later.reason)}` : first;
 }
 
-function factorsOf(report: Report | null, target: string): TargetRow['factors'] {
+/** A target in the report's score; reports of older records have only its name. */
+function scoreOf(report: Report | null, target: string): Record<string, unknown> | undefined {
   const score = report?.sections.find(({ section }) => section === 'score')?.body as
     | { targets?: Record<string, unknown>[] }
     | undefined;
-  const found = score?.targets?.find(one => one.target === target);
+  return score?.targets?.find(one => (one.id ?? one.target) === target);
+}
+
+function worthOf(report: Report | null, target: string): number | null {
+  const worth = scoreOf(report, target)?.worth;
+  return typeof worth === 'number' ? worth : null;
+}
+
+function factorsOf(report: Report | null, target: string): TargetRow['factors'] {
+  const found = scoreOf(report, target);
   if (!found) return [];
   return FACTORS.flatMap(name => {
     const member = found[name];
@@ -249,9 +266,16 @@ function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const last = row.visits.at(-1);
   if (last) parts.push(visitWords(last, row.visits.length));
   if (row.reflies.length > 0) parts.push(`interrupted ${row.reflies.length}×`);
-  if (row.value !== null) parts.push(`worth up to ${row.value}`);
+  const worth = worthWords(row);
+  if (worth) parts.push(`worth ${worth}`);
   for (const factor of row.factors) parts.push(`${factor.name} ${factor.value.toFixed(2)}`);
   return parts.join(', ');
+}
+
+/** `44.5 of 45` as flown; before the report `up to 45`; empty without a value. */
+export function worthWords({ worth, value }: Pick<TargetRow, 'worth' | 'value'>): string {
+  if (worth !== null) return value === null ? worth.toFixed(1) : `${worth.toFixed(1)} of ${value}`;
+  return value === null ? '' : `up to ${value}`;
 }
 
 /** The last of the visits, after their number if there are several. */

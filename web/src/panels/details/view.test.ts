@@ -1,7 +1,16 @@
 import { describe, expect, it } from 'vitest';
-import type { EventRow, Moment, TaskExplanation, Why } from '../../record/types';
+import type { EventRow, Moment, Task, TaskExplanation, Why } from '../../record/types';
 import { treeText, whyTree } from './tree';
-import { flownTargets, hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
+import {
+  flownTargets,
+  hasSource,
+  logLines,
+  observeTask,
+  reportView,
+  snippetLines,
+  toneOf,
+  whyView,
+} from './view';
 
 function moment(id: number, more: Partial<Moment> = {}): Moment {
   return {
@@ -250,4 +259,47 @@ it('the report has predicted next to flown for every target', () => {
   expect(reportView(report)).toEqual([
     { title: 'score', kind: 'pairs', pairs: [{ name: 'score', value: '992.75' }] },
   ]);
+});
+
+it('names of the report are labels, and empty values are left out', () => {
+  const visit = { begin_s: 1238.7, reflies: 0, roll_deg_max: 1.9, target: 'across' };
+  const sections = [
+    { section: 'score', body: { kind: 'mission-score', not_known: '', score: 1 } },
+    { section: 'visits', body: [visit] },
+  ];
+  expect(reportView({ sections })).toMatchObject([
+    {
+      pairs: [
+        { name: 'kind', value: 'mission score' },
+        { name: 'score', value: '1' },
+      ],
+    },
+    {
+      columns: ['target', 'begin', 'flown again', 'greatest roll, °'],
+      rows: [['across', '0:20:38', '0', '1.9']],
+    },
+  ]);
+});
+
+it('a target leads to the task that observes it', () => {
+  const task = (
+    id: number,
+    parent: number | null,
+    goal: string,
+    state: string,
+    outcome: string | null = null,
+  ) => ({ id, parent, goal, state, outcome, since_ns: id }) as Task;
+  const tasks = [
+    task(0, null, '(watch the structures)', 'ongoing'),
+    task(1, 0, '(visit barn)', 'terminated', 'success'),
+    task(2, 0, '(visit barn)', 'terminated', 'cut'),
+    task(3, 0, '(inform (observed barn))', 'ongoing'),
+    task(4, 0, '(visit barn)', 'pending'),
+    task(5, 0, '(visit mill)', 'ongoing'),
+    task(6, 5, '(hover over mill)', 'ongoing'),
+  ];
+  expect(observeTask(tasks, 'barn')?.id).toBe(1);
+  expect(observeTask(tasks, 'mill')?.id).toBe(5);
+  expect(observeTask(tasks.slice(2, 5), 'barn')?.id).toBe(4);
+  expect(observeTask(tasks, 'school')).toBeNull();
 });

@@ -203,10 +203,10 @@ export function reportView(report: Report | null): SectionView[] {
       const single = Object.entries(body).filter(
         ([, value]) => !Array.isArray(value) || !value.every(isObject),
       );
-      const pairs = single.map(([name, value]) => ({
-        name: words(name),
-        value: cellText(name, value),
-      }));
+      // An empty list of what is not known has nothing to show.
+      const pairs = single
+        .filter(([, value]) => value !== '')
+        .map(([name, value]) => ({ name: labelOf(name), value: pairText(name, value) }));
       return [{ title, kind: 'pairs', pairs }, ...tables];
     }
     const text = Array.isArray(body) ? body.map(valueText).join('\n') : valueText(body);
@@ -228,11 +228,30 @@ function tableOf(title: string, body: Record<string, unknown>[]): SectionView {
   const rank = (column: string) => Number(!SUBJECTS.includes(column));
   const columns = [...new Set(body.flatMap(row => Object.keys(row)))].sort((a, b) => rank(a) - rank(b));
   const rows = body.map(row => columns.map(column => cellText(column, row[column])));
-  return { title, kind: 'table', columns: columns.map(words), rows };
+  return { title, kind: 'table', columns: columns.map(labelOf), rows };
 }
 
 function isObject(value: unknown): value is Record<string, unknown> {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
+}
+
+/** Labels of names in the report whose words say too little; units follow their quantity. */
+const LABELS: Record<string, string> = {
+  t: 'time',
+  begin_s: 'begin',
+  end_s: 'end',
+  reflies: 'flown again',
+  roll_deg_max: 'greatest roll, °',
+  altitude_m: 'altitude, m',
+};
+
+function labelOf(name: string): string {
+  return LABELS[name] ?? words(name);
+}
+
+/** A single value; the kind of a score is a word of the report. */
+function pairText(name: string, value: unknown): string {
+  return name === 'kind' && typeof value === 'string' ? words(value) : cellText(name, value);
 }
 
 function words(name: string): string {
@@ -249,6 +268,31 @@ function valueText(value: unknown): string {
 /** True for a place in a file of the mission; procedures made from plans have names like `<plan 3>` and no file. */
 export function hasSource(place: string): boolean {
   return !place.startsWith('<');
+}
+
+/** How well a task's state fits the question why its target is as it is: the smaller, the better. */
+const STATE_RANKS: Record<Task['state'], number> = {
+  ongoing: 0,
+  interrupted: 1,
+  terminated: 2,
+  enabled: 3,
+  pending: 4,
+};
+
+/**
+ * The task that observes a target: of the topmost tasks whose goal names it the one at work, or otherwise interrupted, or otherwise the last
+ * one that succeeded, or otherwise one that waits. Null if no task has the target.
+ */
+export function observeTask(tasks: readonly Task[], target: string): Task | null {
+  const has = (task: Task) => task.goal.split(/[\s()]+/).includes(target);
+  const withTarget = new Map(tasks.filter(has).map(task => [task.id, task]));
+  const isMessage = (task: Task) => /^\((inform|print|ask)\b/.test(task.goal);
+  const isCut = (task: Task) => task.state === 'terminated' && task.outcome !== 'success';
+  const rank = (task: Task) => (isCut(task) ? 5 : STATE_RANKS[task.state]);
+  const topmost = [...withTarget.values()].filter(
+    task => !isMessage(task) && (task.parent === null || !withTarget.has(task.parent)),
+  );
+  return topmost.sort((a, b) => rank(a) - rank(b) || b.since_ns - a.since_ns)[0] ?? null;
 }
 
 /** Source lines with their numbers; `here` marks the place. */

@@ -45,7 +45,8 @@ export function makeMap(container: HTMLElement): maplibre.Map {
     touchPitch: false,
     keyboard: false,
     fadeDuration: 0,
-    renderWorldCopies: false,
+    // A flight across the 180th meridian needs the ground on both sides of it.
+    renderWorldCopies: true,
   });
   map.touchZoomRotate.disableRotation();
   map.addControl(new maplibre.ScaleControl({ maxWidth: 110, unit: 'nautical' }), 'bottom-right');

@@ -44,6 +44,8 @@ export interface Frame {
   east: number;
   south: number;
   north: number;
+  /** The projection of the ground below, for lines that do not belong to the flight. */
+  ground: Project;
 }
 
 const PLACE_FONT = `11px ${SANS}`;
@@ -54,7 +56,7 @@ const GRID_FONT = `11px ${MONO}`;
 
 export function draw(context: Pen, scene: Scene, frame: Frame, project: Project): void {
   context.clearRect(0, 0, frame.width, frame.height);
-  drawGraticule(context, frame, project);
+  drawGraticule(context, frame);
   drawBelow(context, scene.layers, project);
   drawZones(context, scene.zones, project);
   drawLandingPlaces(context, scene.landingPlaces, project);
@@ -66,7 +68,8 @@ export function draw(context: Pen, scene: Scene, frame: Frame, project: Project)
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
 }
 
-function drawGraticule(context: Pen, frame: Frame, project: Project): void {
+function drawGraticule(context: Pen, frame: Frame): void {
+  const project = frame.ground;
   const step = graticuleStep(frame.east - frame.west);
   context.font = GRID_FONT;
   context.fillStyle = COLOURS.faint;

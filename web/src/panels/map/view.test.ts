@@ -5,14 +5,20 @@ import {
   bounds,
   countUntil,
   degreesText,
+  flightBounds,
   flownUntil,
   graticuleStep,
   legend,
+  onOneTurn,
   outlines,
+  outsideNote,
   pathOf,
+  placeAt,
   placedTargets,
   placeLabel,
   wayAhead,
+  zoneAt,
+  zonesAt,
 } from './view';
 
 const track = {
@@ -184,4 +190,77 @@ describe('the picture', () => {
     expect(countUntil([1, 2, 2, 5], 2)).toBe(3);
     expect(countUntil([], 2)).toBe(0);
   });
+});
+
+describe('a flight across the 180th meridian', () => {
+  const across = pathOf({
+    ...track,
+    t_ns: [0, 10],
+    latitude_deg: [52, 52],
+    longitude_deg: [179.8, -179.8],
+    heading_deg: [null, null],
+  });
+
+  it('is one way, and the map fits around it', () => {
+    expect(across.positions[1]?.[0]).toBeCloseTo(180.2, 6);
+    expect(placeAt(across, 5)?.[0]).toBeCloseTo(180, 6);
+    expect(aircraftAt(across)?.headingDeg).toBeCloseTo(90, 6);
+    const box = flightBounds([
+      [178.9, 52],
+      [-178.9, 53],
+    ]);
+    expect((box?.[1][0] ?? 0) - (box?.[0][0] ?? 0)).toBeCloseTo(2.2, 6);
+  });
+
+  it('has all its places on the turn of the view', () => {
+    for (const centre of [179, -179]) {
+      const [one, two] = [onOneTurn([179.8, 52], -179.5, centre), onOneTurn([-179.8, 52], -179.5, centre)];
+      expect(two[0] - one[0]).toBeCloseTo(0.4, 6);
+      expect(Math.abs(one[0] - centre)).toBeLessThan(2);
+    }
+    expect(onOneTurn([-117, 41], -114, -100)).toEqual([-117, 41]);
+  });
+
+  it('has zones where they are, and longitudes up to 180°', () => {
+    const ring = (west: number, east: number) => [
+      [west, 51],
+      [east, 51],
+      [east, 53],
+      [west, 53],
+      [west, 51],
+    ];
+    const zone = (coordinates: number[][][][]) => ({
+      name: 'Across',
+      geometry: { type: 'MultiPolygon' as const, coordinates },
+      active_h: [],
+      altitude_m_min: 0,
+      altitude_m_max: null,
+      permitted: false,
+    });
+    const zones = zonesAt(
+      {
+        zones: [zone([[ring(179.2, 180)], [ring(-180, -179.4)]]), zone([[ring(179.2, -179.4)]])],
+        landing_places: [],
+      },
+      0,
+      null,
+    );
+    for (const one of zones) {
+      const longitudes = one.lines.flat().map(([longitude]) => longitude);
+      expect(Math.max(...longitudes) - Math.min(...longitudes)).toBeCloseTo(1.4, 6);
+      expect(zoneAt([179.7, 52], [one])).toContain('Across');
+      expect(zoneAt([-179.7, 52], [one])).toContain('Across');
+      expect(zoneAt([0, 52], [one])).toBeNull();
+    }
+    expect(degreesText(181, 1, 'E', 'W')).toBe('179°W');
+  });
+});
+
+it('the map names what lies beyond its last latitude', () => {
+  const at = (latitude: number) => ({ position: [10, latitude] as [number, number], headingDeg: 0 });
+  const field = { latitude_deg: 86, longitude_deg: 10 } as never;
+  expect(outsideNote(at(86), [], [field], [])).toBe(
+    'outside of the map, which ends at 85° of latitude: aircraft, 1 landing place',
+  );
+  expect(outsideNote(at(84), [], [], [])).toBeNull();
 });

@@ -1,6 +1,7 @@
 /** Contents of the map at an instant; pure. */
 
-import type { PlanInForce, Surroundings, Target, Track } from '../../record/types';
+import { middleLongitude, wrapLongitude } from '../../record/longitude';
+import type { LandingPlace, PlanInForce, Surroundings, Target, Track } from '../../record/types';
 import { isUnmentioned, notInPlan, reasonSince, shownState } from '../../record/visits';
 import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
 
@@ -39,7 +40,9 @@ export function pathOf(track: Track | null): Path {
     const latitude = track.latitude_deg[index];
     if (longitude == null || latitude == null) return;
     path.times.push(time);
-    path.positions.push([longitude, latitude]);
+    // A flight across the 180th meridian continues beyond 180°, so that every two neighbours are near to each other.
+    const before = path.positions.at(-1)?.[0] ?? longitude;
+    path.positions.push([wrapLongitude(longitude, before), latitude]);
     path.headings.push(track.heading_deg[index] ?? null);
   });
   return path;
@@ -86,7 +89,8 @@ export function placeAt(flown: Path, atNs: number): Position | null {
   const [start, end] = [flown.times[index] ?? 0, flown.times[index + 1] ?? 0];
   if (!from || !to || atNs <= start) return from ?? null;
   const share = (atNs - start) / (end - start);
-  return [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share];
+  const east = wrapLongitude(to[0], from[0]) - from[0];
+  return [from[0] + east * share, from[1] + (to[1] - from[1]) * share];
 }
 
 /** The aircraft at its last sample; null before the first. Where it is after that sample is not known yet. */
@@ -139,7 +143,9 @@ export interface ZoneView {
 export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: number | null): ZoneView[] {
   const hour = atNs / NANOSECONDS_PER_SECOND / 3600;
   return surroundings.zones.map(zone => {
-    const lines = outlines(zone.geometry);
+    const raw = outlines(zone.geometry);
+    const middle = middleLongitude(raw.flat().map(([longitude]) => longitude));
+    const lines = raw.map(line => wrapLine(line, middle));
     const inTime =
       zone.active_h.length === 0 || zone.active_h.some(([from, to]) => hour >= from && hour < to);
     const top = zone.altitude_m_max;
@@ -161,9 +167,17 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
   });
 }
 
+/** A line with longitudes within 180° of `middle`; one around the whole world remains as it is. */
+function wrapLine(line: readonly Position[], middle: number): Position[] {
+  const [low, high] = bounds(line) ?? [[0], [0]];
+  if (high[0] - low[0] >= 360) return [...line];
+  return line.map(([longitude, latitude]) => [wrapLongitude(longitude, middle), latitude]);
+}
+
 /** Text about the zones at a place, without permitted areas: name, times, heights, and whether they are active; null if there are none. */
 export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
-  const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
+  const around = (zone: ZoneView): Position => [wrapLongitude(place[0], zone.centre[0]), place[1]];
+  const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(around(zone), line)));
   if (here.length === 0) return null;
   return here.map(zone => `${zone.label} (${zone.active ? 'active now' : 'not active now'})`).join('; ');
 }
@@ -194,7 +208,7 @@ export function wayAhead(plan: PlanInForce | null, aircraft: Aircraft | null): P
   const shrink = Math.cos((latitude * Math.PI) / 180);
   let [nearest, best] = [0, Number.POSITIVE_INFINITY];
   route.forEach(([east, north], index) => {
-    const distance = Math.hypot((east - longitude) * shrink, north - latitude);
+    const distance = Math.hypot((wrapLongitude(east, longitude) - longitude) * shrink, north - latitude);
     if (distance < best) [nearest, best] = [index, distance];
   });
   return [aircraft.position, ...route.slice(nearest + 1)];
@@ -206,6 +220,43 @@ export function legend(targets: readonly TargetView[]): { state: string; count: 
     state,
     count: targets.filter(target => target.state === state).length,
   })).filter(({ state, count }) => state !== 'known' || count > 0);
+}
+
+/** The corners around a flight's places, with longitudes beyond 180° if it is on both sides of that meridian; null without places. */
+export function flightBounds(places: readonly Position[]): [Position, Position] | null {
+  const middle = middleLongitude(places.map(([longitude]) => longitude));
+  return bounds(places.map(([longitude, latitude]) => [wrapLongitude(longitude, middle), latitude]));
+}
+
+/**
+ * A place as the map draws it for a flight around the longitude `middle`, while the view is around `centre`: all places of the flight are
+ * on the same turn around the earth, the one nearest to the view.
+ */
+export function onOneTurn([longitude, latitude]: Position, middle: number, centre: number): Position {
+  const turn = wrapLongitude(middle, centre) - middle;
+  return [wrapLongitude(longitude, middle) + turn, latitude];
+}
+
+/** The greatest latitude of the map's projection (Web Mercator). */
+const MAP_LATITUDE_DEG = 85.05;
+
+/** `outside of the map, which ends at 85° of latitude: aircraft, 5 targets, 1 zone`; null if everything is on the map. */
+export function outsideNote(
+  aircraft: Aircraft | null,
+  targets: readonly TargetView[],
+  landingPlaces: readonly LandingPlace[],
+  zones: readonly ZoneView[],
+): string | null {
+  const beyond = (latitude: number) => Math.abs(latitude) > MAP_LATITUDE_DEG;
+  const counted = (count: number, word: string) =>
+    count === 0 ? [] : [`${count} ${word}${count === 1 ? '' : 's'}`];
+  const parts = [
+    ...(aircraft && beyond(aircraft.position[1]) ? ['aircraft'] : []),
+    ...counted(targets.filter(target => beyond(target.position[1])).length, 'target'),
+    ...counted(landingPlaces.filter(place => beyond(place.latitude_deg)).length, 'landing place'),
+    ...counted(zones.filter(zone => beyond(zone.centre[1])).length, 'zone'),
+  ];
+  return parts.length === 0 ? null : `outside of the map, which ends at 85° of latitude: ${parts.join(', ')}`;
 }
 
 /** South-west and north-east corners around all positions; null if there are none. */
@@ -253,7 +304,9 @@ export function graticuleStep(widthDeg: number): number {
 /** `44°N`, `117.85°W`. */
 export function degreesText(value: number, step: number, positive: string, negative: string): string {
   const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  return `${Math.abs(value).toFixed(decimals)}°${value < 0 ? negative : positive}`;
+  // A view across the 180th meridian has longitudes beyond 180°.
+  const shown = wrapLongitude(value, 0);
+  return `${Math.abs(shown).toFixed(decimals)}°${shown < 0 ? negative : positive}`;
 }
 
 export interface Box {
@@ -294,6 +347,6 @@ function overlap(a: Box, b: Box): boolean {
 
 function bearing(from: Position, to: Position): number {
   const radians = Math.PI / 180;
-  const east = (to[0] - from[0]) * Math.cos(from[1] * radians);
+  const east = (wrapLongitude(to[0], from[0]) - from[0]) * Math.cos(from[1] * radians);
   return (Math.atan2(east, to[1] - from[1]) / radians + 360) % 360;
 }

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Operation } from '../../record/types';
-import { deadlineText, endText, paceText, runText } from './view';
+import { commandText, deadlineText, endText, lastCommands, paceText, runText } from './view';
 
 const RUN: Operation = {
   now_ns: 0,
@@ -47,6 +47,18 @@ describe('operator bar', () => {
     expect(endText({ ...SENT, state: 'rejected', reason: 'question 3 is not open' })).toBe(
       'rejected: question 3 is not open',
     );
+  });
+
+  it('keeps the own command apart from that of another station, which has its name', () => {
+    const own = { ...SENT, number: 1, by: 'bob', state: 'rejected' as const, reason: 'ann holds authority' };
+    const other = { ...SENT, number: 2, by: 'ann', state: 'accepted' as const };
+    const authority = { ...RUN.authority, you: { name: 'bob', role: 'operator' as const } };
+    const text = (commands: Operation['commands']) =>
+      lastCommands({ commands, authority }).map(one => commandText(one, 'bob'));
+    expect(text([own, other])).toEqual(['pause: rejected: ann holds authority', 'pause by ann: accepted']);
+    expect(text([other, { ...own, number: 3 }])).toEqual(['pause: rejected: ann holds authority']);
+    expect(text([other])).toEqual(['pause by ann: accepted']);
+    expect(text([])).toEqual([]);
   });
 
   it('counts down to the default', () => {

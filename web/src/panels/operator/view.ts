@@ -33,3 +33,21 @@ export function deadlineText(question: OpenQuestion, nowNs: number): string {
   const left = Math.max(0, question.by_ns - nowNs);
   return left < NANOSECONDS_PER_SECOND ? `${without} now` : `${without} in ${span(left)}`;
 }
+
+/**
+ * The last command of this station, and the last command of another one if that is newer: it must not look like the end of the own
+ * command.
+ */
+export function lastCommands(operation: Pick<Operation, 'commands' | 'authority'>): CommandState[] {
+  const isOwn = (command: CommandState) => command.by === operation.authority.you.name;
+  const own = operation.commands.findLast(isOwn);
+  const other = operation.commands.findLast(command => !isOwn(command));
+  if (!other || (own && own.number > other.number)) return own ? [own] : [];
+  return own ? [own, other] : [other];
+}
+
+/** `pause: accepted`; of another station `pause by ann: accepted`. */
+export function commandText(command: CommandState, ownName: string): string {
+  const by = command.by === ownName ? '' : ` by ${command.by}`;
+  return `${command.words}${by}: ${endText(command)}`;
+}

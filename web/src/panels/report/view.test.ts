@@ -49,3 +49,16 @@ describe('the chart of a report', () => {
     expect(stripOf(undefined, 0, 1, 1, 1)).toBeNull();
   });
 });
+
+it('a chart across the 180th meridian is as wide as the flight', () => {
+  const chart = chartOf(
+    [
+      [179, 52],
+      [-179, 53],
+    ],
+    400,
+    200,
+  );
+  const [west, middle, east] = [179, 180, -179].map(longitude => chart?.point(longitude, 52)[0] ?? 0);
+  expect((west ?? 0) < (middle ?? 0) && (middle ?? 0) < (east ?? 0)).toBe(true);
+});

@@ -1,5 +1,6 @@
 /** The drawings of the printable report; pure. */
 
+import { middleLongitude, wrapLongitude } from '../../record/longitude';
 import type { Footprints, SignalWindow, Target, Track } from '../../record/types';
 
 export type Point = [x: number, y: number];
@@ -17,7 +18,8 @@ export function chartOf(
   width: number,
   heightMax: number,
 ): Chart | null {
-  const longitudes = positions.map(([longitude]) => longitude);
+  const middle = middleLongitude(positions.map(([longitude]) => longitude));
+  const longitudes = positions.map(([longitude]) => wrapLongitude(longitude, middle));
   const latitudes = positions.map(([, latitude]) => latitude);
   if (positions.length === 0) return null;
   const [west, east] = [Math.min(...longitudes), Math.max(...longitudes)];
@@ -32,7 +34,7 @@ export function chartOf(
     width,
     height,
     point: (longitude, latitude) => [
-      round(left + (longitude - west) * shrink * scale),
+      round(left + (wrapLongitude(longitude, middle) - west) * shrink * scale),
       round(margin + (north - latitude) * scale),
     ],
   };

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { Holdings, PlanInForce, Target } from '../../record/types';
+import type { Holdings, PlanInForce, Report, Target } from '../../record/types';
 import { leftWords, shownState, targetRows, visitsOf } from '../../record/visits';
 import { resourceRows } from './rows';
 import { NAMES_PX, scaleOf } from './view';
@@ -85,6 +85,24 @@ describe('rows of targets', () => {
     expect(rowAt(50)?.threads.map(thread => thread.beginNs)).toEqual([40, 60, 100, 140]);
     expect([50, 61, 65, 80].map(atNs => rowAt(atNs)?.nextNs)).toEqual([60, 60, 100, 100]);
     expect(rowAt(80)?.words).toContain('planned T+0:00:00');
+  });
+  it('have factors and worth of the report, by the identifier of the target instead of its name', () => {
+    const flown = {
+      id: 'a',
+      target: 'Some Fire',
+      coverage: { factor: 0.5, cause: 'not seen' },
+      timing: { factor: 1, cause: '' },
+      worth: 4.96,
+    };
+    const report = { t_ns: 80, sections: [{ section: 'score', body: { targets: [flown] } }] };
+    const rows = targetRows({ ...known, report: report as unknown as Report });
+    const [a, b] = [rows.find(row => row.id === 'a'), rows.find(row => row.id === 'b')];
+    expect(a?.factors.map(factor => [factor.name, factor.value])).toEqual([
+      ['coverage', 0.5],
+      ['timing', 1],
+    ]);
+    expect(a?.words).toContain('worth 5.0 of 10, coverage 0.50');
+    expect(b?.words).toContain('worth up to 10');
   });
   it('keep a target observed when later plans visit it again or leave it out', () => {
     const shown = (...last: [number, string][]) =>

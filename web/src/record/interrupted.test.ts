@@ -1,0 +1,46 @@
+import { expect, it } from 'vitest';
+import { interruptionOf, withEndedVisits } from './interrupted';
+import type { Target, Trouble } from './types';
+import { shownState, visitsOf } from './visits';
+
+const change = (t_ns: number, state: string) => ({ t_ns, state, detail: null });
+const yard = {
+  id: 'yard',
+  name: 'Yard',
+  state: 'observing',
+  detail: null,
+  observed_ns: 20,
+  history: [change(10, 'observing'), change(20, 'observed'), change(30, 'observing')],
+} as unknown as Target;
+const interrupted = (t_ns: number, subject: string): Trouble => ({
+  t_ns,
+  kind: 'interrupted',
+  subject,
+  cause: '',
+  task: 7,
+  target: null,
+});
+const troubles = [interrupted(40, '(visit yard at (37.4 -121.1 69.0))'), interrupted(50, '(visit barn)')];
+const ending = { reason: 'done', failed: false };
+
+it('a visit ends with the interruption of its task, while the task is interrupted', () => {
+  const [left] = withEndedVisits([yard], troubles, [{ id: 7, state: 'interrupted' }], null, 60);
+  expect(left && shownState(left)).toBe('observed');
+  expect(visitsOf(left ? [left] : [], 60).at(-1)).toMatchObject({ toNs: 40, state: 'interrupted' });
+  const [resumed] = withEndedVisits([yard], troubles, [{ id: 7, state: 'ongoing' }], null, 60);
+  expect(resumed).toBe(yard);
+});
+
+it('no visit is under way after the end of the flight', () => {
+  const [left] = withEndedVisits([yard], troubles, [], ending, 60);
+  expect(visitsOf(left ? [left] : [], 90).at(-1)).toMatchObject({ fromNs: 30, toNs: 40 });
+  const [late] = withEndedVisits([{ ...yard, observed_ns: null }], [], [], ending, 60);
+  expect(late && shownState(late)).toBe('known');
+  expect(visitsOf(late ? [late] : [], 90).at(-1)).toMatchObject({ fromNs: 30, toNs: 60 });
+});
+
+it('an interruption before the visit, or of another target, is none of it', () => {
+  expect(
+    interruptionOf(yard, [interrupted(25, '(visit yard)'), interrupted(40, '(visit yard-2)')]),
+  ).toBeNull();
+});
