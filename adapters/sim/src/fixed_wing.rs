@@ -6,6 +6,7 @@ use crate::path::course;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::wind::{Wind, triangle};
 use apex_vehicle::VehicleModel;
+use apex_vehicle::derived::GROUND_ACCELERATION;
 use libm::{atan, cos, sin, sqrt, tan};
 
 /// Commanded turn rate per radian of heading error.
@@ -99,8 +100,7 @@ fn drift(state: &mut State, heading_rad: f64, wind: Wind, dt: f64) {
 
 /// Rolls on the ground for `dt`, towards `speed`.
 pub(crate) fn roll(state: &mut State, model: &VehicleModel, speed: f64, dt: f64) {
-    // Brakes and take-off power give about twice the acceleration possible in the air.
-    let most = 2.0 * model.acceleration_m_s2_max * dt;
+    let most = GROUND_ACCELERATION * model.acceleration_m_s2_max * dt;
     let before = state.true_airspeed;
     state.true_airspeed += (speed - before).clamp(-most, most);
     let middle = 0.5 * (before + state.true_airspeed);

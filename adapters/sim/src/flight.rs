@@ -15,6 +15,7 @@ use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use apex_vehicle::derived::LIFT_OFF_SPEED;
 
 /// A command, or a behaviour that the vehicle starts on its own.
 #[derive(Clone, Debug)]
@@ -328,7 +329,8 @@ impl ActiveOrder {
             Stage::Glide(_) if here.state.engine_running => Some(self.first_stage(here)),
             Stage::Glide(glide) => glide.next(here).map(Stage::Glide),
             Stage::Run => {
-                let fast = here.state.true_airspeed >= 1.15 * true_airspeed_min(here.model, here.state.altitude_m);
+                let fast =
+                    here.state.true_airspeed >= LIFT_OFF_SPEED * true_airspeed_min(here.model, here.state.altitude_m);
                 fast.then_some(Stage::ClimbOut)
             }
             Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => return self.climb(here),

@@ -41,7 +41,23 @@ pub fn turn_radius_m(true_airspeed_m_s: f64, bank_deg: f64) -> f64 {
 /// Angle of attack of a fixed wing at its slowest speed, and that at which it has no lift, rad (assumption).
 const ANGLE_OF_ATTACK_RAD: (f64, f64) = (0.16, 0.02);
 
+/// Airspeed at which a fixed wing leaves the ground, as a multiple of its slowest one (assumption).
+pub const LIFT_OFF_SPEED: f64 = 1.15;
+/// Acceleration on the ground as a multiple of the greatest in flight: brakes and take-off power (assumption).
+pub const GROUND_ACCELERATION: f64 = 2.0;
+
 impl VehicleModel {
+    /// Returns the slowest true airspeed at an altitude in the standard atmosphere, m/s.
+    pub fn true_airspeed_m_s_min(&self, altitude_m: f64) -> f64 {
+        self.indicated_airspeed_m_s_min / libm::sqrt(density_ratio(altitude_m))
+    }
+
+    /// Returns the length of the run on the ground before a fixed wing lifts off, m: `V^2 / (2 a)`.
+    pub fn take_off_run_m(&self, altitude_m: f64) -> f64 {
+        let lift_off_m_s = LIFT_OFF_SPEED * self.true_airspeed_m_s_min(altitude_m);
+        lift_off_m_s * lift_off_m_s / (2.0 * GROUND_ACCELERATION * self.acceleration_m_s2_max)
+    }
+
     /// Returns the pitch angle of a fixed wing in level flight by its slowest indicated airspeed over the present one, rad: lift at one g
     /// needs an angle of attack that falls with the square of the indicated airspeed.
     pub fn level_pitch_rad(slowness: f64) -> f64 {

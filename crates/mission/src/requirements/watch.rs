@@ -188,7 +188,7 @@ impl Watch {
                     findings.notes.push(said.1);
                     watched.noted = Some(subject);
                 }
-            } else if change == Some(AlarmState::Kept) {
+            } else if change == Some(AlarmState::Kept) && watched.noted.is_some() {
                 findings.say(now, vec![Value::symbol("requirement-kept"), Value::symbol(reading.name)]);
                 findings.notes.push(format!("{} is kept again", reading.name));
                 watched.noted = None;

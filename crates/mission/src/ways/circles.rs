@@ -24,9 +24,9 @@ const JOIN_STEP_M: f64 = 2_000.0;
 const JOIN_STEPS_MAX: f64 = 200.0;
 /// Height of the straight climb after take-off, before the first turn, and its speed as a multiple of the slowest one.
 pub(crate) const STRAIGHT_CLIMB_M: f64 = 300.0;
+pub(super) const CLIMB_SPEED: f64 = 1.4;
 /// Distance from a zone at which a path counts as inside.
 const TOUCH_M: f64 = 1.0;
-pub(super) const CLIMB_SPEED: f64 = 1.4;
 
 impl Limits {
     /// Returns the place nearest to the destination around which a circle is open for the whole stay; otherwise the destination itself
@@ -81,15 +81,14 @@ impl Limits {
         if self.turn_radius_m <= 0.0 || self.are_none() {
             return Ok(None);
         }
-        let begin = self.begin_of_turns(request);
-        let turns_m = begin.from_altitude_m.min(request.to_altitude_m);
-        let straight = Request { to: begin.from, to_altitude_m: turns_m, ..*request };
+        let straight = self.end_of_straight_climb(request);
         if let Some(name) = self.shut_by(&straight, (TOUCH_M, 0.0)).filter(|name| self.is_zone(name)) {
             return Err(Broken { name, why: "the straight climb after the take-off leads through it".to_string() });
         }
         if request.to_altitude_m <= request.from_altitude_m + STRAIGHT_CLIMB_M {
             return Ok(None);
         }
+        let begin = self.begin_of_turns(request);
         let room_m = CIRCLE_ROOM * self.circle_radius_m();
         let Some(name) = self.shut_by(&begin, (room_m, CIRCLE_MARGINS)) else { return Ok(None) };
         if !self.is_zone(&name) && name != PERMITTED {

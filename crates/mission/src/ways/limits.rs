@@ -51,6 +51,8 @@ pub struct Limits {
     pub(super) climb_rate_mps: f64,
     /// The fastest climb.
     pub(super) climb: Climb,
+    /// Length of the run before a fixed wing lifts off, and its slowest true airspeed, at the altitude of the start.
+    pub(super) take_off: (f64, f64),
     pub(super) descent_rate_mps: f64,
     /// Fastest descent, which plans do not count on.
     pub(super) descent_rate_mps_max: f64,
@@ -162,6 +164,10 @@ impl Limits {
             circle_width: model.turns.circle_width,
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
             climb: model.climb(),
+            take_off: (
+                model.take_off_run_m(mission.start_altitude_m),
+                model.true_airspeed_m_s_min(mission.start_altitude_m),
+            ),
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
             descent_rate_mps_max: model.descent_rate_m_s_max,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,

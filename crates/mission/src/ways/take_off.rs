@@ -15,13 +15,15 @@ use apex_model::source::Place;
 
 /// Height that a climb gains over obstacles for each metre of its length: ICAO Doc 8168 (PANS-OPS), volume II, part I, section 3.
 const CLEARANCE_PER_M: f64 = 0.008;
-/// Level ground around the place of a take-off.
+/// Level ground beyond the end of the run.
 const LEVEL_M: f64 = 300.0;
+/// Time from the end of the run to a steady climb.
+const ROTATION_S: f64 = 2.0;
 /// Half of the width of the ground that counts below the climb.
 const HALF_WIDTH_M: f64 = 50.0;
 /// Interval between compared places of the straight climb, and the longest one.
-const STEP_S: f64 = 2.0;
-const STEPS_MAX: u32 = 600;
+const STEP_S: f64 = 1.0;
+const STEPS_MAX: u32 = 1_200;
 /// Width of the circle, as a multiple of its radius, because joining it swings out; compared places on it.
 const CIRCLE_WIDTH: f64 = 1.4;
 const RINGS: u32 = 12;
@@ -74,18 +76,20 @@ impl Limits {
     fn obstacle(&self, terrain: &Terrain, request: &Request, heading_rad: f64) -> Option<Obstacle> {
         let at = |from: Position, azimuth_deg: f64, metres: f64| geodesy::destination(from, azimuth_deg, metres);
         let heading_deg = heading_rad.to_degrees();
-        let speed_mps = (CLIMB_SPEED * self.indicated_airspeed_mps_min).min(self.true_airspeed_mps)
-            + self.tailwind_mps(request, heading_rad);
-        let (mut distance_m, mut altitude_m) = (0.0, request.from_altitude_m);
-        let closed = |there: Position, (from_start_m, altitude_m): (f64, f64), width_m: f64| {
-            let ground_m = terrain.highest_m_near(there, width_m).filter(|_| from_start_m > LEVEL_M)?;
+        let (run_m, slowest_mps) = self.take_off;
+        let speed_mps = CLIMB_SPEED * slowest_mps + self.tailwind_mps(request, heading_rad);
+        let (mut distance_m, mut altitude_m) = (run_m + ROTATION_S * speed_mps, request.from_altitude_m);
+        let level_m = distance_m + LEVEL_M;
+        let closed = |(from_start_m, altitude_m): (f64, f64), ground_m: Option<f64>| {
+            let ground_m = ground_m.filter(|_| from_start_m > level_m)?;
             let is_clear = altitude_m >= ground_m + CLEARANCE_PER_M * from_start_m;
             (!is_clear).then_some(Obstacle { distance_m: from_start_m, ground_m, altitude_m })
         };
         for _ in 0..STEPS_MAX {
             let there = at(request.from, heading_deg, distance_m);
-            if let Some(obstacle) = closed(there, (distance_m, altitude_m), HALF_WIDTH_M.max(0.5 * STEP_S * speed_mps))
-            {
+            let beside = [-90.0, 90.0].map(|turn_deg| at(there, heading_deg + turn_deg, HALF_WIDTH_M));
+            let below_m = [there, beside[0], beside[1]].into_iter().filter_map(|place| terrain.elevation_m_at(place));
+            if let Some(obstacle) = closed((distance_m, altitude_m), below_m.max_by(f64::total_cmp)) {
                 return Some(obstacle);
             }
             let ground_m = terrain.elevation_m_at(there).unwrap_or(request.from_altitude_m);
@@ -107,9 +111,21 @@ impl Limits {
             let width_m = outer_m / f64::from(RINGS);
             (0..DIRECTIONS).find_map(|direction| {
                 let there = at(middle, 360.0 / f64::from(DIRECTIONS) * f64::from(direction), out_m);
-                closed(there, (geodesy::distance_m(request.from, there), there_m), width_m)
+                let ground_m = terrain.highest_m_near(there, width_m);
+                closed((geodesy::distance_m(request.from, there), there_m), ground_m)
             })
         })
+    }
+
+    /// Returns the place at which the straight climb after a take-off ends, 300 m higher or at the altitude of the climb.
+    pub(super) fn end_of_straight_climb(&self, request: &Request) -> Request {
+        let (run_m, slowest_mps) = self.take_off;
+        let climb_m = (request.to_altitude_m - request.from_altitude_m).clamp(0.0, STRAIGHT_CLIMB_M);
+        let climb_s = ROTATION_S + self.climb.time_s(request.from_altitude_m, request.from_altitude_m + climb_m);
+        let heading_rad = request.from_track_rad.unwrap_or_default();
+        let straight_m = run_m + climb_s * (CLIMB_SPEED * slowest_mps + self.tailwind_mps(request, heading_rad));
+        let to = geodesy::destination(request.from, heading_rad.to_degrees(), straight_m);
+        Request { to, to_altitude_m: request.from_altitude_m + climb_m, ..*request }
     }
 
     fn tailwind_mps(&self, request: &Request, heading_rad: f64) -> f64 {

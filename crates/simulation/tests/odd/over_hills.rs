@@ -36,7 +36,9 @@ impl Relief {
         );
         for row in (0..posts).rev() {
             for column in 0..posts {
-                let elevation_m = self.ground_m(south + step * f64::from(row), west + step * f64::from(column));
+                let ground_m = self.ground_m(south + step * f64::from(row), west + step * f64::from(column));
+                // Files of terrain hold no ground that is far below the sea.
+                let elevation_m = ground_m.max(-300.0);
                 write!(text, "{elevation_m:.2} ").unwrap();
             }
             text.push('\n');
@@ -66,6 +68,22 @@ impl Relief {
         let home = feature(r#""id": "home", "kind": "base""#, &point(HOME.1, HOME.0));
         let targets = [home, target("far", 2_600.0, 0.0), target("top", 1_200.0, 0.0), target("side", 0.0, 1_500.0)];
         fly(program, &[("t.geojson", &collection(&targets)), ("ground.asc", &self.grid(0.08))])
+    }
+
+    /// Returns true if the check of the take-offs refuses a program over this ground.
+    fn check(self, program: &str, width_deg: f64) -> bool {
+        let folder = tempfile::tempdir().unwrap();
+        let home = feature(r#""id": "home", "kind": "base""#, &point(HOME.1, HOME.0));
+        let texts = [
+            ("mission.pdl", program.to_string()),
+            ("t.geojson", collection(&[home])),
+            ("ground.asc", self.grid(width_deg)),
+        ];
+        for (name, text) in texts {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let mission = apex_mission::Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}"));
+        apex_mission::ways::check_take_offs(&mission).is_err()
     }
 
     /// Returns the positions of a flight at which the ground follows the formula: the simulator levels it around the base.
@@ -104,6 +122,47 @@ fn a_take_off_into_a_slope_is_refused_and_one_away_from_it_flies() {
     let text = flown.text();
     assert!(flown.observed_s("side").is_some(), "{text}");
     assert_eq!(flown.check().violations(), 0, "{}\n{text}", flown.check());
+}
+
+/// The check of a take-off is compared with flown climbs over no terrain: their height over slopes is computed here. A climb that the check
+/// permits is clear of the ground, and the check refuses no gentle slope.
+#[test]
+fn a_take_off_is_refused_where_the_flown_climb_meets_the_slope() {
+    for (model, width_deg) in [("fixed-wing-mapper", 0.05), ("predator-b", 0.1), ("global-hawk", 0.1)] {
+        let up = "(take off to 2400m)";
+        let program = FLAT.program(model).replace("(take off to 460m)", up);
+        assert!(program.contains(up), "{program}");
+        let flat = FLAT.fly(&program.replace(":terrain \"ground.asc\"", ""));
+        let track = flat.track();
+        let base_m = track[0].3;
+        let rises: Vec<(f64, f64)> = track
+            .iter()
+            .map(|at| ((at.1 - HOME.0) * METRES_PER_DEGREE, at.3 - base_m))
+            .take_while(|(_, height_m)| *height_m < 300.0)
+            .collect();
+        // The ground is level up to the lift-off and a little beyond.
+        let run_m = rises.iter().take_while(|(_, height_m)| *height_m < 0.5).map(|at| at.0).fold(0.0, f64::max);
+        let level_m = run_m + LEVELLED_M;
+        let (mut refused, mut gentlest) = (Vec::new(), f64::INFINITY);
+        for number in 1..=30 {
+            let slope = 0.01 * f64::from(number);
+            let is_refused = Relief { slope, ..FLAT }.check(&program, width_deg);
+            let beyond = rises.iter().filter(|(north_m, _)| *north_m > level_m);
+            let clear_m = beyond.map(|(north_m, height_m)| height_m - slope * north_m).fold(f64::INFINITY, f64::min);
+            assert!(is_refused || clear_m > 0.0, "{model} may take off into {slope} and flies {clear_m} m over it");
+            if is_refused {
+                gentlest = gentlest.min(slope);
+                refused.push(slope);
+            }
+        }
+        let steepest_flown =
+            rises.iter().filter(|at| at.0 > level_m).map(|at| at.1 / at.0).fold(f64::INFINITY, f64::min);
+        println!("{model}: {steepest_flown:.3} flown, refused from {gentlest:.3}");
+        assert!(
+            gentlest.is_finite() && gentlest > 0.5 * steepest_flown,
+            "{model}: {steepest_flown} flown, {refused:?}"
+        );
+    }
 }
 
 /// Asserts that a flight observes every target, keeps all requirements and stays well above the ground.
