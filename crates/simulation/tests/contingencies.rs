@@ -62,6 +62,37 @@ fn without_engine_the_aircraft_glides_to_the_field_in_reach() {
     flown.assert_replays();
 }
 
+/// Another task takes the flight path during the climb; the take-off continues it, a helicopter on the spot.
+#[test]
+fn an_interrupted_take_off_climbs_to_its_altitude() {
+    let halts = [
+        ("rmax", "(step halt (hover for 10s) (waitfor (:delay 30s)) (priority 99))", "(hover ("),
+        (
+            "predator-b",
+            "(step halt (loiter at (37.05 -117.0 900) for 60s) (waitfor (:delay 90s)) (priority 99))",
+            "(loiter (",
+        ),
+    ];
+    for (vehicle, guards, climb) in halts {
+        let altitude_m = if vehicle == "rmax" { 300.0 } else { 3_000.0 };
+        let work =
+            format!("(step up (take off to {altitude_m}m)) (step home (return to home at {altitude_m}m))").leak();
+        let flown = Flight { vehicle, guards, work, ..Flight::default() }.fly();
+        let again = flown.commands.iter().skip(2).find(|(_, command)| command.starts_with(climb));
+        let (begins_s, _) = again.unwrap_or_else(|| panic!("{vehicle}: no {climb}: {:?}", flown.commands));
+        let home_s =
+            flown.commands.iter().find(|(_, command)| command.starts_with("(fly-to home")).map(|(at_s, _)| *at_s);
+        let reached_m = flown.number_at("(altitude uav-1)", home_s.unwrap_or_else(|| panic!("{:?}", flown.commands)));
+        assert!(
+            (reached_m - altitude_m).abs() < 20.0,
+            "{vehicle}: {reached_m} m, continued at {begins_s} s: {:?}",
+            flown.commands
+        );
+        assert_eq!(flown.count("(landed uav-1)"), 1, "{vehicle}\n{}", flown.story());
+        flown.assert_replays();
+    }
+}
+
 /// The glide led to the ground below, far from any field, although the engine ran again long before the ground was reached.
 #[test]
 fn with_power_again_the_aircraft_lands_at_a_field() {
