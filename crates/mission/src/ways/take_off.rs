@@ -160,7 +160,7 @@ pub fn check_take_offs(mission: &Mission) -> MissionResult {
             return Err(MissionError::setting(format!("the take-off to {altitude_m:.0} m breaks a requirement"))
                 .at(mission.library.describe_place(place))
                 .because(reason)
-                .help("`:heading` in `:vehicle` is the direction of the take-off; docs/reference/travel.md"));
+                .help("`:heading` in `:vehicle` is the direction of the take-off (docs/reference/mission-data.md)"));
         }
     }
     Ok(())
