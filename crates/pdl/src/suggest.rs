@@ -56,11 +56,30 @@ pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
     let Some(first) = found.first() else { return false };
     let alone = found.get(1).is_none_or(|second| second.cost > first.cost + MARGIN);
     let letters = name.chars().count().max(first.name.chars().count());
+    alone && letters >= 3 && !are_distinct(name, first.name) && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
+}
+
+/// Returns true if two names are probably those of different things, although they are alike: they differ in digits (`bridge-1`,
+/// `bridge-2`), or in a part of one or two letters whose letters the other does not have in another order (`line-a`, `line-b`; `gate-n`, `gate-s`).
+pub(crate) fn are_distinct(name: &str, other: &str) -> bool {
     let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
-    alone
-        && letters >= 3
-        && digits(name) == digits(first.name)
-        && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
+    if digits(name) != digits(other) {
+        return true;
+    }
+    let parts = |text: &str| text.to_lowercase().split(['-', '_']).map(str::to_string).collect::<Vec<_>>();
+    let (one, two) = (parts(name), parts(other));
+    if one.len() < 2 || one.len() != two.len() {
+        return false;
+    }
+    let mut different = one.iter().zip(&two).filter(|(part, same)| part != same);
+    let (Some((part, same)), None) = (different.next(), different.next()) else { return false };
+    let sorted = |text: &str| {
+        let mut letters: Vec<char> = text.chars().collect();
+        letters.sort_unstable();
+        letters
+    };
+    let (letters, others) = (sorted(part), sorted(same));
+    letters.len() == others.len() && letters.len() <= 2 && letters != others
 }
 
 /// Returns the known name nearest to `name`, if it is near enough to be meant; of equally near ones the first.
@@ -226,6 +245,9 @@ mod tests {
         assert_eq!(first("s5", &["s1", "s2"]), Some(Applicability::NeedsLook));
         assert_eq!(first("fly-t", &["fly-to", "fly-at"]), Some(Applicability::NeedsLook));
         assert_eq!(first("camera-3", &["camera-1"]), Some(Applicability::NeedsLook));
+        assert_eq!(first("bridge-b", &["bridge-a"]), Some(Applicability::NeedsLook));
+        assert_eq!(first("runway-ne", &["runway-nw"]), Some(Applicability::NeedsLook));
+        assert_eq!(first("take-fo", &["take-of"]), Some(Applicability::Safe));
     }
 
     #[test]

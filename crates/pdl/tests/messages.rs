@@ -94,6 +94,11 @@ message_tests! {
     concurrent_without_end: "(primitive (index (stop)))\n(procedure (index (a)) (step (stop)))\n";
     two_conditions_in_a_clause: "(procedure (index (a)) (end-when (b) (c)))\n";
     malformed_let: "(defun f (x) (let x 5))\n";
+    goals_of_shipped_libraries: "(procedure (index (a)) (step s1 (take off to 500m)) (step s2 (wait 5s)) (step s3 (ask pilot \"ok?\")) (end-when (b)))\n";
+    names_of_things_that_are_alike: "(primitive (index (see bridge-1)))\n(procedure (index (a)) (step s1 (see bridge-1)) (step s2 (see bridge-2)) (end-when (b)))\n";
+    sum_of_units_as_a_word: "(procedure (index (a)) (step s1 (print \"x\") (waitfor (:delay 1h30min))) (end-when (b)))\n";
+    limit_below_zero: "(require-apex-library \"vehicle\")\n(procedure (index (a)) (end-when (:episode (altitude ac-1) :value (> 5m) :quality (:max-gap 5s) :timing (:duration (< 0s)))))\n";
+    suspend_with_until_first: "(procedure (index (a)) (step s1 (print \"x\") (suspend (until (go)) (when (stop)))) (end-when (b)))\n";
     several_values_for_a_clause: "(primitive (index (stop)) (duration 5s 6s))\n";
 }
 

@@ -139,6 +139,10 @@ fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossib
     let positive = Constraint::Compare { relation: Relation::GreaterOrEqual, right: zero, tolerance: None };
     let all = [timing.duration.as_slice(), &[positive]].concat();
     let reason = contradiction(&all, library).filter(|_| !timing.duration.is_empty())?;
+    if contradiction(&timing.duration, library).is_none() {
+        let help = "write a limit above zero, such as `(< 5s)`";
+        return Some(Impossible { place, reason: "a duration is never negative".to_string(), help });
+    }
     Some(Impossible { place, reason: format!("the duration {reason}"), help: LIMITS })
 }
 
@@ -184,7 +188,9 @@ fn never(
         (None, Some(_), _) => "is never negative".to_string(),
         (found, ..) => found?,
     };
-    Some(Impossible { place, reason: format!("the {} {reason}", name.folded()), help: LIMITS })
+    let help =
+        if contradiction(constraints, library).is_some() { LIMITS } else { "write a limit that a value can meet" };
+    Some(Impossible { place, reason: format!("the {} {reason}", name.folded()), help })
 }
 
 /// Returns the number that an expression always is, in SI units.

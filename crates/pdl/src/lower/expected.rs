@@ -317,8 +317,17 @@ impl Lowering {
             return Some(());
         }
         let type_name = expected.value_type.as_ref().map_or("number", Symbol::printed);
-        let message = format!("{} is of type {type_name}, but this is `{value}`", expected.subject);
+        let message = match expected.kind {
+            ExpectedKind::Duration => format!("a duration is needed here, but this is `{value}`"),
+            _ => format!("{} is of type {type_name}, but this is `{value}`", expected.subject),
+        };
         let mut diagnostic = Diagnostic::error(codes::VALUE_TYPE, span, message);
+        if let (ExpectedKind::Duration, Value::Symbol(name)) = (&expected.kind, value)
+            && let Some(sum) = sum_of_units(name.printed())
+        {
+            let fix = Fix::safe(format!("write the sum of units in parentheses: `{sum}`")).replace(span, sum);
+            diagnostic = diagnostic.reason("one number has one unit").fix(fix);
+        }
         if let Some(declared) = expected.declared {
             diagnostic = diagnostic.label(declared, format!("declared as {type_name} here"));
         }
@@ -345,4 +354,21 @@ impl Lowering {
         let expr = self.expression(datum)?;
         self.conform(expr, datum.span, &Expected::plain("this duration", ExpectedKind::Duration))
     }
+}
+
+/// Returns the list of numbers and units that a word such as `4h30min` means: `(4 h 30 min)`. `None` for another word.
+fn sum_of_units(word: &str) -> Option<String> {
+    let mut parts = Vec::new();
+    let mut rest = word;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').filter(|end| *end > 0)?;
+        let (number, tail) = rest.split_at(digits);
+        let letters = tail.find(|c: char| !c.is_alphabetic()).unwrap_or(tail.len());
+        let (unit, tail) = tail.split_at(letters);
+        number.parse::<f64>().ok()?;
+        unit_named(unit).filter(|unit| unit.dimension == Dimension::TIME)?;
+        parts.push(format!("{number} {unit}"));
+        rest = tail;
+    }
+    (parts.len() >= 2).then(|| format!("({})", parts.join(" ")))
 }

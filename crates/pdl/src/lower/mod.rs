@@ -36,6 +36,7 @@ mod primitive;
 mod procedure;
 mod scope;
 mod shared;
+mod shipped;
 mod slips;
 mod slips_in_words;
 mod slips_of_tasks;

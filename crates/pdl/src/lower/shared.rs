@@ -25,6 +25,10 @@ impl Lowering {
             [when, until] if when.head_name() == "when" && until.head_name() == "until" => {
                 (when.tail(), Some(until.tail()))
             }
+            // The conditions say by their own words which is which, so that their order does not matter.
+            [until, when] if until.head_name() == "until" && when.head_name() == "when" => {
+                (when.tail(), Some(until.tail()))
+            }
             [when, word, until] if word.is("until") => (std::slice::from_ref(when), Some(std::slice::from_ref(until))),
             [when, until] if until.head_name() == "until" => (std::slice::from_ref(when), Some(until.tail())),
             [word, when] if word.is("when") => (std::slice::from_ref(when), None),

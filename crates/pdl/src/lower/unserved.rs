@@ -4,13 +4,14 @@ use super::Lowering;
 use super::apart;
 use super::goals::{Goal, GoalIndex, Served};
 use super::nearly::{Difference, difference, words};
+use super::shipped::{Offer, Shipped};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
 use crate::locate::Locator;
 use crate::print::{pattern_text, template_text};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::{is_certain, near, renames};
+use crate::suggest::{are_distinct, is_certain, near, renames};
 use crate::vocabulary::ACTIVITIES;
 use apex_model::library::Library;
 use apex_model::source::Place;
@@ -46,6 +47,7 @@ struct Search<'s, 'l> {
     severity: Severity,
     /// Words of indexes that were reported: the index and the number of the word.
     odd: Vec<(Place, usize)>,
+    shipped: Shipped,
 }
 
 /// Common shape of goals that one missing procedure would serve: their first words and their length.
@@ -107,7 +109,17 @@ impl<'s, 'l> Search<'s, 'l> {
         for word in sources.iter().chain(indexes.iter().flatten()).flat_map(words) {
             *counts.entry(word.clone()).or_default() += 1;
         }
-        Search { library, locator, served, indexes, counts, shapes, severity, odd: Vec::new() }
+        Search {
+            library,
+            locator,
+            served,
+            indexes,
+            counts,
+            shapes,
+            severity,
+            odd: Vec::new(),
+            shipped: Shipped::default(),
+        }
     }
 
     fn count(&self, word: Option<&Symbol>) -> usize {
@@ -124,8 +136,21 @@ impl<'s, 'l> Search<'s, 'l> {
             let diagnostic = diagnostic.reason("a number and its unit are one word");
             return Some((self.cause(goal, &source), diagnostic.fix(fix)));
         }
+        let offer = self.shipped.offer(&source);
+        if let Some(offer @ Offer::Serves { library, index }) = &offer {
+            let reason = format!("`{index}` is served by the library `{library}`, which this program does not require");
+            return Some((self.cause(goal, &source), diagnostic.reason(reason).fix(offer.fix(&source))));
+        }
         let Some(nearest) = self.nearest(&source) else {
             let diagnostic = self.without_nearest(diagnostic, goal, &source, index);
+            // The program may have its own methods for goals with this first word: then the library is probably not meant.
+            let is_own = source.head().is_some_and(|head| index.by_head.contains_key(head));
+            let diagnostic = match &offer {
+                Some(Offer::OtherShape { library, index }) if !is_own => {
+                    diagnostic.reason(format!("the library `{library}` serves `{index}`"))
+                }
+                _ => diagnostic,
+            };
             return Some((self.cause(goal, &source), diagnostic));
         };
         if let Difference::Word(at) = nearest.difference {
@@ -243,7 +268,8 @@ impl<'s, 'l> Search<'s, 'l> {
         let (name, meant) = (written.as_symbol()?, wanted.as_symbol()?);
         let message = format!("this index says `{name}`, but the goal is `{}`", template_text(&goal.template));
         let title = format!("replace `{name}` by `{meant}`");
-        let fix = if nearest.is_only { Fix::safe(title) } else { Fix::look(title) };
+        let certain = nearest.is_only && !are_distinct(name.printed(), meant.printed());
+        let fix = if certain { Fix::safe(title) } else { Fix::look(title) };
         let diagnostic = Diagnostic::new(self.severity, codes::UNSERVED_GOAL, written.span, message)
             .label(goal.span, "nothing serves this goal")
             .reason("the index serves no goal, and its word stands nowhere else")
@@ -261,7 +287,8 @@ impl<'s, 'l> Search<'s, 'l> {
                 let agreeing = words(source).filter(|word| words(&nearest.index).any(|other| other == *word)).count();
                 let found = near(name, [wanted.printed()]);
                 // A slip in a word of two letters is weak evidence; two other equal words confirm it.
-                let certain = nearest.is_only && (is_certain(name, &found) || (agreeing >= 1 && !found.is_empty()));
+                let confirmed = agreeing >= 1 && !found.is_empty() && !are_distinct(name, wanted.printed());
+                let certain = nearest.is_only && (is_certain(name, &found) || confirmed);
                 let title = format!("replace `{name}` by `{wanted}`");
                 let fix = if certain { Fix::safe(title) } else { Fix::look(title) };
                 fix.replace(written.span, wanted.printed())
