@@ -121,7 +121,13 @@ impl Comparison<'_> {
         }
         let reason = |report: &Report, id: &str| {
             let found = report.left_out.iter().find(|(left_out, _)| left_out == id);
-            found.map_or_else(|| "observed".to_string(), |(_, reason)| reason.clone())
+            // Ground by which a fire has grown is a target of the flights that saw the fire before.
+            let is_observed = || report.visits.iter().any(|visit| visit.target == id && visit.end.is_some());
+            match found {
+                Some((_, reason)) => reason.clone(),
+                None if is_observed() => "observed".to_string(),
+                None => "not a target in this flight".to_string(),
+            }
         };
         ids.into_iter().map(|id| (id.to_string(), self.reports.map(|report| reason(report, id)))).collect()
     }

@@ -4,6 +4,7 @@ use super::problem::{trouble, watched};
 use super::score::{FlightScore, FlownScore, flight_score, is_complete};
 use super::situation::{Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
+use crate::deliberation::NO_FURTHER;
 use crate::observing::looks_with;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
 use apex_model::problem::SurveillanceVisit;
@@ -142,8 +143,8 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     let Some(TargetChange { at, state, detail, .. }) = last else {
         return match trouble(mission, target, name) {
             Some(why) => format!("no way to observe it: {why}"),
-            None => match situation.ending().no_plan().filter(|_| situation.adopted == 0) {
-                Some(reason) => format!("there was no plan: {reason}"),
+            None => match situation.ending().no_plan().filter(|_| situation.plan.is_none()) {
+                Some(reason) => format!("there was no plan: {}", reason.trim_start_matches(NO_FURTHER)),
                 None => "no plan included it".to_string(),
             },
         };

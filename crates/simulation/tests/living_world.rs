@@ -19,6 +19,7 @@ use apex_mission::situation::Situation;
 use apex_mission::verification::verify;
 use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
+use apex_runtime::record::view::RecordView;
 use apex_simulation::{IgnoranceSummary, RunSummary, RunTerms, fly_runs};
 use std::path::Path;
 use std::sync::Arc;
@@ -202,15 +203,22 @@ fn a_living_sky_is_planned_for_and_scored() {
         |target: &str| report.visits.iter().rfind(|visit| visit.target == target && visit.end.is_some()).unwrap();
     // The clouds over Zaca clear after six hours; the satellite passes after nine hours and a quarter.
     assert!(visit("zaca").begin.seconds() > 6.0 * 3_600.0, "{}", report.text());
-    assert!((visit("castle-rock").begin.seconds() - 9.25 * 3_600.0).abs() < 2_400.0, "{}", report.text());
+    let known = RecordView::open(&path, 0).unwrap().targets(Some(5 * 3_600_000_000_000)).unwrap();
+    let planned = known.targets.iter().find(|target| target.id == "castle-rock").unwrap().detail.clone().unwrap();
+    assert!(planned.starts_with("planned for 8:5") || planned.starts_with("planned for 9:"), "{planned}");
     let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
     let look = |target: &str| &score.looks.iter().find(|look| look.id == target).unwrap().flown;
-    assert!(look("castle-rock").factors.timing > 0.99 && look("zaca").factors.clarity > 0.95, "{}", report.text());
-    let hidden = |target: &str| {
-        let lost = look(target).losses.iter().filter(|loss| loss.cause.words() == "cloud").map(|loss| loss.points);
+    assert!(look("zaca").factors.clarity > 0.95, "{}", report.text());
+    let lost = |target: &str, cause: &str| {
+        let lost = look(target).losses.iter().filter(|loss| loss.cause.words() == cause).map(|loss| loss.points);
         lost.sum::<f64>()
     };
-    assert!(hidden("egley-complex") > 10.0 && hidden("zaca") < 1.0, "{}", report.text());
+    assert!(lost("egley-complex", "cloud") > 5.0 && lost("zaca", "cloud") < 1.0, "{}", report.text());
+    // Both fires are reported larger on the way to them: they are flown by the outlines that are then known.
+    for grown in ["elk-complex", "lick"] {
+        assert!(lost(grown, "not seen") < 1.0, "{grown}: {}", report.text());
+    }
+    assert!(score.score > 500.0, "{}", report.text());
     let replayed = replay(&reader).unwrap();
     assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
     assert_continues_stored(&reader, &mission);

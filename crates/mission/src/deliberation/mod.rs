@@ -34,6 +34,7 @@ use segment::LostSegments;
 use serde::Serialize;
 use solve::name_obstacles_of;
 use std::sync::{Arc, Mutex, PoisonError};
+pub(crate) use steps::NO_FURTHER;
 use steps::nothing_more;
 
 /// Deliberation time if neither the mission nor the request states one.
@@ -151,7 +152,8 @@ struct Question {
     /// True if an observation has ended: if nothing more can be visited, the mission is then complete.
     has_observed: bool,
     /// True for a surveillance in the air of which no visit can give a picture: the mission continues after it.
-    is_surveying: bool,
+    /// Without a plan the flight would end in the air: no plan is flown that could continue.
+    ends_in_the_air: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
     /// True if a plan is imposed: if it cannot be flown, planning fails, and the mission does not end.
@@ -217,6 +219,15 @@ impl Question {
             true => (asked, situation.updates.operator_plan().cloned()),
             false => (Some(operator_plan::HUMAN.to_string()), Some(OperatorPlan { visits: imposed, repeat: false })),
         };
+        let is_first = situation.plan.is_none() && operator_plan.is_none();
+        // No target can be posed: the reasons are in the report, target by target.
+        let problem = match problem {
+            Err(NoPlan::Fault(reason)) if is_first && situation.ending().is_airborne() => {
+                Err(NoPlan::NothingLeft(reason))
+            }
+            problem => problem,
+        };
+        let ends_in_the_air = situation.ending().is_airborne() && (is_first || watches_sites && has_no_visit);
         Question {
             is_imposed: !imposed_is_empty,
             measured_wind: matches!(problem, Ok(Problem::SingleVisit(_)))
@@ -231,7 +242,7 @@ impl Question {
             seed: mission.settings.seed,
             from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
-            is_surveying: situation.ending().is_airborne() && watches_sites && has_no_visit,
+            ends_in_the_air,
             observed: situation.observed().map(|visit| visit.target.clone()).collect(),
             number: situation.posed,
             believed,
@@ -258,26 +269,32 @@ impl Question {
     }
 
     fn answer(self, means: &PlanningResources, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
-        let Question { believed, goal, budget, from, has_observed, is_imposed, is_surveying, number, observed, .. } =
-            self;
+        let Question {
+            believed, goal, budget, from, has_observed, is_imposed, ends_in_the_air, number, observed, ..
+        } = self;
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
+        let mut without_visits = None;
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
             let posed = (problem, self.measured_wind);
             let solved = measured_wind::solve_for_wind(&believed, posed, wish, invocations, cancel)?;
             // Before the flight, a plan without visits is an answer; in flight, the mission is then complete.
-            match solved.plan.targets().is_empty() {
-                true => Err(NoPlan::NothingLeft(solved.plan.summary().to_string())),
-                false => Ok(solved),
+            if !solved.plan.targets().is_empty() {
+                return Ok(solved);
             }
+            let reason = solved.plan.summary().to_string();
+            without_visits = Some(solved.plan);
+            Err(NoPlan::NothingLeft(reason))
         });
         match solved {
             Err(NoPlan::NothingLeft(reason))
-                if (has_observed || is_surveying || !believed.weak_targets.is_empty()) && !is_imposed =>
+                // In the air a failure would end the flight there; without a visit the aircraft flies home.
+                if (has_observed || ends_in_the_air || !believed.weak_targets.is_empty()) && !is_imposed =>
             {
-                SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
+                let nothing = nothing_more(&goal, number, &reason, without_visits);
+                SolverAnswer { result: Ok(nothing), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
             Ok(mut solved) => {

@@ -119,6 +119,8 @@ fn part_of(
     let scored = part(GridSettings::default())?;
     let (wanted, planned) = part(GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() })?;
     let mut target = fire.clone();
+    // The report of the larger outline announces it.
+    target.announced_late = false;
     (target.id, target.name, target.polygons) =
         (id.clone(), format!("{} growth {number}", fire.name), vec![outline.to_vec()]);
     if let TargetKind::Fire(grown) = &mut target.kind {

@@ -6,6 +6,7 @@ mod believed_tests;
 mod contingency;
 mod ending;
 mod event;
+mod news;
 mod scan_line;
 mod updates;
 mod visit;
@@ -32,7 +33,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
-use apex_runtime::target_state::{TARGET_GONE, TargetChange, TargetState};
+use apex_runtime::target_state::{TargetChange, TargetState};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -140,6 +141,7 @@ impl Situation {
             self.take_effect(mission, batch.now, effect);
         }
         self.watch(mission, batch, effects);
+        self.derived.extend(self.outdated(batch));
         self.derived.extend(self.links.observe(mission, batch, effects));
         if let Some(model) = &mission.diagnosis {
             let reported = self.diagnosis.observe(model, batch, effects);
@@ -324,30 +326,7 @@ impl Situation {
             }
             MissionEvent::Contingency(line) => self.note(at, line),
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
-            MissionEvent::Update(update) => self.take_update(at, update),
-        }
-    }
-
-    fn take_update(&mut self, at: Time, update: MissionUpdate) {
-        let is_of = |visit: &Visit, target: &str| visit.target.split('/').next() == Some(target);
-        match &update {
-            // A fire is evaluated by the outline that was known when it was first observed.
-            MissionUpdate::NewPerimeter(target, _) if self.visits.iter().any(|visit| is_of(visit, target)) => {
-                self.note(at, format!("{target} has grown since it was observed"));
-            }
-            MissionUpdate::TargetGone { printed, .. } => {
-                let printed = printed.clone();
-                let note = self.updates.apply(update);
-                self.note(at, note);
-                self.change(printed, at, TargetState::Skipped, TARGET_GONE.to_string());
-            }
-            _ => {
-                if matches!(update, MissionUpdate::PlanImposed(_)) {
-                    self.imposed_from = at;
-                }
-                let note = self.updates.apply(update);
-                self.note(at, note);
-            }
+            MissionEvent::Update(update) => self.take_update(mission, at, update),
         }
     }
 
@@ -396,7 +375,10 @@ impl Situation {
         self.adopted = self.adopted.saturating_add(1);
         let made = self.answers.remove(&request);
         self.ending.take_plan(now, request, made.as_ref().is_some_and(|made| !made.plan.targets().is_empty()));
-        let Some(made) = made else { return };
+        let Some(made) = made else {
+            self.ending.take_missing_plan(summary);
+            return;
+        };
         let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {

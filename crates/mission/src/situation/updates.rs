@@ -115,6 +115,9 @@ pub struct MissionUpdates {
     imposed: Vec<String>,
 }
 
+/// End of the sentence about a name that no target has.
+const NO_TARGET: &str = "is not a target of this mission";
+
 /// Visits that the operator wants.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OperatorPlan {
@@ -198,13 +201,28 @@ impl MissionUpdates {
         self.operator_plan.as_ref()
     }
 
+    /// Returns a line for the report about an update of something that the mission does not have; `None` for any other update.
+    pub fn without_subject(update: &MissionUpdate, mission: &Mission) -> Option<String> {
+        match update {
+            MissionUpdate::NewTarget(target)
+            | MissionUpdate::TargetGone { target, .. }
+            | MissionUpdate::NewValue(target, _)
+            | MissionUpdate::NewLikelihood(target, _)
+            | MissionUpdate::NewPerimeter(target, _) => {
+                let is_known = mission.targets.iter().any(|known| known.goes_by(target));
+                (!is_known).then(|| format!("{target} {NO_TARGET}"))
+            }
+            _ => None,
+        }
+    }
+
     /// Returns as text the parts of the update that name nothing of the mission, or properties that the target cannot have.
     pub fn unknown(&self, mission: &Mission) -> Vec<String> {
         let find = |id: &String| mission.targets.iter().find(|target| target.goes_by(id));
         let named = self.announced.iter().chain(&self.gone).chain(self.values.keys()).chain(self.rates_per_h.keys());
         let named = named.chain(self.perimeters.keys());
         let strange: BTreeSet<&String> = named.filter(|id| find(id).is_none()).collect();
-        let targets = strange.into_iter().map(|id| format!("{id} is not a target of this mission"));
+        let targets = strange.into_iter().map(|id| format!("{id} {NO_TARGET}"));
         let calm = |id: &&String| find(id).is_some_and(|target| !matches!(target.kind, TargetKind::Site(_)));
         let likely = self.rates_per_h.keys().filter(calm);
         let likely = likely.map(|id| format!("{id} is not a structure, and has no likelihood"));

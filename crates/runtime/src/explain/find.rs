@@ -9,8 +9,8 @@ use apex_model::time::Time;
 /// Least likeness of a suggested name; 1 means equal.
 const LIKENESS_MIN: f64 = 0.5;
 
-/// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains. Of
-/// several such tasks, a living one.
+/// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains, whole
+/// words before parts of words. Of several such tasks, a living one.
 ///
 /// # Errors
 /// [`RecordError::Question`] with candidates when none or several are meant.
@@ -26,8 +26,12 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
     let bare = |goal: &str| goal.trim_start_matches('(').trim_end_matches(')').to_owned();
     let exact: Vec<&TaskRow> =
         known.iter().copied().filter(|task| same(&task.tag) || same(&task.goal) || same(&bare(&task.goal))).collect();
+    // Whole words precede parts of words: `land` means `(land at home)` rather than `(observe skyland)`.
     let loose = || -> Vec<&TaskRow> {
-        known.iter().copied().filter(|task| task.goal.to_lowercase().contains(&folded)).collect()
+        let containing = |whole: bool| -> Vec<&TaskRow> {
+            known.iter().copied().filter(|task| contains(&task.goal.to_lowercase(), &folded, whole)).collect()
+        };
+        Some(containing(true)).filter(|found| !found.is_empty()).unwrap_or_else(|| containing(false))
     };
     let found = if exact.is_empty() { loose() } else { exact };
     let living: Vec<&TaskRow> =
@@ -37,6 +41,16 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
         ([], _) => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
         (several, _) => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
     }
+}
+
+/// Returns true if the goal has these words; `whole`: as whole words, not inside of longer ones.
+fn contains(goal: &str, words: &str, whole: bool) -> bool {
+    let is_part = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || "-_".contains(letter));
+    goal.match_indices(words).any(|(at, _)| {
+        let before = goal.get(..at).and_then(|text| text.chars().next_back());
+        let after = goal.get(at + words.len()..).and_then(|text| text.chars().next());
+        !whole || !is_part(before) && !is_part(after)
+    })
 }
 
 /// Returns the name without its agent: `pilot/T12` is T12 of the agent `pilot`, to which this record must belong.

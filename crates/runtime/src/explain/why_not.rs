@@ -225,7 +225,12 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
 /// Explains a target: its history, and the step of the plan that is to visit it.
 fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
     let moments = target::moments(&snapshot, id)?;
-    let mut answer = draft(&snapshot, "target", asked, target_sentence(id, snapshot.at, moments.last()));
+    let is_known = !moments.is_empty() || snapshot.decisions().announced(id)?.is_some_and(|known| known <= snapshot.at);
+    let sentence = match is_known {
+        true => target_sentence(id, snapshot.at, moments.last()),
+        false => format!("{id} has not been announced by {}: no planner knows it yet.", snapshot.at),
+    };
+    let mut answer = draft(&snapshot, "target", asked, sentence);
     let done = moments.last().is_some_and(|last| last.state == "observed");
     answer.target = moments;
     let mut task = None;

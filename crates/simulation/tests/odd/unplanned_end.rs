@@ -10,18 +10,36 @@ fn fire(id: &str, longitude: f64, latitude: f64, more: &str) -> String {
 const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 4h :end-margin 10min \
                        :targets \"t.geojson\"";
 
-/// Pixels of a centimetre are impossible, so that no plan is found, and the program has no answer to that. The report says that the vehicle
-/// is in the air, and why.
+/// The way home fails, and the program has no answer to that. The report says that the vehicle is in the air, and why.
 #[test]
 fn a_flight_that_ends_in_the_air_says_so() {
-    let targets = collection(&[home(), fire("near", -120.5, 37.4, r#", "resolution_m": 0.01"#)]);
-    let flown = fly(&program(OPTIONS, "4000m"), &[("t.geojson", &targets)]);
+    let targets = collection(&[home(), fire("near", -120.5, 37.4, "")]);
+    let program = program(OPTIONS, "4000m").replace("(return to home at 4000m)", "(fail at once)");
+    let program = format!("{program}(primitive (index (fail at once)) (duration -5s))\n");
+    let flown = fly(&program, &[("t.geojson", &targets)]);
     let text = flown.text();
     assert!(!flown.outcome.end.reason.is_success(), "{text}");
     assert!(text.contains("the vehicle has not landed: it is in the air at"), "{text}");
-    assert!(text.contains("no plan: near: no way to observe it"), "{text}");
     let end = flown.outcome.report.json()["end"].clone();
     assert!(end["not_landed"].is_string() && end["failed_because"].is_string(), "{end}");
+}
+
+/// No fire can be planned, for two reasons: pixels of a centimetre are impossible, and a fire is out of reach. The aircraft has taken off
+/// before that is known: it flies home and lands, and the report has the reason.
+#[test]
+fn an_aircraft_without_a_plan_flies_home() {
+    let sharp = fire("sharp", -120.5, 37.4, r#", "resolution_m": 0.01"#);
+    for (targets, why) in [
+        (vec![sharp.clone()], "no way to observe it"),
+        (vec![fire("far", -95.0, 37.4, "")], "the end of the mission"),
+        (vec![sharp, fire("far", -95.0, 37.4, "")], "the end of the mission"),
+    ] {
+        let targets = collection(&std::iter::once(home()).chain(targets).collect::<Vec<_>>());
+        let flown = fly(&program(OPTIONS, "4000m"), &[("t.geojson", &targets)]);
+        let text = flown.text();
+        assert!(flown.outcome.end.reason.is_success() && text.contains(why), "{text}");
+        assert!(flown.said("landed").len() == 1 && !text.contains("has not landed"), "{text}");
+    }
 }
 
 /// A target is announced on the way home: the plan for it arrives after the survey has ended, and the report says that nothing flew it.

@@ -20,7 +20,7 @@ const HEAD: &str = "new-target";
 /// The value of a late target's property `announced`.
 const LATE: &str = "by-event";
 /// Separates a target's identifier from the name of one of its wanted looks.
-const LOOK: char = '/';
+pub(super) const LOOK: char = '/';
 
 /// The late targets of a record and their announcements so far.
 #[derive(Default)]

@@ -1,6 +1,7 @@
 //! Searches for decisions that explanations need: the last one of a kind before another, or at its instant; the decisions about a task;
 //! the effects about a target.
 
+use super::announcements::Announcements;
 use super::targets::TargetChange;
 use crate::error::RecordError;
 use crate::record::{EffectKind, Effects, RecordReader, Told};
@@ -228,10 +229,11 @@ impl Decisions<'_> {
         Ok(state.map(|state| state.word().to_owned()))
     }
 
-    /// Returns the identifier of the target with this identifier or name, in any case.
+    /// Returns the identifier of the target with this identifier or name, in any case. Ground by which a fire has grown has no row in the
+    /// table of targets: it is known by its states.
     pub(crate) fn target_called(&self, name: &str) -> Result<Option<String>, RecordError> {
-        let sql =
-            "SELECT id FROM target WHERE id = ?1 COLLATE NOCASE OR name = ?1 COLLATE NOCASE ORDER BY position LIMIT 1";
+        let sql = "SELECT id FROM (SELECT id, name, position FROM target UNION ALL SELECT target, '', 1e18 FROM target_state) \
+             WHERE id = ?1 COLLATE NOCASE OR name = ?1 COLLATE NOCASE ORDER BY position LIMIT 1";
         let found = self.reader.connection.query_row(sql, [name], |row| row.get(0)).optional();
         found.map_err(|error| self.reader.damaged("the targets", error))
     }
@@ -239,10 +241,21 @@ impl Decisions<'_> {
     /// Returns the identifiers of all targets.
     pub(crate) fn target_ids(&self) -> Result<Vec<String>, RecordError> {
         let read = || {
-            let mut statement = self.reader.connection.prepare("SELECT id FROM target ORDER BY id")?;
+            let mut statement = self
+                .reader
+                .connection
+                .prepare("SELECT id FROM target UNION SELECT target FROM target_state ORDER BY 1")?;
             statement.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<_>>()
         };
         read().map_err(|error| self.reader.damaged("the targets", error))
+    }
+
+    /// Returns the instant at which the target is announced: the earliest instant for a target known from the start, `None` for one that
+    /// is never announced.
+    pub(crate) fn announced(&self, id: &str) -> Result<Option<Time>, RecordError> {
+        let mut announcements = Announcements::default();
+        announcements.refresh(self.reader)?;
+        Ok(announcements.known_ns(id).map(Time))
     }
 
     /// Returns the recorded states of the target, in the order of recording.

@@ -1,6 +1,6 @@
 //! The observation targets and the history of each.
 
-use super::announcements::Announcements;
+use super::announcements::{Announcements, LOOK};
 use super::{RecordView, for_writing};
 use crate::error::RecordError;
 use crate::target_state::TARGET_GONE;
@@ -110,7 +110,37 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
             id,
         });
     }
+    targets.extend(grown(histories, &targets));
+    targets.sort_by(|one, other| one.id.cmp(&other.id));
     Ok(Targets { targets })
+}
+
+/// Returns targets for the states that belong to ground by which a fire has grown, `FIRE/growth-1`: it has no row in the table, and lies at
+/// its fire. Its value and outline are not recorded.
+fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> Vec<Target> {
+    let of = |(id, mut history): (String, Vec<TargetChange>)| {
+        let (fire, part) = id.split_once(LOOK)?;
+        let fire = targets.iter().find(|target| target.id == fire)?;
+        let now = state_of(&history);
+        let observed_ns = history.iter().rev().find(|change| change.state == "observed").map(|change| change.t_ns);
+        let announced_ns = history.first().map(|change| change.t_ns);
+        history.drain(..history.len().saturating_sub(HISTORY_MAX));
+        Some(Target {
+            name: format!("{} {}", fire.name, part.replace('-', " ")),
+            latitude_deg: fire.latitude_deg,
+            longitude_deg: fire.longitude_deg,
+            value: None,
+            observed_ns,
+            geometry: None,
+            state: now.as_ref().map(|change| change.state.clone()),
+            detail: now.as_ref().and_then(|change| change.detail.clone()),
+            since_ns: now.map(|change| change.t_ns),
+            announced_ns,
+            history,
+            id,
+        })
+    };
+    histories.into_iter().filter_map(of).collect()
 }
 
 /// Returns the present state, the instant since which it lasts, and its latest reason: each plan has a new time for every target that it
