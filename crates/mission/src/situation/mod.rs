@@ -296,7 +296,8 @@ impl Situation {
             }
             MissionEvent::ReplanWanted(reason) => self.note(at, format!("replanning wanted: {reason}")),
             MissionEvent::CommunicationLost(link) => {
-                self.note(at, format!("communication over {link} lost: going back"));
+                let response = if self.links.is_everywhere(&link) { "waiting here" } else { "going back" };
+                self.note(at, format!("communication over {link} lost: {response}"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
             MissionEvent::CommunicationNotRegained(link) => {
