@@ -53,6 +53,12 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
             None => format!("landing early: {subject}"),
         },
         "landing-after-failed-flight" => format!("the flight to {subject} failed or had no answer: landing there"),
+        "reading-frozen" | "reading-silent" if subject != "altitude" => {
+            let what = if head == "reading-frozen" { "is frozen" } else { "is missing" };
+            let response = if subject == "location" { "waiting for it" } else { "landing" };
+            format!("the reading of the {} {what}: {response}", position_of(&subject))
+        }
+        "reading-regained" => format!("the reading of the {} has returned", position_of(&subject)),
         "reading-frozen" => format!("the reading of the {subject} is frozen: flying higher, unless the aircraft lands"),
         "navigation-degraded" => "navigation is degraded: flying higher".to_string(),
         "navigation-lost" => "navigation is lost".to_string(),

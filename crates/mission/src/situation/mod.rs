@@ -326,7 +326,6 @@ impl Situation {
                 self.landing.begin_if(lands);
                 self.note(at, line);
             }
-            MissionEvent::Contingency(line) => self.note(at, line),
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
             MissionEvent::Update(update) => self.take_update(at, update),
         }
