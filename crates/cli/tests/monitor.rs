@@ -382,6 +382,11 @@ fn civil_time_is_told_where_the_input_knows_it() {
     desk.write("b.csv", "t,roll\n0,0\n1,20\n");
     let said = desk.apex(&["monitor", "(roll aircraft-1 > 15)", "--inputs", "b.csv", "--utc"]);
     said.complained(2, &["the civil time of this input is not known"]);
+    // A flight record knows the start of its mission.
+    let mission = common::mission("diagnosis");
+    desk.apex(&["fly", &mission, "--until", "20s", "--record", "r.apex", "--no-progress"]).well();
+    let said = desk.apex(&["monitor", "(payload-voltage aircraft-1 > 20)", "--inputs", "r.apex", "--utc"]).well();
+    assert!(said.out.contains("[2026-05-12T17:00:05Z]"), "{}", said.out);
 }
 
 #[test]

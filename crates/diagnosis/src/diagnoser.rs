@@ -8,6 +8,7 @@
 
 use crate::bits::{Bits, minimal};
 use crate::contradiction::{Contradiction, Retraction};
+use crate::doubt::{Doubt, Doubts, TestReport};
 use crate::evidence::{Exclusion, Outcome, TestEvidence};
 use crate::grouping::{ConflictGroup, groups};
 use crate::hitting::{Problem, SearchEnd, search};
@@ -82,6 +83,8 @@ pub struct Diagnosis {
     pub components: Vec<Health>,
     /// Groups of failed tests: a candidate for all failed tests consists of one candidate from each group.
     pub groups: Vec<GroupDiagnosis>,
+    /// Passed tests that a newer failure contradicts, by index: the diagnosis treats their outcomes as unknown.
+    pub doubts: Vec<Doubt>,
     /// Outcomes that exclude each other.
     pub contradiction: Option<Contradiction>,
 }
@@ -96,10 +99,13 @@ struct Solved {
     bad_components: Vec<usize>,
 }
 
-/// Diagnoses a model while outcomes of tests arrive. The diagnosis depends only on the present outcomes, not on their order.
+/// Diagnoses a model while outcomes of tests arrive. The diagnosis depends only on the newest report of each test, on its outcome and its
+/// instant.
 #[derive(Clone, Debug)]
 pub struct Diagnoser {
     model: Arc<Model>,
+    reports: Vec<TestReport>,
+    /// The outcomes of the reports that the diagnosis uses.
     outcomes: Vec<Outcome>,
     exclusions: Vec<Exclusion>,
     costs: Vec<f64>,
@@ -122,7 +128,8 @@ impl Diagnoser {
             Exclusion { clears, nogoods: several.into_iter().cloned().collect() }
         };
         let mut diagnoser = Diagnoser {
-            outcomes: vec![Outcome::Unknown; model.tests.len()],
+            reports: vec![TestReport::default(); model.tests.len()],
+            outcomes: Vec::new(),
             exclusions: model.tests.iter().map(|test| exclusion(test.implicants())).collect(),
             costs: (0..model.modes.len()).map(|mode| model.cost(mode)).collect(),
             solved: Vec::new(),
@@ -138,9 +145,14 @@ impl Diagnoser {
         &self.model
     }
 
-    /// Returns the outcome of each test.
+    /// Returns the outcome of each test that the diagnosis uses: that of its report, or `Unknown` if it is doubted.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
+    }
+
+    /// Returns the instant of a test's report, ns, as [`Diagnoser::report_all`] took it; 0 for a test without a report.
+    pub fn instant_ns(&self, test: usize) -> i64 {
+        self.reports.get(test).map_or(0, |report| report.at_ns)
     }
 
     /// Returns the diagnosis of the outcomes so far.
@@ -153,25 +165,58 @@ impl Diagnoser {
         self.set_all([(test, outcome)])
     }
 
-    /// Sets several outcomes and diagnoses once; returns true if any outcome has changed.
+    /// Sets several outcomes and diagnoses once; returns true if any outcome has changed. All are equally old.
     pub fn set_all(&mut self, outcomes: impl IntoIterator<Item = (usize, Outcome)>) -> bool {
-        let mut changed = false;
-        for (test, outcome) in outcomes {
-            if let Some(known) = self.outcomes.get_mut(test)
-                && *known != outcome
-            {
-                (*known, changed) = (outcome, true);
+        self.report_all(outcomes.into_iter().map(|(test, outcome)| (test, outcome, 0)))
+    }
+
+    /// Sets several outcomes with instants on the caller's clock, ns, and diagnoses once; returns true if any outcome has changed. The
+    /// instant of a pass is that of its newest report, the instant of a failure that since which the test fails. Of outcomes that
+    /// contradict each other the newer one counts.
+    pub fn report_all(&mut self, reports: impl IntoIterator<Item = (usize, Outcome, i64)>) -> bool {
+        // Ages matter only where outcomes contradict each other.
+        let (mut changed, mut aged) = (false, false);
+        for (test, outcome, at_ns) in reports {
+            if let Some(known) = self.reports.get_mut(test) {
+                changed |= known.outcome != outcome;
+                aged |= known.at_ns != at_ns;
+                *known = TestReport { outcome, at_ns };
             }
         }
-        if changed {
+        let is_consistent = self.diagnosis.doubts.is_empty() && self.diagnosis.contradiction.is_none();
+        if changed || (aged && !is_consistent) {
             self.update();
         }
         changed
     }
 
     fn update(&mut self) {
-        let mut left_out = Bits::new(self.outcomes.len());
         let mut known = std::mem::take(&mut self.solved);
+        let mut doubts = Doubts::default();
+        let (good, unexplained) = loop {
+            self.outcomes = doubts.outcomes(&self.reports);
+            let (good, unexplained) = self.solve_groups(&mut known);
+            if !doubts.revise(&self.model, &self.exclusions, &self.reports, &good, &unexplained) {
+                break (good, unexplained);
+            }
+            known.append(&mut self.solved);
+        };
+        let contradiction = (!unexplained.is_empty()).then(|| {
+            let retraction = Retraction::new(&self.model, &self.exclusions, &self.outcomes, &self.costs);
+            let mut found = retraction.contradiction(unexplained);
+            let newest_ns =
+                |set: &Vec<usize>| set.iter().filter_map(|test| self.reports.get(*test)).map(|known| known.at_ns).max();
+            found.left_out.sort_by_key(newest_ns);
+            found
+        });
+        let doubts = doubts.list(&self.reports);
+        self.diagnosis = Diagnosis { doubts, ..self.labelled(&good, contradiction) };
+    }
+
+    /// Solves the groups of the outcomes in use, those in `known` without a search. Returns the cleared failure modes and the failed
+    /// tests that are not explained.
+    fn solve_groups(&mut self, known: &mut Vec<Solved>) -> (Bits, Vec<usize>) {
+        let mut left_out = Bits::new(self.outcomes.len());
         let (good, mut unexplained) = loop {
             let evidence = TestEvidence::new(&self.model, &self.exclusions, &self.outcomes, &left_out);
             for group in groups(evidence.conflicts, evidence.nogoods, self.model.modes.len()) {
@@ -195,11 +240,7 @@ impl Diagnoser {
         unexplained.extend(left_out.iter());
         unexplained.sort_unstable();
         unexplained.dedup();
-        let contradiction = (!unexplained.is_empty()).then(|| {
-            let retraction = Retraction::new(&self.model, &self.exclusions, &self.outcomes, &self.costs);
-            retraction.contradiction(unexplained)
-        });
-        self.diagnosis = self.labelled(&good, contradiction);
+        (good, unexplained)
     }
 
     fn labelled(&self, good: &Bits, contradiction: Option<Contradiction>) -> Diagnosis {
@@ -227,6 +268,7 @@ impl Diagnoser {
             components: self.model.components.iter().enumerate().map(component).collect(),
             modes,
             groups: self.solved.iter().map(|solved| solved.diagnosis.clone()).collect(),
+            doubts: Vec::new(),
             contradiction,
         }
     }

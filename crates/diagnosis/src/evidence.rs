@@ -34,7 +34,8 @@ impl Outcome {
         Outcome::WORDS.iter().find(|(known, _)| *known == word).map(|(_, outcome)| *outcome)
     }
 
-    pub(crate) fn is_failure(self) -> bool {
+    /// Returns true if the test failed, always or at times.
+    pub fn is_failure(self) -> bool {
         matches!(self, Outcome::Failed | Outcome::Intermittent)
     }
 }

@@ -9,6 +9,7 @@
 mod bits;
 mod contradiction;
 mod diagnoser;
+mod doubt;
 mod error;
 mod evidence;
 mod formula;
@@ -26,6 +27,7 @@ mod text;
 pub use bits::Bits;
 pub use contradiction::Contradiction;
 pub use diagnoser::{Candidate, Diagnoser, Diagnosis, GroupDiagnosis, Health};
+pub use doubt::Doubt;
 pub use error::DiagnosisError;
 pub use evidence::Outcome;
 pub use hitting::SearchEnd;

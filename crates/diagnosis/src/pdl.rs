@@ -47,17 +47,30 @@ impl Model {
         }
         // Writing to a string cannot fail.
         let _ = write!(text, "\n(procedure\n  (index (watch the tests of {name}))");
+        for (test, _) in &monitored {
+            let test = &test.name;
+            let _ = write!(text, "\n  (step {test} (watch the test {test} of {name}) (repeating))");
+        }
+        text.push_str(
+            ")\n\n;; Each watch ends when the outcome of its test changes, and a new one begins: an outcome rests on evidence that is\n\
+             ;; not older than the outcome before it.\n",
+        );
         for (test, monitor) in monitored {
+            let test = &test.name;
+            let _ = write!(
+                text,
+                "\n(procedure\n  (index (watch the test {test} of {name}))\n  \
+                 (end-when (:in-order (:delay 1ms) (test-state {test} = ?outcome)))"
+            );
             for (word, condition) in [("failed", &monitor.fails), ("passed", &monitor.passes)] {
-                let test = &test.name;
                 let _ = write!(
                     text,
-                    "\n  (step {test}-{word} (inform (test-{word} {test}))\n    \
-                     (waitfor (:and {condition} (test-state {test} /= {word})))\n    (repeating))"
+                    "\n  (step {word} (inform (test-{word} {test}))\n    (waitfor (:and {condition}\n               \
+                     (:measurement (test-state {test} /= {word}) :estimation :persist)))\n    (repeating))"
                 );
             }
+            text.push_str(")\n");
         }
-        text.push_str(")\n");
     }
 
     fn respond(&self, name: &str, text: &mut String) {

@@ -134,3 +134,52 @@ fn the_explanation_as_json_names_the_tests_that_the_text_names() {
     assert!(named.iter().all(|test| text.contains(test)));
     assert!(apex_diagnosis::explain_json(&diagnoser, "no such component").is_none());
 }
+
+/// Numbers of tests and failure modes of the payload: voltage 0, mount 1, frames 2; converter 0, drive 1, sensor 2.
+fn payload() -> Diagnoser {
+    let text = r#"{"format": "apex-diagnosis-1", "name": "payload",
+        "components": [{"name": "converter", "probability_per_hour": 1e-4}, {"name": "drive", "probability_per_hour": 8e-4},
+                       {"name": "sensor", "probability_per_hour": 5e-4}],
+        "signals": [],
+        "tests": [{"name": "voltage", "needs": ["converter"]}, {"name": "mount", "needs": ["converter", "drive"]},
+                  {"name": "frames", "needs": ["converter", "sensor"]}]}"#;
+    Diagnoser::new(Arc::new(Model::parse("payload.json", text).unwrap()))
+}
+
+#[test]
+fn a_pass_that_is_older_than_a_failure_is_doubted() {
+    use Outcome::{Failed, Passed};
+    let healths = |diagnoser: &Diagnoser| diagnoser.diagnosis().modes.iter().map(|one| one.word()).collect::<Vec<_>>();
+    let mut diagnoser = payload();
+    // All at one instant: the failure is left out, as in a results file.
+    diagnoser.report_all([(0, Failed, 900), (1, Passed, 900), (2, Failed, 900)]);
+    assert_eq!(healths(&diagnoser), ["good", "good", "bad"]);
+    assert_eq!(diagnoser.diagnosis().contradiction.as_ref().map(|found| found.unexplained.clone()), Some(vec![0]));
+    // The pass is older.
+    diagnoser.report_all([(1, Passed, 617)]);
+    assert_eq!(healths(&diagnoser), ["bad", "unknown", "unknown"]);
+    let doubts: Vec<_> =
+        diagnoser.diagnosis().doubts.iter().map(|doubt| (doubt.test, doubt.failed, doubt.age_ns)).collect();
+    assert_eq!((doubts, diagnoser.diagnosis().contradiction.is_none()), (vec![(1, 0, 283)], true));
+    assert_eq!(diagnoser.outcomes(), [Failed, Outcome::Unknown, Failed]);
+    let text = apex_diagnosis::explain(&diagnoser, "drive").unwrap();
+    assert!(text.contains("mount is doubted: it passed") && text.contains("before voltage failed"), "{text}");
+    // The mount passes again: its evidence is newer than the failure.
+    diagnoser.report_all([(1, Passed, 901)]);
+    assert_eq!(healths(&diagnoser), ["good", "good", "bad"]);
+    assert!(diagnoser.diagnosis().doubts.is_empty());
+    // With the power back nothing contradicts an old pass.
+    diagnoser.report_all([(0, Passed, 950), (1, Passed, 617), (2, Passed, 950)]);
+    assert_eq!(healths(&diagnoser), ["good", "good", "good"]);
+}
+
+#[test]
+fn an_old_pass_is_not_doubted_where_a_newer_one_contradicts_the_failure_as_well() {
+    use Outcome::{Failed, Passed};
+    let mut diagnoser = payload();
+    diagnoser.report_all([(0, Failed, 900), (1, Passed, 617), (2, Passed, 950)]);
+    let diagnosis = diagnoser.diagnosis();
+    assert!(diagnosis.doubts.is_empty(), "{:?}", diagnosis.doubts);
+    let found = diagnosis.contradiction.as_ref().unwrap();
+    assert_eq!((found.unexplained.as_slice(), found.left_out.as_slice()), ([0].as_slice(), [vec![0]].as_slice()));
+}

@@ -141,14 +141,18 @@ impl Source {
     /// Nanoseconds of UTC at mission time 0.
     ///
     /// # Errors
-    /// The input is not a log, or does not state the time.
+    /// The input is lines, or does not state the time.
     pub fn utc_of_zero(&self) -> MissionResult<i64> {
         let unknown = |why: String| {
             MissionError::data("`--utc`: the civil time of this input is not known")
                 .because(why)
                 .help("leave the option out; instants then count from the beginning of the input")
         };
-        let Source::Log(log) = self else { return Err(unknown("it is not a log".to_string())) };
+        if let Source::Record(reader) = self {
+            let found = recording::utc_of_zero_ns(reader)?;
+            return found.ok_or_else(|| unknown("the mission of the record states no `:start`".to_string()));
+        }
+        let Source::Log(log) = self else { return Err(unknown("lines state mission times".to_string())) };
         let found = log.utc_of_zero().map_err(|error| unread(log.path(), log.format(), error))?;
         let why = format!("{} has no time of GPS, and its clock does not count from 1970", log.path().display());
         found.ok_or_else(|| unknown(why))

@@ -1,6 +1,6 @@
 //! Predicted result of an observation in a plan.
 
-use apex_model::problem::QualityFactors;
+use apex_model::problem::{PlannedVisit, QualityFactors};
 use serde::{Deserialize, Serialize};
 
 /// Prediction of a plan for an observation.
@@ -19,6 +19,12 @@ pub struct Predicted {
 }
 
 impl Predicted {
+    /// Returns the prediction of a planned visit whose first line begins `lead_in_s` after it; `None` without a predicted quality.
+    pub(crate) fn of(visit: &PlannedVisit, lead_in_s: f64) -> Option<Predicted> {
+        let (quality, timing, worth) = (visit.quality.clone()?, visit.timing, visit.worth);
+        Some(Predicted { quality, timing, worth, begin_s: visit.begin_s + lead_in_s, end_s: visit.end_s })
+    }
+
     /// Returns the value that the plan counted: that of the look when it was planned, less the worth that had been seen before and that
     /// other visits of the plan were to show. `None` if a factor is 0.
     pub(crate) fn value(&self) -> Option<f64> {

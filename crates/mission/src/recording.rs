@@ -4,6 +4,7 @@ use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, unreadable};
 use crate::{Mission, flight};
 use apex_model::library::Library;
+use apex_model::time::Time;
 use apex_runtime::RecordError;
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
 use std::fs::{File, TryLockError};
@@ -222,4 +223,14 @@ pub fn read(error: RecordError) -> MissionError {
         RecordError::DiskFull { .. } | RecordError::Unwritable { .. } => MissionError::output(error.to_string()),
         other => MissionError::record_file(other.to_string()),
     }
+}
+
+/// Returns the nanoseconds of UTC at mission time 0 of a record; `None` if its mission has no civil time.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn utc_of_zero_ns(reader: &RecordReader) -> MissionResult<Option<i64>> {
+    let epoch = reader.meta("epoch_utc").map_err(read)?;
+    let seconds = epoch.as_deref().and_then(crate::settings::parse_utc);
+    Ok(seconds.map(|seconds| Time::from_seconds(seconds).0))
 }

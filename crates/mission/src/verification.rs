@@ -8,6 +8,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::recording::read;
+use crate::text::plain_duration;
 use crate::vehicle::Airframe;
 use crate::{Mission, TargetKind};
 use apex_model::effect::Effect;
@@ -36,6 +37,10 @@ const CRASHED: &str = "crashed";
 const CLIMB_M_S: f64 = 0.5;
 /// Time after a phase near the ground during which the height over ground is not checked.
 const AFTER_GROUND: Duration = Duration(30_000_000_000);
+/// Greatest time in the air without a new position that counts as verified: several of the slowest reports of a vehicle.
+const UNVERIFIED_MIN: Duration = Duration(60_000_000_000);
+/// Ground speed from which on a vehicle cannot be where it was.
+const MOVING_M_S: f64 = 3.0;
 /// Findings kept with place and time; all are counted.
 const FINDINGS_KEPT: usize = 1_000;
 
@@ -95,6 +100,12 @@ pub struct FlightCheck {
     is_airborne: bool,
     is_crashed: bool,
     is_flying_agent: bool,
+    ground_speed_m_s: f64,
+    /// The last position that differs from the one before, and the last instant at which the position was known.
+    known: Option<Location>,
+    known_at: Time,
+    /// Instant of the last step.
+    now: Time,
     result: CheckResult,
 }
 
@@ -111,6 +122,8 @@ pub struct CheckResult {
     pub near_ground: u64,
     /// Number of these positions beyond the required landing distance.
     pub beyond_landing_distance: u64,
+    /// Parts of the flight in the air without a new position, s of mission time: nothing can be said about them.
+    pub unverified_s: Vec<(f64, f64)>,
     /// Requirements that the flight announced as broken, in order.
     pub said_broken: Vec<(f64, String)>,
     /// The first findings, in order.
@@ -121,6 +134,11 @@ impl CheckResult {
     /// Returns the number of violations: a position counts once for each requirement that is violated there.
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
+    }
+
+    /// Returns true if every position keeps the requirements, and no part of the flight in the air is without positions.
+    pub fn is_verified(&self) -> bool {
+        self.violations() == 0 && self.unverified_s.is_empty()
     }
 
     /// Returns the kept findings about requirements that the flight had not announced as broken before.
@@ -153,6 +171,10 @@ impl FlightCheck {
             is_airborne: false,
             is_crashed: false,
             is_flying_agent: true,
+            ground_speed_m_s: 0.0,
+            known: None,
+            known_at: Time::ZERO,
+            now: Time::ZERO,
             result: CheckResult::default(),
         }
     }
@@ -177,6 +199,8 @@ impl FlightCheck {
             }
         }
         let (mut here, mut truth) = (None, None);
+        let was_airborne = self.is_airborne;
+        self.now = batch.now;
         for event in &batch.events {
             if let EventKind::Measurement(variable, value) = &event.kind {
                 match variable.attribute.folded() {
@@ -194,16 +218,47 @@ impl FlightCheck {
                     }
                     "height-above-ground" => self.height_m = value.as_number().map(|(metres, _)| metres),
                     "on-ground" => self.is_airborne = !value.is_true(),
+                    "ground-speed" => self.ground_speed_m_s = value.as_number().map_or(0.0, |(speed, _)| speed),
                     _ => {}
                 }
             }
         }
+        self.find_gap(was_airborne, truth.or(here));
         if let Some((at, location)) = truth.or(here) {
             self.find_crash(at, location);
             if self.is_airborne {
                 self.look(at, location);
             }
         }
+    }
+
+    /// Finds the end of a part of the flight without a new position: a position, the landing, or the end of the record. A position that
+    /// repeats the one before it, although the vehicle moves, is not a new one.
+    fn find_gap(&mut self, was_airborne: bool, position: Option<(Time, Location)>) {
+        if !was_airborne {
+            self.known_at = self.now;
+        }
+        let is_new = |here: Location| self.ground_speed_m_s < MOVING_M_S || self.known != Some(here);
+        let new = position.filter(|(_, here)| is_new(*here));
+        if new.is_some() || was_airborne && !self.is_airborne {
+            self.end_gap(new.map_or(self.now, |(at, _)| at));
+            self.known = new.map(|(_, here)| here).or(self.known);
+        }
+    }
+
+    fn end_gap(&mut self, at: Time) {
+        if at - self.known_at > UNVERIFIED_MIN {
+            self.result.unverified_s.push((self.known_at.seconds(), at.seconds()));
+        }
+        self.known_at = self.known_at.max(at);
+    }
+
+    /// Ends the check with the last step of the flight.
+    pub fn finish(mut self) -> CheckResult {
+        if self.is_airborne {
+            self.end_gap(self.now);
+        }
+        self.result
     }
 
     /// Finds the end of the flight in the ground, which is reported with the vehicle on the ground.
@@ -285,7 +340,7 @@ pub fn verify(reader: &RecordReader, mission: &Mission) -> MissionResult<CheckRe
             check.take(&step.batch, &effects);
         }
     }
-    Ok(check.result)
+    Ok(check.finish())
 }
 
 impl fmt::Display for CheckResult {
@@ -295,6 +350,14 @@ impl fmt::Display for CheckResult {
         writeln!(f, "  {:6} outside of the permitted area", self.outside_permitted)?;
         writeln!(f, "  {:6} under way below the height over ground, or crashed", self.near_ground)?;
         write!(f, "  {:6} beyond the landing distance", self.beyond_landing_distance)?;
+        for (from_s, until_s) in &self.unverified_s {
+            let [from, until] = [from_s, until_s].map(|at_s| Time::from_seconds(*at_s));
+            let part = plain_duration(until - from);
+            write!(
+                f,
+                "\nnot verified: from {from} to {until} ({part}) the vehicle was in the air and reported no new position"
+            )?;
+        }
         for finding in self.findings.iter().take(20) {
             let Position { latitude_deg, longitude_deg } = finding.position;
             let at = Time::from_seconds(finding.t_s);

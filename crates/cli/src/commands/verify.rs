@@ -48,7 +48,7 @@ pub fn run(options: &VerifyOptions) -> CliResult {
         }
     }
     match result {
-        Some(result) if result.violations() > 0 => Err(CliError { of_user: false, ..CliError::already_reported() }),
+        Some(result) if !result.is_verified() => Err(CliError { of_user: false, ..CliError::already_reported() }),
         _ => Ok(()),
     }
 }

@@ -3,6 +3,7 @@
 use super::{mode_names, test_names};
 use crate::bits::Bits;
 use crate::diagnoser::{Diagnoser, Health};
+use crate::doubt::Doubt;
 use crate::evidence::Outcome;
 use crate::hitting::SearchEnd;
 use serde_json::{Value, json};
@@ -30,8 +31,8 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
 
 /// Returns the facts of [`explain`] as JSON: `component`, `title`, `health`, and for each failure mode: its `name` and `health`; the
 /// passed tests that clear it (`cleared_by`); the `failed` tests that give evidence against it, with the other possible causes (`open`)
-/// and the excluded ones (`cleared`); the tests `not_run` that would give evidence; and its `candidates` (`count`, `of`, `share`; null if
-/// it is in none). `text` is the explanation as text. `None` if the model has no such component.
+/// and the excluded ones (`cleared`); the tests `not_run` that would give evidence; the `doubted` tests, which passed `seconds` before
+/// another one `failed` that contradicts them; and its `candidates` (`count`, `of`, `share`; null if it is in none). `text` is the explanation as text. `None` if the model has no such component.
 pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
     let text = explain(diagnoser, component)?;
     let model = diagnoser.model();
@@ -48,6 +49,11 @@ pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
     }))
 }
 
+/// Returns the age of a doubted pass, s, to a tenth.
+fn seconds(doubt: &Doubt) -> f64 {
+    libm::round(doubt.age_ns as f64 / 1e8) / 10.0
+}
+
 struct Reasons<'a> {
     diagnoser: &'a Diagnoser,
     mode: usize,
@@ -58,9 +64,22 @@ impl Reasons<'_> {
         let health = self.diagnoser.diagnosis().modes.get(self.mode).copied().unwrap_or_default();
         match health {
             Health::Good => format!(" because tests passed that it alone would have made fail: {}", self.clearing()),
-            Health::Bad | Health::Suspect => self.accused(health),
-            Health::Unknown => self.unknown(),
+            Health::Bad | Health::Suspect => format!("{}{}", self.accused(health), self.doubted()),
+            Health::Unknown => format!("{}{}", self.unknown(), self.doubted()),
         }
+    }
+
+    /// Returns a line for each doubted test that depends on this failure mode.
+    fn doubted(&self) -> String {
+        let model = self.diagnoser.model();
+        let line = |doubt: &Doubt| {
+            let (test, failed) = (model.test_name(doubt.test), model.test_name(doubt.failed));
+            format!(
+                "\n  {test} is doubted: it passed {} s before {failed} failed, which contradicts it",
+                seconds(doubt)
+            )
+        };
+        self.doubts().map(line).collect()
     }
 
     fn json(&self) -> Value {
@@ -81,6 +100,13 @@ impl Reasons<'_> {
                 }));
             }
         }
+        let doubted = |doubt: &Doubt| {
+            json!({
+                "test": model.test_name(doubt.test),
+                "failed": model.test_name(doubt.failed),
+                "seconds": seconds(doubt),
+            })
+        };
         let group =
             diagnosis.groups.iter().find(|group| group.candidates.iter().any(|one| one.modes.contains(self.mode)));
         let candidates = group.map(|group| {
@@ -93,9 +119,19 @@ impl Reasons<'_> {
             "health": diagnosis.modes.get(self.mode).copied().unwrap_or_default().word(),
             "cleared_by": tests(self.tests(|outcome| outcome == Outcome::Passed, |test| self.alone(test))),
             "failed": failed,
-            "not_run": tests(self.tests(|outcome| outcome == Outcome::Unknown, |test| self.concerns(test))),
+            "not_run": tests(self.tests(|outcome| outcome == Outcome::Unknown, |test| self.concerns(test) && !self.is_doubted(test))),
+            "doubted": self.doubts().map(doubted).collect::<Vec<_>>(),
             "candidates": candidates,
         })
+    }
+
+    /// Returns the doubts of tests that depend on this failure mode.
+    fn doubts(&self) -> impl Iterator<Item = &Doubt> {
+        self.diagnoser.diagnosis().doubts.iter().filter(|doubt| self.concerns(doubt.test))
+    }
+
+    fn is_doubted(&self, test: usize) -> bool {
+        self.diagnoser.diagnosis().doubts.iter().any(|doubt| doubt.test == test)
     }
 
     /// Returns true if the test depends on this failure mode.
@@ -177,7 +213,7 @@ impl Reasons<'_> {
         let names = |tests: Vec<usize>| test_names(self.diagnoser.model(), tests.into_iter());
         let concerned = |test: usize| self.concerns(test);
         let failed = self.tests(Outcome::is_failure, concerned);
-        let open = self.tests(|outcome| outcome == Outcome::Unknown, concerned);
+        let open = self.tests(|outcome| outcome == Outcome::Unknown, |test| concerned(test) && !self.is_doubted(test));
         if (0..self.diagnoser.model().tests.len()).all(|test| !concerned(test)) {
             return " because no test depends on it".to_string();
         }

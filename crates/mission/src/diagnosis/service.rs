@@ -3,14 +3,15 @@
 //! Runs: in the fold of the situation, after each step that has an outcome. What it reports enters the next batch and is recorded like all
 //! inputs, so that PDL watches it and replay derives the same. In: `(test-outcome TEST)` with `passed`, `failed`, `intermittent` or
 //! `unknown`, and the messages `(test-passed TEST)`, `(test-failed TEST)`, `(test-intermittent TEST)`, `(test-unknown TEST)`. Out:
-//! `(test-state TEST)`, `(health COMPONENT)`, `(candidates MODEL)`, and the messages `(diagnosed COMPONENT HEALTH FAILED-TESTS)` and
-//! `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components) otherwise.
+//! `(test-state TEST)`, `(health COMPONENT)`, `(candidates MODEL)`, and the messages `(diagnosed COMPONENT HEALTH FAILED-TESTS)`,
+//! `(test-doubted TEST AGE)` and `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components) otherwise.
 
+use crate::text::plain_duration;
 use apex_diagnosis::{Contradiction, Diagnoser, Health, Model, Outcome};
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::symbol::Symbol;
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ const PUBLISHED_MAX: usize = 5;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DiagnosisService {
     outcomes: Vec<Outcome>,
+    /// Of each pass the instant of its newest report, of each failure its beginning.
+    instants: Vec<Time>,
     published: Option<Published>,
     #[serde(skip)]
     kept: DiagnoserCache,
@@ -34,16 +37,17 @@ struct Published {
     outcomes: Vec<Outcome>,
     components: Vec<Health>,
     candidates: Value,
+    doubted: Vec<usize>,
     /// Unexplained tests, and the set of tests that contradict them.
     contradiction: Option<(Vec<usize>, Vec<usize>)>,
 }
 
-/// The diagnoser of these outcomes; created again after a snapshot is restored.
+/// The diagnoser of these reports; created again after a snapshot is restored.
 #[derive(Clone, Debug, Default)]
 struct DiagnoserCache(Option<Diagnoser>);
 
 impl PartialEq for DiagnoserCache {
-    /// Returns true: the diagnoser follows from the outcomes, so it does not distinguish two services.
+    /// Returns true: the diagnoser follows from the reports, so it does not distinguish two services.
     fn eq(&self, _: &DiagnoserCache) -> bool {
         true
     }
@@ -59,37 +63,55 @@ pub struct Reported {
 }
 
 impl DiagnosisService {
-    /// Returns the outcome of each test; empty before the first step.
-    pub fn outcomes(&self) -> &[Outcome] {
-        &self.outcomes
+    /// Returns the reported outcome of each test with its instant in ns, as [`Diagnoser::report_all`] takes them; none before the first
+    /// step.
+    pub fn reports(&self) -> impl Iterator<Item = (usize, Outcome, i64)> {
+        let reports = self.outcomes.iter().zip(&self.instants).enumerate();
+        reports.map(|(test, (outcome, at))| (test, *outcome, at.0))
     }
 
     /// Observes a step: the messages of its batch, then those that the agent sends.
     pub fn observe(&mut self, model: &Arc<Model>, batch: &Batch, effects: &[Effect]) -> Reported {
         let mut reported = Reported::default();
         self.outcomes.resize(model.tests.len(), Outcome::Unknown);
+        self.instants.resize(model.tests.len(), Time::ZERO);
         let of_agent = effects.iter().filter_map(|effect| match effect {
-            Effect::Inform { form, .. } => message(form),
+            Effect::Inform { form, .. } => Some((batch.now, message(form)?)),
             _ => None,
         });
-        for (name, outcome) in batch.events.iter().filter_map(|event| said(&event.kind)).chain(of_agent) {
+        let of_batch = batch.events.iter().filter_map(|event| Some((event.at, said(&event.kind)?)));
+        let mut is_new = self.published.is_none();
+        for (at, (name, outcome)) in of_batch.chain(of_agent) {
             match (model.test(&name), outcome) {
                 (Some(test), Ok(outcome)) => {
-                    self.outcomes.get_mut(test).into_iter().for_each(|known| *known = outcome);
+                    self.take(test, outcome, at);
+                    is_new = true;
                 }
                 (None, _) => reported.notes.push(format!("model `{}` has no test `{name}`", model.name)),
                 (_, Err(word)) => reported.notes.push(format!("`{word}` is not an outcome of test `{name}`")),
             }
         }
-        if self.published.as_ref().is_some_and(|published| published.outcomes == self.outcomes) {
+        if !is_new {
             return reported;
         }
-        let diagnoser = self.kept.0.get_or_insert_with(|| Diagnoser::new(Arc::clone(model)));
-        diagnoser.set_all(self.outcomes.iter().copied().enumerate());
-        let next = Published::of(diagnoser);
+        let mut diagnoser = self.kept.0.take().unwrap_or_else(|| Diagnoser::new(Arc::clone(model)));
+        diagnoser.report_all(self.reports());
+        let next = Published::of(&diagnoser);
         let before = self.published.replace(next.clone());
-        DiagnosisChanges { model, now: batch.now, before: before.as_ref(), next: &next }.report(&mut reported);
+        DiagnosisChanges { diagnoser: &diagnoser, now: batch.now, before: before.as_ref(), next: &next }
+            .report(&mut reported);
+        self.kept.0 = Some(diagnoser);
         reported
+    }
+
+    /// Takes a report. A failure that is reported again keeps its beginning.
+    fn take(&mut self, test: usize, outcome: Outcome, at: Time) {
+        if let Some((known, instant)) = self.outcomes.get_mut(test).zip(self.instants.get_mut(test)) {
+            if !(known.is_failure() && outcome.is_failure()) {
+                *instant = at;
+            }
+            *known = outcome;
+        }
     }
 }
 
@@ -128,6 +150,7 @@ impl Published {
             outcomes: diagnoser.outcomes().to_vec(),
             components: diagnosis.components.clone(),
             candidates: Value::list(candidates.iter().map(|candidate| set(&candidate.modes))),
+            doubted: diagnosis.doubts.iter().map(|doubt| doubt.test).collect(),
             contradiction: diagnosis.contradiction.as_ref().map(named),
         }
     }
@@ -135,7 +158,7 @@ impl Published {
 
 /// The difference of two diagnoses.
 struct DiagnosisChanges<'a> {
-    model: &'a Model,
+    diagnoser: &'a Diagnoser,
     now: Time,
     before: Option<&'a Published>,
     next: &'a Published,
@@ -143,14 +166,16 @@ struct DiagnosisChanges<'a> {
 
 impl DiagnosisChanges<'_> {
     fn report(&self, reported: &mut Reported) {
-        for (index, (test, outcome)) in self.model.tests.iter().zip(&self.next.outcomes).enumerate() {
+        for (index, (test, outcome)) in self.diagnoser.model().tests.iter().zip(&self.next.outcomes).enumerate() {
             if self.before.and_then(|before| before.outcomes.get(index)) != Some(outcome) {
                 let word =
                     Outcome::WORDS.iter().find(|(_, known)| known == outcome).map_or("unknown", |(word, _)| word);
                 self.measure("test-state", &test.name, Value::symbol(word), reported);
             }
         }
-        for (index, (component, health)) in self.model.components.iter().zip(&self.next.components).enumerate() {
+        for (index, (component, health)) in
+            self.diagnoser.model().components.iter().zip(&self.next.components).enumerate()
+        {
             let before = self.before.and_then(|before| before.components.get(index));
             if before == Some(health) {
                 continue;
@@ -162,21 +187,51 @@ impl DiagnosisChanges<'_> {
                 let form =
                     [Value::symbol("diagnosed"), Value::symbol(&component.name), Value::symbol(health.word()), tests];
                 self.say(form.to_vec(), reported);
-                let tests: Vec<&str> = self.failed().into_iter().map(|test| self.model.test_name(test)).collect();
+                let tests: Vec<&str> =
+                    self.failed().into_iter().map(|test| self.diagnoser.model().test_name(test)).collect();
                 let failed = if tests.is_empty() { "no test".to_string() } else { tests.join(", ") };
                 reported.notes.push(format!("{} is {health}; failed: {failed}", component.name));
             }
         }
         if self.before.is_none_or(|before| before.candidates != self.next.candidates) {
-            self.measure("candidates", &self.model.symbol(), self.next.candidates.clone(), reported);
+            self.measure("candidates", &self.diagnoser.model().symbol(), self.next.candidates.clone(), reported);
         }
+        self.report_doubts(reported);
         if let Some((unexplained, left_out)) = &self.next.contradiction
             && self.before.is_none_or(|before| before.contradiction != self.next.contradiction)
         {
             let form = [Value::symbol("tests-contradict"), self.names(unexplained), self.names(left_out)];
             self.say(form.to_vec(), reported);
-            let left_out: Vec<&str> = left_out.iter().map(|test| self.model.test_name(*test)).collect();
+            let left_out: Vec<String> = left_out.iter().map(|test| self.aged(*test)).collect();
             reported.notes.push(format!("tests contradict each other; consistent without {}", left_out.join(", ")));
+        }
+    }
+
+    /// Reports the passes that are doubted from now on.
+    fn report_doubts(&self, reported: &mut Reported) {
+        let model = self.diagnoser.model();
+        for doubt in &self.diagnoser.diagnosis().doubts {
+            if self.before.is_some_and(|before| before.doubted.contains(&doubt.test)) {
+                continue;
+            }
+            let (test, failed) = (model.test_name(doubt.test), model.test_name(doubt.failed));
+            let age = Duration(doubt.age_ns);
+            let form = [Value::symbol("test-doubted"), Value::symbol(test), Value::Duration(age)];
+            self.say(form.to_vec(), reported);
+            let age = plain_duration(age);
+            reported.notes.push(format!("{test} is doubted: it passed {age} before {failed} failed"));
+        }
+    }
+
+    /// Returns the name of a test with its outcome and the age of it.
+    fn aged(&self, test: usize) -> String {
+        let name = self.diagnoser.model().test_name(test);
+        let outcome = self.next.outcomes.get(test).copied().unwrap_or_default();
+        let word = if outcome.is_failure() { "failed" } else { "passed" };
+        let age = Duration(self.now.0.saturating_sub(self.diagnoser.instant_ns(test)));
+        match age.0 > 0 {
+            true => format!("{name} ({word} {} ago)", plain_duration(age)),
+            false => format!("{name} ({word} now)"),
         }
     }
 
@@ -187,7 +242,7 @@ impl DiagnosisChanges<'_> {
     }
 
     fn names(&self, tests: &[usize]) -> Value {
-        Value::list(tests.iter().map(|test| Value::symbol(self.model.test_name(*test))))
+        Value::list(tests.iter().map(|test| Value::symbol(self.diagnoser.model().test_name(*test))))
     }
 
     fn measure(&self, attribute: &str, object: &str, value: Value, reported: &mut Reported) {

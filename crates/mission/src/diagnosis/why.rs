@@ -26,7 +26,7 @@ pub fn why(reader: &RecordReader, component: &str, at: Time) -> MissionResult<Op
     };
     let situation = situation_at(reader, &mission, at)?;
     let mut diagnoser = Diagnoser::new(Arc::clone(model));
-    diagnoser.set_all(situation.diagnosis.outcomes().iter().copied().enumerate());
+    diagnoser.report_all(situation.diagnosis.reports());
     let answer = explain(&diagnoser, component).zip(explain_json(&diagnoser, component));
     Ok(answer.map(|(text, json)| ComponentHealth { text, json }))
 }

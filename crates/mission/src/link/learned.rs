@@ -213,6 +213,11 @@ impl Learned {
         self.losses_count = self.losses_count.saturating_add(1);
     }
 
+    /// Counts a loss of a link whose level does not depend on the place.
+    pub(crate) fn lose_everywhere(&mut self) {
+        self.losses_count = self.losses_count.saturating_add(1);
+    }
+
     /// Returns the response to the last loss if no instruction arrives: the contingency route if an earlier loss had the same goal or the
     /// greatest number of losses is reached, otherwise the response that the mission states.
     pub(crate) fn default_of(&self, lost: &LostLink, cells: &Cells) -> LostDefault {

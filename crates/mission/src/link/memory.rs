@@ -1,6 +1,7 @@
 //! The links of a flight as remembered by the situation, and the measurements published about them.
 //!
-//! Published as inputs of the next batch, so that the record contains them: `(good-link-place MODEM)` as the vehicle moves;
+//! Published as inputs of the next batch, so that the record contains them: `(good-link-place MODEM)` as the vehicle moves, or, once,
+//! `(link-is-the-same-everywhere MODEM)` for a link without a station on the ground, such as that of a satellite;
 //! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost; `(weak-link-areas AIRCRAFT)` when it is lost or
 //! regained. Flown paths avoid these areas.
 
@@ -48,6 +49,8 @@ pub(crate) struct Link {
     name: String,
     pub(crate) learned: Learned,
     published: Option<Location>,
+    /// True if the level does not depend on the place: places teach nothing, and a loss is not one on the way to a place.
+    is_everywhere: bool,
 }
 
 impl LinkMemory {
@@ -97,8 +100,18 @@ impl LinkMemory {
             return;
         }
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
+        let is_new = !self.links.contains_key(&key);
         let link = self.links.entry(key).or_default();
-        link.name = variable.object.to_string();
+        if is_new {
+            link.name = variable.object.to_string();
+            link.is_everywhere = has_no_station(mission, &link.name);
+            if link.is_everywhere {
+                inputs.push(sample(at, "link-is-the-same-everywhere", &link.name, Value::symbol("t")));
+            }
+        }
+        if link.is_everywhere {
+            return;
+        }
         link.learned.measure(&mission.lost_link, &cells, (at.seconds(), here), level);
         let moved_m = (MOVED_S * mission.model.true_airspeed_m_s_cruise).max(MOVED_M_MIN);
         let Some(good) = link.learned.good_place else { return };
@@ -120,7 +133,10 @@ impl LinkMemory {
         }
         let (here, goal) = (self.here, self.goal.map(|(_, goal)| goal));
         let (Some(here), Some(link)) = (here, self.links.get_mut(&name.to_string().to_lowercase())) else { return };
-        link.learned.lose(at.seconds(), here, goal);
+        match link.is_everywhere {
+            true => link.learned.lose_everywhere(),
+            false => link.learned.lose(at.seconds(), here, goal),
+        }
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
         let default = link.learned.default_of(&mission.lost_link, &cells);
         let name = link.name.clone();
@@ -158,10 +174,22 @@ impl LinkMemory {
         avoid::without_weak_links(mission, &|name| self.link(name), here)
     }
 
+    /// Returns true for a link whose level does not depend on the place.
+    pub(crate) fn is_everywhere(&self, name: &str) -> bool {
+        self.links.get(&name.to_lowercase()).is_some_and(|link| link.is_everywhere)
+    }
+
     /// Returns a link by its name.
     pub(crate) fn link(&self, name: &str) -> Option<&Learned> {
         self.links.get(&name.to_lowercase()).map(|link| &link.learned)
     }
+}
+
+/// Returns true for a link of which the mission states that its level does not depend on the place: a modem without a station.
+fn has_no_station(mission: &Mission, name: &str) -> bool {
+    let is_it = |known: &str| known.eq_ignore_ascii_case(name);
+    let is_mapped = mission.link_map.iter().any(|link| is_it(&link.name));
+    !is_mapped && mission.modems.iter().any(|modem| is_it(&modem.name) && modem.level.station.is_none())
 }
 
 /// Returns true if two places are at least `least_m` apart. A plane chart decides clear cases, because geodesics are expensive.

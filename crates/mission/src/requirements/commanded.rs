@@ -48,6 +48,8 @@ pub(super) struct Commanded {
     circle: Option<Position>,
     /// Airspeed that was commanded last.
     pub(super) true_airspeed_mps: Option<f64>,
+    /// Place at which a contingency lands, with its elevation: the zones around it are broken on purpose.
+    pub(super) landing_at: Option<(Position, f64)>,
     /// Number of changes of the order: a change is evaluated at once.
     pub(super) changes: u32,
 }
@@ -58,6 +60,13 @@ impl Commanded {
         match effect {
             Effect::Command { command, form, .. } => self.begin(now_s, *command, form, place),
             Effect::WithdrawCommand { command, .. } => self.end(*command),
+            Effect::Inform { form, .. } => {
+                if let Some([Value::Symbol(head), _, to]) = form.as_list()
+                    && (head.is("landing-because") || head.is("engine-out"))
+                {
+                    self.landing_at = place(to);
+                }
+            }
             _ => {}
         }
     }

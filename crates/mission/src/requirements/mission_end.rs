@@ -7,8 +7,8 @@ use super::response::Response;
 use crate::closing::closing;
 use crate::descent::Descent;
 use crate::vehicle::way_altitude_m_max;
+use crate::ways::is_inside;
 use apex_geo::geodesy::{self, Position};
-use apex_geo::plane::{Plane, inside};
 use apex_geo::wind::{self, Wind, WindAt, leg_times_s};
 use apex_model::problem::ZoneKind;
 use apex_model::quantity::Dimension;
@@ -114,7 +114,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns true if a landing site lies in a restricted zone that is active now.
-    fn is_shut(&self, site: &LandingSite<'_>) -> bool {
+    pub(super) fn is_shut(&self, site: &LandingSite<'_>) -> bool {
         let restricted = self.mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
         restricted.filter(|zone| zone.active.contains(self.now_s)).any(|zone| {
             let is_at_height = (zone.altitude_m_min..=zone.altitude_m_max).contains(&site.elevation_m);
@@ -122,6 +122,14 @@ impl<'a> Scene<'a> {
                 && chart_distance_m(site.position, &zone.corners) <= 0.0
                 && is_inside(site.position, &zone.corners)
         })
+    }
+
+    /// Returns true for a zone around the place at which a contingency lands. A turn away from it would only delay the landing.
+    pub(super) fn is_broken_on_purpose(&self, number: usize) -> bool {
+        let Some(((place, elevation_m), zone)) = self.landing_at.zip(self.mission.zones.get(number)) else {
+            return false;
+        };
+        (zone.altitude_m_min..=zone.altitude_m_max).contains(&elevation_m) && is_inside(place, &zone.corners)
     }
 
     /// Returns the time from a position to a place, leaving after `after_s`, in the forecast wind or in the wind as measured, whichever
@@ -161,10 +169,4 @@ impl<'a> Scene<'a> {
     pub(super) fn site_for_mission_end(&self, reading: &Reading) -> LandingSite<'a> {
         self.landing_sites().find(|site| site.name == reading.what).unwrap_or_else(|| self.base())
     }
-}
-
-fn is_inside(position: Position, corners: &[Position]) -> bool {
-    let plane = Plane::new(position);
-    let corners: Option<Vec<_>> = corners.iter().map(|corner| plane.project(*corner)).collect();
-    corners.is_some_and(|corners| inside(Default::default(), &corners))
 }

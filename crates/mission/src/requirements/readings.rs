@@ -83,6 +83,8 @@ pub(super) struct Scene<'a> {
     ahead: Option<Route>,
     /// The flight command that is open.
     pub(super) order: Option<&'a FlightOrder>,
+    /// Place at which a contingency lands, with its elevation.
+    pub(super) landing_at: Option<(Position, f64)>,
     /// The way from here to the nearest landing site, once a reading has asked for it.
     way_from_here: OnceCell<WayToSite<'a>>,
 }
@@ -135,7 +137,22 @@ impl<'a> Scene<'a> {
         let route = along(begin, order, &plane, &circling, mission.requirements.look_ahead_s);
         let way_from_here = OnceCell::new();
         let order = commanded.order.as_ref();
-        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, ahead, order, way_from_here })
+        let landing_at = commanded.landing_at;
+        Some(Scene {
+            mission,
+            forecast,
+            flown,
+            links,
+            here,
+            now_s,
+            plane,
+            motion,
+            route,
+            ahead,
+            order,
+            landing_at,
+            way_from_here,
+        })
     }
 
     pub(super) fn requirements(&self) -> &'a Requirements {
@@ -300,7 +317,7 @@ impl<'a> Scene<'a> {
         let mut margin = (far_m - buffer.horizontal_m).min(DISTANCE_M_MAX);
         let mut what = None;
         let mut first: Option<(f64, usize)> = None;
-        for zone in zones.iter().filter(|zone| zone.is_restricted()) {
+        for zone in zones.iter().filter(|zone| zone.is_restricted() && !self.is_broken_on_purpose(zone.number)) {
             if zone.is_active(self.now_s) {
                 let here_m = zone.keep_out_m(Point::default(), self.flown.altitude_m, &buffer);
                 if here_m < margin {

@@ -1,6 +1,6 @@
 //! Ways out: the destination of a response.
 
-use super::readings::{Reading, Scene};
+use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
 use super::statement::LandingReach;
 use apex_geo::geodesy::{self, Position};
@@ -33,6 +33,7 @@ impl Scene<'_> {
         let site = match reading.concern {
             Concern::Energy => self.site_for_energy(),
             Concern::MissionEnd => self.site_for_mission_end(reading),
+            _ if is_escalated => self.nearest_open_site(),
             _ => self.nearest_site(self.here).0,
         };
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
@@ -65,6 +66,14 @@ impl Scene<'_> {
                 (Response::TurnAway, self.good_link_place(reading).unwrap_or_else(|| self.turn_away().0))
             }
         }
+    }
+
+    /// Returns the nearest landing site outside of active restricted zones; the nearest one if all are inside.
+    fn nearest_open_site(&self) -> LandingSite<'_> {
+        let distance_m = |site: &LandingSite<'_>| geodesy::distance_m(self.here, site.position);
+        let open = self.landing_sites().filter(|site| !self.is_shut(site));
+        let nearest = open.min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        nearest.unwrap_or_else(|| self.nearest_site(self.here).0)
     }
 
     fn away_m(&self) -> f64 {

@@ -1,6 +1,38 @@
 //! Messages of library `contingencies` as lines of the report: what failed, and what the aircraft does.
 
 use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// The landing by a contingency: each of its parts reports the requirements that it has to break, but the decision is one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct ContingencyLanding {
+    /// Names of requirements that are broken on purpose; `None` before such a landing.
+    broken: Option<BTreeSet<String>>,
+}
+
+impl ContingencyLanding {
+    /// Begins a landing if a message announces one.
+    pub(super) fn begin_if(&mut self, lands: bool) {
+        if lands {
+            self.broken = Some(BTreeSet::new());
+        }
+    }
+
+    /// Returns the line of the report for a requirement that no way keeps; `None` if the landing has reported it.
+    pub(super) fn broken(&mut self, name: String, why: &str) -> Option<String> {
+        let Some(known) = &mut self.broken else {
+            return Some(format!("a requirement has to be broken: {name}, because {why}"));
+        };
+        let line = format!("this landing breaks {name} on purpose, because {why}");
+        known.insert(name).then_some(line)
+    }
+}
+
+/// Returns the word of reports for a reading.
+fn position_of(reading: &str) -> &str {
+    if reading == "location" { "position" } else { reading }
+}
 
 /// Returns the line for a message; `None` for another message.
 pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
@@ -21,6 +53,12 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
             None => format!("landing early: {subject}"),
         },
         "landing-after-failed-flight" => format!("the flight to {subject} failed or had no answer: landing there"),
+        "reading-frozen" | "reading-silent" if subject != "altitude" => {
+            let what = if head == "reading-frozen" { "is frozen" } else { "is missing" };
+            let response = if subject == "location" { "waiting for it" } else { "landing" };
+            format!("the reading of the {} {what}: {response}", position_of(&subject))
+        }
+        "reading-regained" => format!("the reading of the {} has returned", position_of(&subject)),
         "reading-frozen" => format!("the reading of the {subject} is frozen: flying higher, unless the aircraft lands"),
         "navigation-degraded" => "navigation is degraded: flying higher".to_string(),
         "navigation-lost" => "navigation is lost".to_string(),

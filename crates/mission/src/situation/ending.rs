@@ -11,7 +11,7 @@ use apex_model::event::{Batch, EventKind};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::problem::Position;
 use apex_model::task::{TaskId, TaskState};
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,6 +62,12 @@ pub(crate) struct Ending {
     idle: Option<IdlePlan>,
     /// Reason of the last planner that had no plan.
     no_plan: Option<String>,
+    /// The last new position, and its instant. One that repeats the position before it, although the vehicle moves, is not new.
+    location: Option<Value>,
+    located_at: Time,
+    is_moving: bool,
+    /// Last instant in the air.
+    airborne_until: Time,
 }
 
 impl Ending {
@@ -69,9 +75,7 @@ impl Ending {
     pub(super) fn observe(&mut self, batch: &Batch, effects: &[Effect]) {
         for event in &batch.events {
             match &event.kind {
-                EventKind::Measurement(variable, value) if variable.attribute.is("on-ground") => {
-                    self.is_airborne = Some(!value.is_true());
-                }
+                EventKind::Measurement(variable, value) => self.measure(event.at, variable.attribute.folded(), value),
                 EventKind::Occurrence(form) if form.head().is_some_and(|head| head.is("crashed")) => {
                     self.has_crashed = true;
                 }
@@ -87,6 +91,25 @@ impl Ending {
                 self.commands.remove(command);
             }
         }
+    }
+
+    fn measure(&mut self, at: Time, attribute: &str, value: &Value) {
+        match attribute {
+            "on-ground" => self.is_airborne = Some(!value.is_true()),
+            "ground-speed" => self.is_moving = value.as_number().is_some_and(|(speed, _)| speed > MOVING_M_S),
+            "location" if !self.is_moving || self.location.as_ref() != Some(value) => {
+                (self.location, self.located_at) = (Some(value.clone()), at);
+            }
+            _ => {}
+        }
+        if self.is_airborne == Some(true) {
+            self.airborne_until = at;
+        }
+    }
+
+    /// Returns the instant of the last new position if the flight lasted for longer than [`UNLOCATED_MIN`] after it.
+    fn located_until(&self) -> Option<Time> {
+        (self.airborne_until - self.located_at > UNLOCATED_MIN).then_some(self.located_at)
     }
 
     fn take<'e>(&mut self, now: Time, effect: &'e Effect, failures: &mut BTreeMap<TaskId, &'e Cause>) {
@@ -240,6 +263,9 @@ impl Ending {
             vehicle.altitude_m
         );
         // Formatting into a string cannot fail.
+        if let Some(until) = self.located_until() {
+            let _ = write!(sentence, "; its last new position is that of {until}");
+        }
         if let Some((since, form)) = self.commands.values().next_back() {
             let _ = write!(
                 sentence,
@@ -262,6 +288,13 @@ impl Ending {
     /// start; `None` for another one.
     pub(crate) fn landed_away(&self, mission: &Mission, position: Option<Position>) -> Option<String> {
         let position = position.filter(|_| self.is_airborne == Some(false) && !self.has_crashed)?;
+        if let Some(until) = self.located_until() {
+            let (latitude_deg, longitude_deg) = (position.latitude_deg, position.longitude_deg);
+            return Some(format!(
+                "the vehicle is on the ground, it is not known where: the last new position is that of {until}, \
+                 ({latitude_deg:.5} {longitude_deg:.5})"
+            ));
+        }
         let places = mission.landing_places();
         let nearest = landing::nearest(&places, position).map(|(place, distance_m)| (place.name.as_str(), distance_m));
         let start = ("its start", geodesy::distance_m(position, mission.start));
@@ -277,6 +310,10 @@ impl Ending {
     }
 }
 
+/// Ground speed from which on a vehicle cannot be where it was.
+const MOVING_M_S: f64 = 3.0;
+/// Time in the air without a new position after which the place of the vehicle counts as unknown.
+const UNLOCATED_MIN: Duration = Duration(60_000_000_000);
 /// Distance from a landing place up to which a landing counts as one at the place: a fixed wing rolls out beyond it.
 const AWAY_M: f64 = 3_000.0;
 

@@ -71,8 +71,13 @@ pub enum MissionEvent {
         /// Reason.
         why: String,
     },
-    /// A message of library `contingencies`, as a line of the report.
-    Contingency(String),
+    /// A message of library `contingencies`.
+    Contingency {
+        /// The line of the report.
+        line: String,
+        /// True if the aircraft lands.
+        lands: bool,
+    },
     /// New data of the mission.
     Update(MissionUpdate),
 }
@@ -111,7 +116,9 @@ impl MissionEvent {
                 MissionEvent::RequirementBroken { name: words(items.first()?), why: words(items.get(1)?) }
             }
             head => match contingency::line(head, items) {
-                Some(line) => MissionEvent::Contingency(line),
+                Some(line) => {
+                    MissionEvent::Contingency { line, lands: matches!(head, "engine-out" | "landing-because") }
+                }
                 None => MissionEvent::Update(MissionUpdate::read(head, items)?),
             },
         })

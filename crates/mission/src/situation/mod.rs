@@ -104,6 +104,8 @@ pub struct Situation {
     pub links: LinkMemory,
     /// Outcomes of tests and the diagnoses derived from them.
     pub diagnosis: DiagnosisService,
+    /// The landing by a contingency, if there is one.
+    landing: contingency::ContingencyLanding,
     /// Facts about the end of the flight.
     ending: Ending,
     /// Additions of the last step to the next batch: a function of the rest, and not stored.
@@ -240,16 +242,13 @@ impl Situation {
     fn predicted(&self, mission: &Mission, target: &str) -> Option<Predicted> {
         let Plan::SingleVisit(plan) = &self.plan.as_ref()?.plan else { return None };
         let visit = plan.visits.iter().find(|visit| visit.target == target)?;
-        let quality = visit.quality.clone()?;
-        let (timing, worth) = (visit.timing, visit.worth);
         let lead_in = visit.route.last().zip(self.line_begins.get(target));
         let lead_in_s = lead_in.and_then(|(entry, begin)| {
             let airspeed_mps = mission.model.true_airspeed_m_s_cruise;
             let forecast = self.updates.forecast(mission);
             wind::leg_time_s(*entry, begin.position, begin.altitude_m, airspeed_mps, forecast, visit.begin_s)
         });
-        let begin_s = visit.begin_s + lead_in_s.unwrap_or(0.0);
-        Some(Predicted { quality, timing, worth, begin_s, end_s: visit.end_s })
+        Predicted::of(visit, lead_in_s.unwrap_or(0.0))
     }
 
     fn change(&mut self, target: String, at: Time, state: TargetState, detail: String) {
@@ -298,7 +297,8 @@ impl Situation {
             }
             MissionEvent::ReplanWanted(reason) => self.note(at, format!("replanning wanted: {reason}")),
             MissionEvent::CommunicationLost(link) => {
-                self.note(at, format!("communication over {link} lost: going back"));
+                let response = if self.links.is_everywhere(&link) { "waiting here" } else { "going back" };
+                self.note(at, format!("communication over {link} lost: {response}"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
             MissionEvent::CommunicationNotRegained(link) => {
@@ -322,9 +322,12 @@ impl Situation {
                 self.note(at, format!("picture of {target} in memory"));
             }
             MissionEvent::RequirementBroken { name, why } => {
-                self.note(at, format!("a requirement has to be broken: {name}, because {why}"));
+                self.notes.extend(self.landing.broken(name, &why).map(|text| Note { at, text }));
             }
-            MissionEvent::Contingency(line) => self.note(at, line),
+            MissionEvent::Contingency { line, lands } => {
+                self.landing.begin_if(lands);
+                self.note(at, line);
+            }
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
             MissionEvent::Update(update) => self.take_update(mission, at, update),
         }

@@ -1,6 +1,7 @@
 //! The host functions about paths: convert PDL values to requests, and paths to options of a command.
 
 use super::landing::on_line;
+use super::landing_places;
 use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
 use super::wait::PlannedStart;
@@ -17,8 +18,9 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
-const FUNCTIONS: [(&str, usize, usize, Body); 11] = [
+/// Names, least and greatest numbers of arguments. The last one, which may be left out, is `(weak-link-areas AIRCRAFT)` for ways, and the
+/// time for landing places.
+const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
@@ -27,8 +29,9 @@ const FUNCTIONS: [(&str, usize, usize, Body); 11] = [
     ("way-to-segment", 6, 6, to_segment),
     ("time-before-line", 6, 6, before_line),
     ("time-on-circle", 7, 7, on_circle),
-    ("landing-place-near", 2, 2, landing_place_near),
-    ("landing-place-in-glide", 3, 3, landing_place_in_glide),
+    ("landing-place-near", 2, 3, landing_places::near),
+    ("landing-place-in-glide", 3, 4, landing_places::in_glide),
+    ("landing-place-zones", 2, 2, landing_places::zones),
     ("forecast-error", 4, 4, forecast_error),
 ];
 
@@ -48,53 +51,14 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
                 let wanted = if least == most { least.to_string() } else { format!("{least} or {most}") };
                 return Err(format!("`{name}` takes {wanted} arguments and was given {}.", arguments.len()));
             }
-            let (arguments, areas) = arguments.split_at(least);
+            let of_way = if name.starts_with("way-to") { least } else { arguments.len() };
+            let (arguments, areas) = arguments.split_at(of_way);
             let limits = limits.with_weak(areas.first().map(weak_areas).unwrap_or_default());
             body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
         };
         functions.register(name, Arc::new(function));
     }
     time_limits::register(limits, functions);
-}
-
-/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, otherwise nil.
-fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
-    let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
-    let here = Location::of(location)?.position;
-    let Some((reach_m, Dimension::LENGTH | Dimension::NONE)) = reach.as_number() else {
-        return Err(format!("the reach must be a length; got {reach}"));
-    };
-    let places = limits.landing_places.iter().map(|place| (geodesy::distance_m(here, place.position), &place.name));
-    let nearest = places.filter(|(distance_m, _)| *distance_m <= reach_m).min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
-}
-
-/// Evaluates `(landing-place-in-glide LOCATION RATIO MARGIN)`: the name of the landing place over which a glide arrives highest, if that is
-/// at least MARGIN above it; else nil.
-fn landing_place_in_glide(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
-    let [location, ratio, margin] = arguments else {
-        return Err("a location, a ratio and a margin are missing".to_string());
-    };
-    if !location.is_true() {
-        return Ok(Value::nil());
-    }
-    let here = Location::of(location)?;
-    let ratio = match ratio.as_number() {
-        Some((ratio, Dimension::NONE)) if ratio > 0.0 => ratio,
-        // Without a glide ratio above zero, no place is in reach.
-        Some((_, Dimension::NONE)) => return Ok(Value::nil()),
-        _ => return Err(format!("the glide ratio must be a number; got {ratio}")),
-    };
-    let Some((margin_m, Dimension::LENGTH | Dimension::NONE)) = margin.as_number() else {
-        return Err(format!("the margin must be a length; got {margin}"));
-    };
-    let altitude_m = here.altitude_m.unwrap_or(0.0);
-    let places = limits.landing_places.iter().map(|place| {
-        let elevation_m = limits.place(&place.name).map_or(0.0, |(_, elevation_m)| elevation_m);
-        (altitude_m - elevation_m - geodesy::distance_m(here.position, place.position) / ratio, &place.name)
-    });
-    let highest = places.filter(|(over_m, _)| *over_m >= margin_m).max_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(highest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
 /// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its

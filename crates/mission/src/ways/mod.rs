@@ -9,6 +9,7 @@ mod answers;
 mod circles;
 mod crossed;
 mod landing;
+mod landing_places;
 mod least;
 mod limits;
 mod route;
@@ -20,6 +21,7 @@ mod wait;
 
 pub(crate) use answers::register;
 pub(crate) use circles::STRAIGHT_CLIMB_M;
+pub(crate) use landing_places::is_inside;
 pub use limits::Limits;
 pub(crate) use limits::lead_in_s;
 pub(crate) use route::time_error_s;
