@@ -3,10 +3,13 @@
 import { type Alarm, alarmsOf } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
 import type { RecordSource } from '../record/source';
+import { isWatchedState, marginsOf } from '../record/states';
 import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from '../record/types';
 
 /** Number of signals whose excursions are requested at a time. */
 const SIGNALS_MAX = 24;
+/** Resolution at which the margins of requirements at risk are read. */
+const MARGIN_PIXELS = 2000;
 
 export class Alarms {
   windows = $state.raw<SignalWindow[]>([]);
@@ -24,10 +27,18 @@ export class Alarms {
         const watched = signals.filter(
           one => one.kind === 'number' && one.limits.some(limit => limit.guarded),
         );
-        const names = watched.slice(0, SIGNALS_MAX).map(one => one.name);
-        if (names.length === 0) return { windows: [], commands };
-        const answer = await source.samples({ names, fromNs: 0, toNs: atNs, atNs, pixels: 1 });
-        return { windows: answer.windows, commands };
+        const read = async (names: string[], pixels: number): Promise<SignalWindow[]> => {
+          if (names.length === 0) return [];
+          const query = { names: names.slice(0, SIGNALS_MAX), fromNs: 0, toNs: atNs, atNs, pixels };
+          return (await source.samples(query)).windows;
+        };
+        const namesOf = (some: typeof signals) => some.map(one => one.name);
+        const [limits, states] = await Promise.all([
+          read(namesOf(watched), 1),
+          read(namesOf(signals.filter(isWatchedState)), 1),
+        ]);
+        const margins = await read(marginsOf(states), MARGIN_PIXELS);
+        return { windows: [...limits, ...states, ...margins], commands };
       },
       ({ windows, commands }) => {
         this.windows = windows;

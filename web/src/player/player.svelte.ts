@@ -473,7 +473,7 @@ export class Player {
   }
 
   /** Moves the cursor to a failure or fault and selects its subject. */
-  showTrouble(trouble: Trouble): void {
+  showTrouble(trouble: Pick<Trouble, 't_ns' | 'task' | 'target'>): void {
     this.pause();
     this.selection =
       trouble.task !== null ? { task: trouble.task } : trouble.target ? { target: trouble.target } : null;
