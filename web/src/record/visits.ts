@@ -17,6 +17,11 @@ export interface Visit {
 /** The reason of a target that needs no observation any longer, as the record has it. */
 const TARGET_GONE = 'no longer a target';
 
+/** True for a target that needs no observation any longer. */
+export function isGone(target: Pick<Target, 'detail'>): boolean {
+  return target.detail === TARGET_GONE;
+}
+
 /**
  * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
  * so by text and marks. The number of observed targets is the same everywhere.
