@@ -4,9 +4,9 @@ import {
   addable,
   commitForms,
   draftTable,
+  missedWords,
   movedVisit,
   openPart,
-  passedWords,
   underWayWords,
   withoutVisit,
 } from './view';
@@ -62,10 +62,10 @@ describe('a draft', () => {
       1260e9,
     );
     expect([over.visits, over.underWay]).toEqual([['school', 'camp'], null]);
-    const passed = openPart(plan, targets([], [['observing', 1330]]), 1340e9);
-    expect([passed.visits, passed.underWay]).toEqual([['school', 'camp'], 'school']);
-    expect(passedWords(passed.passed, one => one)).toBe(
-      'Passed over, not in the draft: camp, planned 0:19:57.',
+    const later = openPart(plan, targets([], [['observing', 1330]]), 1340e9);
+    expect([later.visits, later.underWay]).toEqual([['school', 'camp'], 'school']);
+    expect(missedWords(later.missed, one => one)).toBe(
+      'Not flown, and not in the draft: camp, planned 0:19:57.',
     );
   });
 

@@ -10,8 +10,8 @@ export interface OpenPart {
   visits: string[];
   /** The target of the first visit, if the vehicle observes it or is on the way to it later than planned. */
   underWay: string | null;
-  /** Planned visits that were passed over: later ones have begun. */
-  passed: { target: string; beginNs: number }[];
+  /** Planned visits that were not flown although later ones have begun. */
+  missed: { target: string; beginNs: number }[];
 }
 
 /** The visits of a plan that are not over. A visit whose planned begin is past is open until it, or a later one, has been flown. */
@@ -28,7 +28,7 @@ export function openPart(plan: PlanInForce | null, targets: readonly Target[], a
   return {
     visits: open.map(visit => visit.target),
     underWay: isUnderWay ? first.target : null,
-    passed: planned
+    missed: planned
       .filter((_, index) => index < last && begun[index] === null)
       .map(visit => ({ target: visit.target, beginNs: visit.begin_ns })),
   };
@@ -51,13 +51,13 @@ export function underWayWords(
   };
 }
 
-/** `Passed over, not in the draft: Winery, planned 0:12:40.`; empty if none was. */
-export function passedWords(passed: OpenPart['passed'], nameOf: (target: string) => string): string {
-  if (passed.length === 0) return '';
-  const each = passed.map(
+/** `Not flown, and not in the draft: Winery, planned 0:12:40.`; empty if none was missed. */
+export function missedWords(missed: OpenPart['missed'], nameOf: (target: string) => string): string {
+  if (missed.length === 0) return '';
+  const each = missed.map(
     ({ target, beginNs }) => `${nameOf(target)}, planned ${clock(beginNs / NANOSECONDS_PER_SECOND)}`,
   );
-  return `Passed over, not in the draft: ${each.join('; ')}.`;
+  return `Not flown, and not in the draft: ${each.join('; ')}.`;
 }
 
 /** `visits` with the visit at `from` moved to another position. */
