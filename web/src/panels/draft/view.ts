@@ -2,7 +2,7 @@
 
 import type { PlanInForce, Target } from '../../record/types';
 import { begunVisits, isGone } from '../../record/visits';
-import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
+import { NANOSECONDS_PER_SECOND, plannedClock } from '../../time/format';
 
 /** The part of a plan that is still to be flown. */
 export interface OpenPart {
@@ -54,9 +54,7 @@ export function underWayWords(
 /** `Not flown, and not in the draft: Winery, planned 0:12:40.`; empty if none was missed. */
 export function missedWords(missed: OpenPart['missed'], nameOf: (target: string) => string): string {
   if (missed.length === 0) return '';
-  const each = missed.map(
-    ({ target, beginNs }) => `${nameOf(target)}, planned ${clock(beginNs / NANOSECONDS_PER_SECOND)}`,
-  );
+  const each = missed.map(({ target, beginNs }) => `${nameOf(target)}, planned ${plannedClock(beginNs)}`);
   return `Not flown, and not in the draft: ${each.join('; ')}.`;
 }
 

@@ -1,6 +1,7 @@
 /** Contents of the map at an instant; pure. */
 
 import { middleLongitude, wrapLongitude } from '../../record/longitude';
+import { isInside } from '../../record/passing';
 import type { LandingPlace, PlanInForce, Surroundings, Target, Track } from '../../record/types';
 import { isUnmentioned, notInPlan, reasonSince, shownState } from '../../record/visits';
 import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
@@ -180,16 +181,6 @@ export function zoneAt(place: Position, zones: readonly ZoneView[]): string | nu
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(around(zone), line)));
   if (here.length === 0) return null;
   return here.map(zone => `${zone.label} (${zone.active ? 'active now' : 'not active now'})`).join('; ');
-}
-
-/** True if a place lies inside of an outline: an odd number of crossings to the east. */
-function isInside([east, north]: Position, line: readonly Position[]): boolean {
-  let inside = false;
-  line.forEach(([x1, y1], index) => {
-    const [x2, y2] = line[(index + 1) % line.length] as Position;
-    if (y1 > north !== y2 > north && east < ((x2 - x1) * (north - y1)) / (y2 - y1) + x1) inside = !inside;
-  });
-  return inside;
 }
 
 function hours(value: number): string {
