@@ -129,7 +129,9 @@ export function failureOf(error: unknown): { error: string; help: string } {
 
 /** The help of an error for readers of the page, who have panels instead of addresses of the server. */
 export function pageHelp(help: string): string {
-  return help.replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks');
+  return help
+    .replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks')
+    .replace('`/api/records` lists them', 'the field “Agent and record” at the top lists them');
 }
 
 const RETRY_MS = 2000;
