@@ -300,41 +300,7 @@ export function degreesText(value: number, step: number, positive: string, negat
   return `${Math.abs(shown).toFixed(decimals)}°${shown < 0 ? negative : positive}`;
 }
 
-export interface Box {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
-
-/** The place of a label next to a symbol, inside the picture and without overlapping other labels; null if there is no space. */
-export function placeLabel(
-  x: number,
-  y: number,
-  width: number,
-  height: number,
-  taken: readonly Box[],
-  room?: { width: number; height: number },
-): Box | null {
-  const gap = 9;
-  const places: Box[] = [
-    { x: x + gap, y: y - height / 2, width, height },
-    { x: x - gap - width, y: y - height / 2, width, height },
-    { x: x - width / 2, y: y - gap - height, width, height },
-    { x: x - width / 2, y: y + gap, width, height },
-    { x: x + gap - 2, y: y - gap - height + 4, width, height },
-    { x: x + gap - 2, y: y + gap - 4, width, height },
-    { x: x - gap + 2 - width, y: y - gap - height + 4, width, height },
-    { x: x - gap + 2 - width, y: y + gap - 4, width, height },
-  ];
-  const fits = ({ x: left, y: top }: Box) =>
-    !room || (left >= 0 && top >= 0 && left + width <= room.width && top + height <= room.height);
-  return places.find(place => fits(place) && !taken.some(box => overlap(place, box))) ?? null;
-}
-
-function overlap(a: Box, b: Box): boolean {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
-}
+export { type Box, placeLabel } from '../../parts/labels';
 
 function bearing(from: Position, to: Position): number {
   const radians = Math.PI / 180;
