@@ -142,13 +142,15 @@ export function pointWords(window: SignalWindow, index: number): string {
   return `${value}, ${withUnit(low * factor, unit)} to ${withUnit(high * factor, unit)} of ${count} samples`;
 }
 
-/** The last known value as text. */
+/** The last known value as text; in a unit of aviation also in that of the record, in which other panels show it. */
 export function valueNow(window: SignalWindow): string {
   const last = window.mean.at(-1);
   if (last === undefined) return '';
   if (window.kind === 'words') return window.words[last] ?? '';
   const { unit, factor } = unitOf(window);
-  return withUnit((window.statistics?.last ?? last) * factor, unit);
+  const value = window.statistics?.last ?? last;
+  const shown = withUnit(value * factor, unit);
+  return factor === 1 ? shown : `${shown} (${withUnit(value, window.unit)})`;
 }
 
 /** Statistics as pairs, over the range that the request states. */
