@@ -8,6 +8,8 @@ import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from '../r
 
 /** Number of signals whose excursions are requested at a time. */
 const SIGNALS_MAX = 24;
+/** Alarms that may be younger than this are not called missing: a live flight advances between two requests. */
+const PRESENT_NS = 60e9;
 /** Resolution at which the margins of requirements at risk are read. */
 const MARGIN_PIXELS = 2000;
 
@@ -15,6 +17,8 @@ export class Alarms {
   windows = $state.raw<SignalWindow[]>([]);
   commands = $state.raw<RecordedCommand[]>([]);
   trouble = $state.raw<string | null>(null);
+  /** The instant of the signals and commands; null before the first answer. */
+  knownNs = $state.raw<number | null>(null);
   private readonly questions: LatestOnly<number, { windows: SignalWindow[]; commands: RecordedCommand[] }>;
 
   constructor(source: RecordSource) {
@@ -40,13 +44,19 @@ export class Alarms {
         const margins = await read(marginsOf(states), MARGIN_PIXELS);
         return { windows: [...limits, ...states, ...margins], commands };
       },
-      ({ windows, commands }) => {
+      ({ windows, commands }, atNs) => {
+        this.knownNs = atNs;
         this.windows = windows;
         this.commands = commands;
         this.trouble = null;
       },
       error => (this.trouble = error instanceof Error ? error.message : String(error)),
     );
+  }
+
+  /** True if the alarms up to an instant, or shortly before it, are known. */
+  isKnownAt(atNs: number): boolean {
+    return this.knownNs !== null && this.knownNs >= atNs - PRESENT_NS;
   }
 
   ask(atNs: number): void {
