@@ -152,7 +152,8 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
     const top = zone.altitude_m_max;
     const inHeight =
       altitudeM === null || (altitudeM >= zone.altitude_m_min && (top === null || altitudeM <= top));
-    const times = zone.active_h.map(([from, to]) => `${hours(from)}–${hours(to)}`).join(', ');
+    // Hours of the mission, unlike those of the civil time in the header.
+    const times = zone.active_h.map(([from, to]) => `T+${hours(from)} to T+${hours(to)}`).join(', ');
     const heights = `${zone.altitude_m_min > 0 ? `${zone.altitude_m_min}–` : 'up to '}${top ?? 'any height'}${top === null ? '' : ' m'}`;
     const box = bounds(lines.flat()) ?? [
       [0, 0],
