@@ -12,4 +12,6 @@ it('moves between rows and within one, and stays inside', () => {
   expect(from(1, 0)('End')).toEqual({ row: 2, item: 0 });
   expect(from(2, 1)('Home')).toEqual({ row: 0, item: 1 });
   expect(from(0, 0)('n')).toBeNull();
+  expect(placeAfter('ArrowDown', { row: 0, item: 1 }, [4])).toEqual({ row: 0, item: 2 });
+  expect(placeAfter('ArrowUp', { row: 0, item: 0 }, [4])).toEqual({ row: 0, item: 0 });
 });

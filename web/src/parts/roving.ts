@@ -6,6 +6,8 @@
 /** The elements of a row, and the rows themselves. */
 const [ITEMS, ROWS] = ['button, summary, [role="button"]', 'tr, li, [role="row"]'];
 
+type Item = HTMLElement | SVGElement;
+
 export interface Place {
   row: number;
   item: number;
@@ -18,6 +20,9 @@ export function placeAfter(key: string, at: Place, sizes: readonly number[]): Pl
     row,
     item: Math.min(item, Math.max((sizes[row] ?? 1) - 1, 0)),
   });
+  // In a single row, up and down move as left and right do.
+  if (last === 0 && (key === 'ArrowDown' || key === 'ArrowUp'))
+    return placeAfter(key === 'ArrowDown' ? 'ArrowRight' : 'ArrowLeft', at, sizes);
   switch (key) {
     case 'ArrowDown':
       return inRow(Math.min(at.row + 1, last), at.item);
@@ -37,11 +42,11 @@ export function placeAfter(key: string, at: Place, sizes: readonly number[]): Pl
 }
 
 /** Makes the buttons of an element one tab stop. */
-export function roving(box: HTMLElement): () => void {
-  let current: HTMLElement | null = null;
-  const rows = (): HTMLElement[][] => {
-    const found = new Map<Element, HTMLElement[]>();
-    for (const item of box.querySelectorAll<HTMLElement>(ITEMS)) {
+export function roving(box: Item): () => void {
+  let current: Item | null = null;
+  const rows = (): Item[][] => {
+    const found = new Map<Element, Item[]>();
+    for (const item of box.querySelectorAll<Item>(ITEMS)) {
       const row = item.closest(ROWS) ?? box;
       found.set(row, [...(found.get(row) ?? []), item]);
     }
@@ -55,13 +60,14 @@ export function roving(box: HTMLElement): () => void {
       if (item.getAttribute('tabindex') !== index) item.setAttribute('tabindex', index);
     }
   };
-  const onfocusin = (event: FocusEvent) => {
-    const item = event.target instanceof Element ? event.target.closest<HTMLElement>(ITEMS) : null;
+  const onfocusin = (event: Event) => {
+    const item = event.target instanceof Element ? event.target.closest<Item>(ITEMS) : null;
     if (!item || !box.contains(item)) return;
     current = item;
     mark();
   };
-  const onkeydown = (event: KeyboardEvent) => {
+  const onkeydown = (event: Event) => {
+    if (!(event instanceof KeyboardEvent)) return;
     if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLInputElement) return;
     const all = rows();
     const row = all.findIndex(items => current !== null && items.includes(current));
