@@ -30,6 +30,8 @@ test('K2: the keys of the agenda act on the tree, and leave the time cursor alon
   await expect(root).toHaveAttribute('aria-expanded', 'true');
   await page.keyboard.press('ArrowRight');
   await expect(tree.getByRole('treeitem').nth(1)).toHaveAttribute('aria-selected', 'true');
+  await tree.getByRole('treeitem').nth(2).click();
+  await expect(tree).toBeFocused();
   await expect(page.getByTestId('time')).toHaveText(time ?? '');
 });
 
