@@ -34,12 +34,14 @@ export class ServedFlight {
       throw new RecordError('the server does not answer', 'is `apex fly --serve` still running?');
     }
     const body = await response.json();
-    const help: string = body.help ?? '';
-    if (!response.ok)
+    // The answer about a server that only shows a record is null.
+    if (!response.ok) {
+      const help: string = body.help ?? '';
       throw new RecordError(
         body.error ?? response.statusText,
         help.includes('/api/session') ? SESSION_HELP : help,
       );
+    }
     return body;
   }
 }
