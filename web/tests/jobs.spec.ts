@@ -148,6 +148,8 @@ test('U1 to U3: the address holds instant, window and selection, and Back undoes
   await expect(page).toHaveURL(first);
   await expect(one).toHaveAttribute('aria-selected', 'true');
   await page.keyboard.press('+');
+  // In the agenda, which has the focus after the press on a task, the arrow keys are those of the tree (K2).
+  await page.getByTestId('timeline').focus();
   await page.keyboard.press('ArrowRight');
   await expect(page).toHaveURL(/t=[\d.]+.*w=[\d.]+-[\d.]+|w=.*t=/);
   const [url, time] = [page.url(), await page.getByTestId('time').textContent()];

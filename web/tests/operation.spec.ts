@@ -139,3 +139,24 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
     expect(commands.replaceAll('\\"', '"')).toContain(entry);
   execFileSync(apexProgram(), ['replay', flight.record], { stdio: 'pipe' });
 });
+
+test('a command to a silent server shows its age, and expires', async ({ page }) => {
+  test.setTimeout(120_000);
+  const silent = await fly(['--paused', '--pace', '30']);
+  try {
+    await page.goto(silent.url);
+    await page.getByTestId('run-pause').click();
+    await lastCommand(page, 'resume: accepted');
+    silent.process.kill('SIGSTOP');
+    await page.getByTestId('run-pause').click();
+    const sent = page.getByTestId('sent-command');
+    await expect(sent).toHaveText(/^pause: sent [1-9]\.\d s$/);
+    await expect(page.getByTestId('last-command')).toHaveCount(0);
+    await expect(sent).toHaveText(/^pause: expired after 10 s: the server does not answer/);
+    silent.process.kill('SIGCONT');
+    await lastCommand(page, 'pause: accepted');
+    await expect(sent).toHaveCount(0);
+  } finally {
+    silent.process.kill('SIGKILL');
+  }
+});

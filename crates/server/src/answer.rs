@@ -52,7 +52,7 @@ impl From<RecordError> for ApiError {
         ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
             error: error.to_string(),
-            help: "if the file is damaged, `apex replay` names the first batch that is".into(),
+            help: "if the file was moved or replaced, serve it again; `apex recover` saves the valid part of a damaged file".into(),
         }
     }
 }

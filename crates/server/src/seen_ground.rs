@@ -37,7 +37,7 @@ fn flown_of(reader: &RecordReader) -> ApiResult<Option<FlownScore>> {
     let Some(mission) = mission_of(reader)? else { return Ok(None) };
     let flown = FlownScore::new(&mission)
         .map_err(|reason| ApiError::bad_request(reason, "check the targets of the record's mission"))?;
-    Ok(flown.map(FlownScore::only_footprints))
+    Ok(flown.map(|flown| flown.only_footprints().as_known_on_board()))
 }
 
 impl Fold {

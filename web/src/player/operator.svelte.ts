@@ -8,12 +8,26 @@ import type { Operation, Wish } from '../record/types';
 const LOOK_MS = 400;
 const LOOK_QUICK_MS = 150;
 
+/** A command of this page to which the server has not answered yet. */
+export interface SentCommand {
+  wish: Wish;
+  /** The browser's time at which it was sent, in milliseconds. */
+  sentMs: number;
+  /** The highest number of a command that the page had seen then: the server's own entry for it has a higher one. */
+  after: number;
+}
+
 export class Operator {
   /** Null if there is no flight to command: the record is of a past flight, or of another program. */
   operation = $state.raw<Operation | null>(null);
   trouble = $state<string | null>(null);
+  /** The commands of this page to which the server has not answered, oldest first. */
+  sent = $state.raw<SentCommand[]>([]);
+  /** The browser's time in milliseconds; it advances while a command is on its way. */
+  nowMs = $state(0);
   /** The browser's time of the last answer, in milliseconds. */
   updatedMs = 0;
+  private clock: ReturnType<typeof setInterval> | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private over = false;
 
@@ -37,6 +51,7 @@ export class Operator {
   close(): void {
     this.over = true;
     clearTimeout(this.timer);
+    clearInterval(this.clock);
   }
 
   async send(wish: Wish): Promise<void> {
@@ -44,6 +59,9 @@ export class Operator {
     // The holder of authority sends the epoch that the page shows, so that the server rejects the command after a hand-over that the page
     // has not seen.
     const authority = this.operation?.authority;
+    const numbers = this.operation?.commands.map(command => command.number) ?? [];
+    const one = { wish, sentMs: performance.now(), after: Math.max(0, ...numbers) };
+    this.track([...this.sent, one]);
     const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null);
     setTimeout(() => void this.watch(), 0);
     try {
@@ -51,6 +69,17 @@ export class Operator {
     } catch (error) {
       this.trouble = error instanceof RecordError ? `${error.message}; ${error.help}` : String(error);
     }
+    this.track(this.sent.filter(other => other !== one));
     await this.watch();
+  }
+
+  private track(sent: SentCommand[]): void {
+    this.sent = sent;
+    this.nowMs = performance.now();
+    clearInterval(this.clock);
+    const tick = () => {
+      this.nowMs = performance.now();
+    };
+    if (sent.length > 0) this.clock = setInterval(tick, LOOK_QUICK_MS);
   }
 }

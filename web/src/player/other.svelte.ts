@@ -20,7 +20,12 @@ export class Other {
   source: RecordSource | null = null;
   private questions: LatestOnly<number, OtherMoment> | null = null;
 
-  open(source: RecordSource | null, id: number | null): void {
+  /** Opens a record; `onMissing` is called with the reason if it cannot be read. */
+  open(
+    source: RecordSource | null,
+    id: number | null,
+    onMissing: (reason: string) => void = () => undefined,
+  ): void {
     if (id === this.id) return;
     this.id = id;
     this.source = source;
@@ -41,9 +46,15 @@ export class Other {
       },
       fail,
     );
-    source.track().then(track => {
-      if (this.source === source) this.track = track;
-    }, fail);
+    source.track().then(
+      track => {
+        if (this.source === source) this.track = track;
+      },
+      error => {
+        fail(error);
+        if (this.source === source && this.trouble) onMissing(this.trouble);
+      },
+    );
   }
 
   ask(atNs: number): void {

@@ -245,6 +245,12 @@ export class Player {
     const mission = this.mission;
     if (!mission) return;
     this.visible = this.axis;
+    const target = this.selectedTarget;
+    if (target !== null && !this.targets.some(one => one.id === target))
+      this.faults = [
+        ...this.faults,
+        `The address has sel=target:${target}; no such target is known by this time.`,
+      ];
     if (address) this.apply(address);
     this.speed = speedFor(this.range);
     this.ask();
@@ -441,7 +447,10 @@ export class Player {
 
   /** Compares with the record of this number; null compares no longer. */
   compareWith(id: number | null): void {
-    this.other.open(id === null ? null : new ServedRecord(this.source.base ?? '', id), id);
+    const missing = (reason: string) => {
+      this.faults = [...this.faults, `The address has vs=${id}; ${reason}.`];
+    };
+    this.other.open(id === null ? null : new ServedRecord(this.source.base ?? '', id), id, missing);
     if (id !== null) this.other.ask(this.atNs);
   }
 
@@ -473,7 +482,7 @@ export class Player {
   }
 
   /** Moves the cursor to a failure or fault and selects its subject. */
-  showTrouble(trouble: Trouble): void {
+  showTrouble(trouble: Pick<Trouble, 't_ns' | 'task' | 'target'>): void {
     this.pause();
     this.selection =
       trouble.task !== null ? { task: trouble.task } : trouble.target ? { target: trouble.target } : null;

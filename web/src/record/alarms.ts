@@ -1,6 +1,8 @@
-/** Alarms: failures, targets left out, watched limits exceeded and open questions, and whether an operator has acknowledged them; pure. */
+/** Alarms: failures, targets left out, watched limits exceeded, requirements at risk, failed navigation, open questions, and whether an operator has acknowledged them; pure. */
 
 import { missionTime, span } from '../time/format';
+import { failures } from './failures';
+import { stateAlarms } from './states';
 import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from './types';
 
 export interface Alarm {
@@ -56,7 +58,7 @@ export function alarmsOf(
   signalName: (window: SignalWindow) => string,
 ): Alarm[] {
   const raised: Raised[] = [
-    ...troubles.flatMap(entry => {
+    ...failures(troubles).flatMap(entry => {
       const word = CALLS[entry.kind];
       if (word === null || entry.t_ns > atNs) return [];
       const { task, target, cause, t_ns } = entry;
@@ -66,6 +68,7 @@ export function alarmsOf(
     }),
     ...questions.flatMap(asked => (asked.asked_ns <= atNs ? [waiting(asked, atNs)] : [])),
     ...windows.flatMap(window => exceeded(window, atNs, signalName(window))),
+    ...stateAlarms(windows, atNs).map(one => ({ ...one, task: null, target: null })),
   ];
   raised.sort((a, b) => a.atNs - b.atNs);
   const alarms = new Map<string, Alarm>();

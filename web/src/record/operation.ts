@@ -3,13 +3,18 @@
 import { RecordError } from './source';
 import type { CommandState, Operation, Wish } from './types';
 
+/** The help for a caller whose role may not do this: a session begins with the link that has another token. */
+const SESSION_HELP = 'open the page by the link of an operator or of the pilot in command';
+/** Time for an answer about the state of the flight; the next request may reach a server that this one has not. */
+const ANSWER_MS = 5000;
+
 /** A server that may have a flight under way. */
 export class ServedFlight {
   constructor(private readonly base: string) {}
 
   /** The flight now; null if the server only shows a record. */
   async operation(): Promise<Operation | null> {
-    return this.ask<Operation | null>('operation');
+    return this.ask<Operation | null>('operation', { signal: AbortSignal.timeout(ANSWER_MS) });
   }
 
   /** Sends a command, with an epoch of authority if one is given; resolves when the command has ended. */
@@ -29,7 +34,14 @@ export class ServedFlight {
       throw new RecordError('the server does not answer', 'is `apex fly --serve` still running?');
     }
     const body = await response.json();
-    if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
+    // The answer about a server that only shows a record is null.
+    if (!response.ok) {
+      const help: string = body.help ?? '';
+      throw new RecordError(
+        body.error ?? response.statusText,
+        help.includes('/api/session') ? SESSION_HELP : help,
+      );
+    }
     return body;
   }
 }

@@ -129,7 +129,9 @@ export function failureOf(error: unknown): { error: string; help: string } {
 
 /** The help of an error for readers of the page, who have panels instead of addresses of the server. */
 export function pageHelp(help: string): string {
-  return help.replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks');
+  return help
+    .replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks')
+    .replace('`/api/records` lists them', 'the field “Agent and record” at the top lists them');
 }
 
 const RETRY_MS = 2000;
@@ -158,7 +160,8 @@ export class ServedRecord implements RecordSource {
   track = (): Promise<Track> => this.get('track', { points: 4000 });
   report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
   surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
-  signals = (atNs: number): Promise<Signals> => this.get('signals', { at: whole(atNs) });
+  signals = async (atNs: number): Promise<Signals> =>
+    withoutTruth(await this.get<Signals>('signals', { at: whole(atNs) }));
   samples = (query: SamplesQuery): Promise<SignalWindows> =>
     this.get('samples', {
       names: query.names.join(','),
@@ -275,6 +278,11 @@ export class ServedRecord implements RecordSource {
     if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
     return body;
   }
+}
+
+/** The signals without the simulator's true values, which are not known in flight. */
+export function withoutTruth({ signals }: Signals): Signals {
+  return { signals: signals.filter(signal => !signal.attribute.startsWith('truth-')) };
 }
 
 /** The server takes whole nanoseconds; a cursor drawn from pixels has fractions. */

@@ -1,6 +1,6 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
-import { clock, missionTime, NANOSECONDS_PER_SECOND } from '../time/format';
+import { clock, missionTime, NANOSECONDS_PER_SECOND, plannedClock } from '../time/format';
 import { INTERRUPTED } from './interrupted';
 import { reasonText } from './plans';
 import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
@@ -16,6 +16,11 @@ export interface Visit {
 
 /** The reason of a target that needs no observation any longer, as the record has it. */
 const TARGET_GONE = 'no longer a target';
+
+/** True for a target that needs no observation any longer. */
+export function isGone(target: Pick<Target, 'detail'>): boolean {
+  return target.detail === TARGET_GONE;
+}
 
 /**
  * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
@@ -103,6 +108,8 @@ export interface Thread {
   reason: string;
   /** True for the plan in force. */
   last: boolean;
+  /** True for a visit of the plan in force that has begun. */
+  begun: boolean;
 }
 
 /** A reason with the instant of the plan that stated it. */
@@ -129,6 +136,8 @@ export interface TargetRow {
   left: (StatedReason & { later: StatedReason | null }) | null;
   /** The plan in force if it does not mention the target; null otherwise. */
   unmentioned: StatedReason | null;
+  /** The instant at which it was first seen without a visit. */
+  passingNs: number | null;
   /** The instant since which it needs no observation any longer; null while it does. */
   goneNs: number | null;
   /** As flown; none before the report. */
@@ -145,11 +154,13 @@ interface Known {
   troubles: readonly Trouble[];
   facts: MissionFacts | null;
   report: Report | null;
+  /** Instants at which targets were seen without a visit. */
+  passing?: ReadonlyMap<string, number>;
   atNs: number;
 }
 
 /** The targets known at the instant, in the order of their planned time, then by name. */
-export function targetRows({ targets, plans, troubles, facts, report, atNs }: Known): TargetRow[] {
+export function targetRows({ targets, plans, troubles, facts, report, passing, atNs }: Known): TargetRow[] {
   const visits = visitsOf(targets, atNs);
   const known = plans.filter(plan => plan.adopted_ns <= atNs);
   const last = known.at(-1);
@@ -158,7 +169,7 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
     const own = visits.filter(
       visit => visit.id === target.id && (visit.toNs > visit.fromNs || visit.state === 'observed'),
     );
-    const threads = known.flatMap(plan => threadsOf(plan, target.id, plan === last));
+    const threads = known.flatMap(plan => threadsOf(plan, target.id, plan === last ? begun : null));
     const next = last?.visits.find((visit, index) => visit.target === target.id && begun[index] === null);
     const row = {
       id: target.id,
@@ -181,6 +192,7 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
             own.some(visit => trouble.t_ns >= visit.fromNs && trouble.t_ns <= visit.toNs),
         )
         .map(trouble => trouble.t_ns),
+      passingNs: passing?.get(target.id) ?? null,
       goneNs: target.detail === TARGET_GONE ? target.since_ns : null,
       factors: factorsOf(report, target.id),
       worth: worthOf(report, target.id),
@@ -195,12 +207,17 @@ export function targetRows({ targets, plans, troubles, facts, report, atNs }: Kn
   return rows.sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
 }
 
-function threadsOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
-  const visits = plan.visits.filter(one => one.target === target).slice(0, last ? undefined : 1);
-  if (visits.length > 0)
-    return visits.map(visit => ({ plan: plan.number, beginNs: visit.begin_ns, reason: '', last }));
+/** The planned times of a target; `begun` are the instants at which the visits of the plan in force have begun, null for earlier plans. */
+function threadsOf(plan: PlanInForce, target: string, begun: readonly (number | null)[] | null): Thread[] {
+  const common = { plan: plan.number, last: begun !== null };
+  const visits = plan.visits.flatMap((visit, index) =>
+    visit.target === target
+      ? [{ ...common, beginNs: visit.begin_ns, reason: '', begun: (begun?.[index] ?? null) !== null }]
+      : [],
+  );
+  if (visits.length > 0) return begun ? visits : visits.slice(0, 1);
   const left = plan.left_out.find(one => one.target === target);
-  return left ? [{ plan: plan.number, beginNs: null, reason: left.reason, last }] : [];
+  return left ? [{ ...common, beginNs: null, reason: left.reason, begun: false }] : [];
 }
 
 function isLeftOut(plan: PlanInForce, target: string): boolean {
@@ -260,9 +277,10 @@ function factorsOf(report: Report | null, target: string): TargetRow['factors'] 
 function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
   if (row.goneNs !== null) parts.push(`${TARGET_GONE} since ${missionTime(row.goneNs)}`);
-  else if (row.nextNs !== null) parts.push(`planned ${missionTime(row.nextNs)}`);
+  else if (row.nextNs !== null) parts.push(`planned T+${plannedClock(row.nextNs)}`);
   else if (row.left) parts.push(leftWords(row.left));
   else if (row.unmentioned) parts.push(row.unmentioned.reason);
+  if (row.passingNs !== null) parts.push(passingWords(row.passingNs));
   const last = row.visits.at(-1);
   if (last) parts.push(visitWords(last, row.visits.length));
   if (row.reflies.length > 0) parts.push(`interrupted ${row.reflies.length}×`);
@@ -276,6 +294,11 @@ function wordsOf(row: Omit<TargetRow, 'words'>): string {
 export function worthWords({ worth, value }: Pick<TargetRow, 'worth' | 'value'>): string {
   if (worth !== null) return value === null ? worth.toFixed(1) : `${worth.toFixed(1)} of ${value}`;
   return value === null ? '' : `up to ${value}`;
+}
+
+/** `seen in passing at 0:08:58`. */
+export function passingWords(atNs: number): string {
+  return `seen in passing at ${clock(atNs / NANOSECONDS_PER_SECOND)}`;
 }
 
 /** The last of the visits, after their number if there are several. */

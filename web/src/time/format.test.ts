@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { civilTime, missionTime, span, ticks } from './format';
+import { civilTime, missionTime, plannedClock, plannedMinute, span, ticks } from './format';
 
 const S = 1e9;
 
@@ -38,4 +38,9 @@ describe('ticks', () => {
     expect(ticks(0, 1 * S, 5).map(mark => mark.label)).toContain('0:00:00.2');
     expect(ticks(5, 5, 5)).toEqual([]);
   });
+});
+
+it('rounds planned times as the reasons of the planner do', () => {
+  expect([plannedClock(2079.855e9), plannedMinute(2079.855e9)]).toEqual(['0:34:40', '0:34']);
+  expect(plannedMinute(2099.9e9)).toBe('0:35');
 });

@@ -17,6 +17,16 @@ export function clock(seconds: number, decimals = 0): string {
   return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${fraction}`;
 }
 
+/** `0:34:40`: a planned time, to the nearest second like those in the planner's reasons. */
+export function plannedClock(ns: number): string {
+  return clock(Math.round(ns / NANOSECONDS_PER_SECOND));
+}
+
+/** `0:34`: a planned time of a row, the minute of the planned second. */
+export function plannedMinute(ns: number): string {
+  return plannedClock(ns).slice(0, -3);
+}
+
 /** `2 h 05 min`, `3 min 20 s`, `4.2 s`, `120 ms`: a span, human-readable. */
 export function span(ns: number): string {
   const seconds = ns / NANOSECONDS_PER_SECOND;

@@ -15,6 +15,9 @@ it('names a goal by its words and targets, without arguments', () => {
     'weigh segment of Ahorn',
   );
   expect(phrase('(keep-in-touch over satellite-link)', names)).toBe('keep in touch over satellite link');
+  expect(phrase('(land home :course 3.14159265359rad :hold P13M18S :via ((85.9 9.8 550.0)))', names)).toBe(
+    'land home',
+  );
   expect(phrase('(take off to 7000m)', names)).toBe('take off to 7000m');
   expect(phrase('(terminate)', names)).toBe('terminate');
 });

@@ -128,6 +128,13 @@ impl FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
     }
 
+    /// Reads the reported positions instead of the true ones, which are not known on board while the navigation fails.
+    #[must_use]
+    pub fn as_known_on_board(mut self) -> FlownScore {
+        self.latest.is_blind_to_truth = true;
+        self
+    }
+
     /// Returns the ground seen so far, including the present swath up to its last kept line; empty without
     /// [`FlownScore::only_footprints`].
     pub fn footprints(&self) -> Option<&Footprints> {

@@ -19,6 +19,8 @@ const AGE_S_MAX: f64 = 2.5;
 pub(super) struct Latest {
     /// Position and altitude above mean sea level: the true ones if the record contains them, otherwise the reported ones.
     pub(super) place: Option<(Position, f64)>,
+    /// True positions are not read: on board only the reported ones are known.
+    pub(super) is_blind_to_truth: bool,
     /// Instant of the last true position.
     truth_at: Option<Time>,
     /// The scanner is on.
@@ -61,6 +63,9 @@ impl Latest {
             "location" | "truth-location" => {
                 let Some(location) = Location::from_value(value) else { return false };
                 if attribute == "truth-location" {
+                    if self.is_blind_to_truth {
+                        return false;
+                    }
                     self.truth_at = Some(at);
                 } else if self.truth_at == Some(at) {
                     return true;
@@ -139,4 +144,26 @@ fn value_is(value: &Value, word: &str) -> bool {
 
 fn known(measured: Option<TimedValue>, at: Time) -> Option<f64> {
     measured.filter(|measured| (at - measured.at).seconds() <= AGE_S_MAX).map(|measured| measured.value)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test stops where it is surprised; the numbers are copies")]
+mod tests {
+    use super::{Latest, StateVariable, Time, Value};
+    use apex_model::symbol::Symbol;
+
+    /// Returns the longitude of the place after a reported and a true position of the same instant.
+    fn longitude(is_blind_to_truth: bool) -> f64 {
+        let mut latest = Latest { is_blind_to_truth, ..Latest::default() };
+        for (attribute, longitude) in [("location", 8.2), ("truth-location", 7.8), ("location", 8.2)] {
+            let variable = StateVariable::new(Symbol::new(attribute), Value::symbol("uav-1"));
+            latest.take(&variable, &Value::list([46.5, longitude, 6_000.0].map(Value::Real)), Time::from_seconds(9.0));
+        }
+        latest.place.unwrap().0.longitude_deg
+    }
+
+    #[test]
+    fn the_true_position_counts_unless_only_the_known_one_is_read() {
+        assert_eq!((longitude(false), longitude(true)), (7.8, 8.2));
+    }
 }

@@ -1,4 +1,5 @@
-//! The mission score during a flight: the score of the report if the flight ended at an instant.
+//! The mission score during a flight, by the positions known on board: with a navigation that works, the score of the report if the flight
+//! ended at an instant.
 
 use super::flown::FlownScore;
 use super::value::{Cost, benefits_of, running_costs};
@@ -59,7 +60,7 @@ impl ScoreHistory {
         if !mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
             return Ok(None);
         }
-        let Some(flown) = FlownScore::new(&mission)? else { return Ok(None) };
+        let Some(flown) = FlownScore::new(&mission)?.map(FlownScore::as_known_on_board) else { return Ok(None) };
         let is_ordered = |kind: &TargetKind| matches!(kind, TargetKind::Fire(fire) if !fire.wanted.after.is_empty());
         let ordered =
             mission.targets.iter().filter(|target| is_ordered(&target.kind)).map(|target| target.id.clone()).collect();

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Task } from '../../record/types';
-import { counts, neighbour, rowsOf, slice, stateLabel, taskTable, tone } from './view';
+import { counts, neighbour, type Row, rowsOf, slice, stateLabel, taskTable, tone, treeStep } from './view';
 
 function task(
   id: number,
@@ -50,6 +50,25 @@ describe('a row', () => {
     expect(stateLabel(task(1, null, 'terminated', 'failure'))).toBe('failed');
     expect(stateLabel(task(1, null, 'terminated'))).toBe('ended');
     expect(tone(task(1, null, 'terminated', 'failure'))).toBe('failed');
+  });
+
+  it('moves by the keys of a tree', () => {
+    const row = (id: number, depth: number, children: number, open: boolean): Row =>
+      ({ task: { id }, depth, children, open }) as unknown as Row;
+    const rows = [row(1, 0, 2, true), row(2, 1, 0, false), row(3, 1, 4, false)];
+    const press = (key: string, selected: number | null) => {
+      const step = treeStep(key, rows, selected);
+      return step && ('to' in step ? step.to : `toggle ${step.toggle.task.id}`);
+    };
+    expect([press('Home', 3), press('End', 1)]).toEqual([1, 3]);
+    expect([press('ArrowRight', 1), press('ArrowRight', 2), press('ArrowRight', 3)]).toEqual([
+      2,
+      2,
+      'toggle 3',
+    ]);
+    expect([press('ArrowLeft', 3), press('ArrowLeft', 1)]).toEqual([1, 'toggle 1']);
+    expect([press('ArrowDown', 1), press('ArrowUp', 3), press('Enter', 3)]).toEqual([2, 2, 'toggle 3']);
+    expect([press('ArrowDown', null), press('n', 1)]).toEqual([1, null]);
   });
 
   it('has a neighbour', () => {

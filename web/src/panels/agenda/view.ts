@@ -90,6 +90,43 @@ export function neighbour(rows: readonly Row[], selected: number | null, by: 1 |
   return rows[Math.min(Math.max(at + by, 0), rows.length - 1)]?.task.id ?? null;
 }
 
+/**
+ * What a key does in the tree: the task that it selects, or the row that it opens or closes; null for other keys. Right opens a row, then
+ * goes to its first child; left closes it, then goes to the task above.
+ */
+export function treeStep(
+  key: string,
+  rows: readonly Row[],
+  selected: number | null,
+): { to: number | null } | { toggle: Row } | null {
+  const at = rows.findIndex(row => row.task.id === selected);
+  const row = rows[at];
+  const id = (index: number) => ({ to: rows[index]?.task.id ?? null });
+  switch (key) {
+    case 'ArrowDown':
+      return { to: neighbour(rows, selected, 1) };
+    case 'ArrowUp':
+      return { to: neighbour(rows, selected, -1) };
+    case 'Home':
+      return id(0);
+    case 'End':
+      return id(rows.length - 1);
+    case 'ArrowRight':
+      if (!row) return id(0);
+      if (row.children === 0) return { to: selected };
+      return row.open ? id(at + 1) : { toggle: row };
+    case 'ArrowLeft':
+      if (!row) return id(0);
+      if (row.open) return { toggle: row };
+      return { to: rows.slice(0, at).findLast(other => other.depth < row.depth)?.task.id ?? selected };
+    case 'Enter':
+    case ' ':
+      return row && row.children > 0 ? { toggle: row } : { to: selected };
+    default:
+      return null;
+  }
+}
+
 /** The tasks as a table, in reading order with their depth, including those in closed branches. */
 export function taskTable(tasks: readonly Task[]): (string | number | null)[][] {
   const rows = rowsOf(tasks, new Map(), true);

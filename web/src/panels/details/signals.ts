@@ -24,14 +24,29 @@ export function addressName(signal: Signal): string {
 
 /** The signals in the address; without any, first those that the mission guards, then some that every flight has. */
 export function chosenSignals(all: readonly Signal[], asked: readonly string[] | null): Signal[] {
-  if (asked) {
-    return asked.flatMap(
-      name => all.find(signal => addressName(signal) === name && signal.kind !== 'other') ?? [],
-    );
-  }
+  if (asked) return [...new Set(asked.flatMap(name => namedSignal(all, name) ?? []))];
   const guarded = all.filter(signal => signal.limits.some(limit => limit.guarded));
   const usual = FIRST.flatMap(name => all.find(signal => signal.attribute === name) ?? []);
   return [...new Set([...guarded, ...usual])].slice(0, FIRST_COUNT);
+}
+
+/** The signal of a name in the address; an attribute without its object names the only signal that has it. */
+function namedSignal(all: readonly Signal[], name: string): Signal | undefined {
+  const plotted = all.filter(signal => signal.kind !== 'other');
+  const named = plotted.filter(signal => signal.attribute === name);
+  return plotted.find(signal => addressName(signal) === name) ?? (named.length === 1 ? named[0] : undefined);
+}
+
+/** What is wrong with the names in the address at an instant: signals that are not measured by then, or attributes of several objects. */
+export function signalFaults(all: readonly Signal[], asked: readonly string[] | null): string[] {
+  return (asked ?? [])
+    .filter(name => !namedSignal(all, name))
+    .map(name => {
+      const objects = all.filter(signal => signal.attribute === name).map(addressName);
+      return objects.length > 0
+        ? `${name} is measured of several objects: ${objects.join(', ')}.`
+        : `No signal ${name} was measured by this time; the field above lists those that were.`;
+    });
 }
 
 export function unitOf(signal: Signal): ShownUnit {
@@ -127,13 +142,15 @@ export function pointWords(window: SignalWindow, index: number): string {
   return `${value}, ${withUnit(low * factor, unit)} to ${withUnit(high * factor, unit)} of ${count} samples`;
 }
 
-/** The last known value as text. */
+/** The last known value as text; in a unit of aviation also in that of the record, in which other panels show it. */
 export function valueNow(window: SignalWindow): string {
   const last = window.mean.at(-1);
   if (last === undefined) return '';
   if (window.kind === 'words') return window.words[last] ?? '';
   const { unit, factor } = unitOf(window);
-  return withUnit((window.statistics?.last ?? last) * factor, unit);
+  const value = window.statistics?.last ?? last;
+  const shown = withUnit(value * factor, unit);
+  return factor === 1 ? shown : `${shown} (${withUnit(value, window.unit)})`;
 }
 
 /** Statistics as pairs, over the range that the request states. */

@@ -66,6 +66,11 @@ it('shows a failure, an unfinished record and the distance from the live end', (
   expect(headerView(broken, 7200e9).statusText).toBe('▲ incomplete: record stops at T+2:00:00');
   const live: Mission = { ...unended, status: 'live' };
   expect(headerView(live, 7200e9, true).statusText).toBe('live');
+  // Without a connection it is not known whether the flight is live.
+  expect(headerView(live, 7200e9, true, null, false)).toMatchObject({
+    status: 'incomplete',
+    statusText: 'no connection, known until T+2:00:00',
+  });
   expect(headerView(live, 7080e9).statusText).toBe('live, 2 min 00 s behind');
 });
 

@@ -56,6 +56,7 @@ export function headerView(
   atNs: number,
   following = false,
   durationNs: number | null = null,
+  connected = true,
 ): HeaderView {
   const decimals = mission.end_ns - mission.from_ns < SHORT_NS ? 1 : 0;
   const { targets, observed, score } = mission;
@@ -63,7 +64,7 @@ export function headerView(
   return {
     title: mission.mission ?? mission.record,
     subtitle: [mission.agent, mission.vehicle].filter(Boolean).join(' · '),
-    ...statusOf(mission, atNs, following),
+    ...statusOf(mission, atNs, following, connected),
     score: score === null ? null : scoreText(score),
     scoreName: mission.score_kind === 'expected-cost-of-ignorance' ? 'expected cost of ignorance' : 'score',
     progress: targets === 0 ? null : `${observed} of ${targets} targets observed`,
@@ -77,8 +78,15 @@ function statusOf(
   mission: Mission,
   atNs: number,
   following: boolean,
+  connected: boolean,
 ): Pick<HeaderView, 'status' | 'statusText' | 'statusHelp'> {
   const { ending, status } = mission;
+  if (status === 'live' && !connected)
+    return {
+      status: 'incomplete',
+      statusText: `no connection, known until ${missionTime(mission.end_ns)}`,
+      statusHelp: 'the server of the flight does not answer; the flight may continue',
+    };
   if (status === 'live') {
     const behind = following ? '' : `, ${span(mission.end_ns - atNs)} behind`;
     return { status, statusText: `live${behind}`, statusHelp: 'the record is being written now' };

@@ -42,7 +42,11 @@ export const KEYS: { keys: string[]; does: string }[] = [
   { keys: ['Home', 'End'], does: 'start of the record; end, and follow it while it grows' },
   { keys: [',', '.'], does: 'play slower, play faster' },
   { keys: ['+', '−', '0'], does: 'zoom the timeline around the cursor; show all of it' },
-  { keys: ['↑', '↓'], does: 'previous, next task, when the agenda has the focus' },
+  { keys: ['↑', '↓'], does: 'previous, next row of the tree, list or grid that has the focus' },
+  {
+    keys: ['←', '→'],
+    does: 'there: close and open a branch, or move within the row; Home and End: first and last row',
+  },
   { keys: ['Enter'], does: 'open or close the chosen task in the agenda' },
   { keys: ['n', 'N'], does: 'next failure or fault, previous one' },
   { keys: ['c'], does: 'copy a link to this view' },

@@ -6,6 +6,7 @@ import {
   readLayer,
   seenPatches,
   weakLinks,
+  weakNote,
   windArrows,
   windNote,
   windText,
@@ -131,4 +132,15 @@ describe('layers of the user', () => {
 it('draws a circle of its radius', () => {
   const [north] = circleAround([10, 45], 111_195);
   expect(north?.[1]).toBeCloseTo(46, 2);
+});
+
+it('names the last time of a weak link, which may be too short to be seen', () => {
+  const weak = [
+    { fromNs: 60e9, toNs: 90e9 },
+    { fromNs: 100e9, toNs: 130e9 },
+  ];
+  const note = 'dotted track: link below its limit, last';
+  expect(weakNote(weak, 50e9)).toBeNull();
+  expect(weakNote(weak, 95e9)).toBe(`${note} T+0:01:00 to T+0:01:30`);
+  expect(weakNote(weak, 120e9)).toBe(`${note} T+0:01:40 to now`);
 });

@@ -76,6 +76,14 @@ export function weakLinks(
     });
 }
 
+/** `dotted track: link below its limit, last T+9:00:21 to T+9:03:20`; null without such a stretch by the instant. */
+export function weakNote(weak: readonly { fromNs: number; toNs: number }[], atNs: number): string | null {
+  const last = weak.findLast(one => one.fromNs < atNs);
+  if (!last) return null;
+  const end = last.toNs >= atNs ? 'now' : missionTime(last.toNs);
+  return `dotted track: link below its limit, last ${missionTime(last.fromNs)} to ${end}`;
+}
+
 /** The part of the flown track in a stretch of time. */
 export function pathBetween(path: Path, fromNs: number, toNs: number): Position[] {
   return path.positions.filter((_, index) => {

@@ -23,6 +23,8 @@ export interface Scene {
   /** The flown way until the instant. */
   flown: Path;
   aircraft: Aircraft | null;
+  /** The aircraft is elsewhere than its reported position, which has a question mark. */
+  isUncertain: boolean;
   targets: TargetView[];
   outlines: Map<string, Position[][]>;
   /** The way still to be flown by the plan in force. */
@@ -66,6 +68,7 @@ export function draw(context: Pen, scene: Scene, frame: Frame, project: Project)
   drawTargets(context, scene, frame, project);
   drawDraft(context, scene.layers, project);
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
+  if (scene.aircraft && scene.isUncertain) drawUncertain(context, scene.aircraft, project);
 }
 
 function drawGraticule(context: Pen, frame: Frame): void {
@@ -311,6 +314,20 @@ function drawAircraft(context: Pen, aircraft: Aircraft, rotorcraft: boolean, pro
   context.fillStyle = COLOURS.craft;
   context.fill();
   context.restore();
+}
+
+/** A dashed circle with a question mark around a position that may be wrong. */
+function drawUncertain(context: Pen, aircraft: Aircraft, project: Project): void {
+  const { x, y } = project(aircraft.position);
+  context.strokeStyle = context.fillStyle = COLOURS.att;
+  context.lineWidth = 1.5;
+  context.setLineDash([4, 3]);
+  context.beginPath();
+  context.ellipse(x, y, 18, 18, 0, 0, 2 * Math.PI);
+  context.stroke();
+  context.setLineDash([]);
+  context.font = LABEL_FONT;
+  context.fillText('?', x + 15, y - 15);
 }
 
 /** A helicopter from above: cabin, boom with tail rotor, and the disc of the main rotor with its blades. */

@@ -1,6 +1,7 @@
 /** Contents of the map at an instant; pure. */
 
 import { middleLongitude, wrapLongitude } from '../../record/longitude';
+import { isInside } from '../../record/passing';
 import type { LandingPlace, PlanInForce, Surroundings, Target, Track } from '../../record/types';
 import { isUnmentioned, notInPlan, reasonSince, shownState } from '../../record/visits';
 import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
@@ -151,7 +152,8 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
     const top = zone.altitude_m_max;
     const inHeight =
       altitudeM === null || (altitudeM >= zone.altitude_m_min && (top === null || altitudeM <= top));
-    const times = zone.active_h.map(([from, to]) => `${hours(from)}–${hours(to)}`).join(', ');
+    // Hours of the mission, unlike those of the civil time in the header.
+    const times = zone.active_h.map(([from, to]) => `T+${hours(from)} to T+${hours(to)}`).join(', ');
     const heights = `${zone.altitude_m_min > 0 ? `${zone.altitude_m_min}–` : 'up to '}${top ?? 'any height'}${top === null ? '' : ' m'}`;
     const box = bounds(lines.flat()) ?? [
       [0, 0],
@@ -180,16 +182,6 @@ export function zoneAt(place: Position, zones: readonly ZoneView[]): string | nu
   const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(around(zone), line)));
   if (here.length === 0) return null;
   return here.map(zone => `${zone.label} (${zone.active ? 'active now' : 'not active now'})`).join('; ');
-}
-
-/** True if a place lies inside of an outline: an odd number of crossings to the east. */
-function isInside([east, north]: Position, line: readonly Position[]): boolean {
-  let inside = false;
-  line.forEach(([x1, y1], index) => {
-    const [x2, y2] = line[(index + 1) % line.length] as Position;
-    if (y1 > north !== y2 > north && east < ((x2 - x1) * (north - y1)) / (y2 - y1) + x1) inside = !inside;
-  });
-  return inside;
 }
 
 function hours(value: number): string {
@@ -309,41 +301,7 @@ export function degreesText(value: number, step: number, positive: string, negat
   return `${Math.abs(shown).toFixed(decimals)}°${shown < 0 ? negative : positive}`;
 }
 
-export interface Box {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
-
-/** The place of a label next to a symbol, inside the picture and without overlapping other labels; null if there is no space. */
-export function placeLabel(
-  x: number,
-  y: number,
-  width: number,
-  height: number,
-  taken: readonly Box[],
-  room?: { width: number; height: number },
-): Box | null {
-  const gap = 9;
-  const places: Box[] = [
-    { x: x + gap, y: y - height / 2, width, height },
-    { x: x - gap - width, y: y - height / 2, width, height },
-    { x: x - width / 2, y: y - gap - height, width, height },
-    { x: x - width / 2, y: y + gap, width, height },
-    { x: x + gap - 2, y: y - gap - height + 4, width, height },
-    { x: x + gap - 2, y: y + gap - 4, width, height },
-    { x: x - gap + 2 - width, y: y - gap - height + 4, width, height },
-    { x: x - gap + 2 - width, y: y + gap - 4, width, height },
-  ];
-  const fits = ({ x: left, y: top }: Box) =>
-    !room || (left >= 0 && top >= 0 && left + width <= room.width && top + height <= room.height);
-  return places.find(place => fits(place) && !taken.some(box => overlap(place, box))) ?? null;
-}
-
-function overlap(a: Box, b: Box): boolean {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
-}
+export { type Box, placeLabel } from '../../parts/labels';
 
 function bearing(from: Position, to: Position): number {
   const radians = Math.PI / 180;

@@ -2,7 +2,7 @@
 
 import type { PlanInForce, ProcedureRow, Target, Task } from '../../record/types';
 import { begunVisits } from '../../record/visits';
-import { clock } from '../../time/format';
+import { clock, plannedClock } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
 import { stateSign } from '../../words/state';
 
@@ -89,13 +89,13 @@ export function planActivities(plan: PlanInForce, targets: readonly Target[], at
       change => done !== null && change.t_ns > done && change.t_ns <= atNs && ENDS.has(change.state),
     );
     const glyph = done === null ? '○' : !end ? '●' : end.state === 'observed' ? '✓' : '–';
-    const planned = `planned ${clock(visit.begin_ns / 1e9)}`;
+    const planned = `planned ${plannedClock(visit.begin_ns)}`;
     return {
       id: `${index} ${visit.target}`,
       words: target?.name ?? visit.target,
       glyph,
       note: done !== null ? `${planned}, flown ${clock(done / 1e9)}` : planned,
-      title: `${visit.target}\n${planned} to ${clock(visit.end_ns / 1e9)}`,
+      title: `${visit.target}\n${planned} to ${plannedClock(visit.end_ns)}`,
       task: null,
       target: target?.id ?? null,
       place: null,

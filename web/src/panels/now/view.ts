@@ -10,7 +10,7 @@ import type {
   TaskExplanation,
 } from '../../record/types';
 import { begunVisits } from '../../record/visits';
-import { clock } from '../../time/format';
+import { clock, plannedMinute } from '../../time/format';
 import { shortValue, withDurations } from '../../words/duration';
 import { brief, eventWords, type Names, untilTarget } from '../../words/phrase';
 
@@ -109,7 +109,7 @@ export function nextWords(plan: PlanInForce | null, targets: readonly Target[], 
   const visit = plan.visits[begun.findLastIndex(one => one !== null) + 1];
   if (!visit) return '';
   const target = targets.find(one => one.id === visit.target || one.name === visit.target);
-  return `${target?.name ?? visit.target}, planned ${clock(visit.begin_ns / 1e9).slice(0, -3)}`;
+  return `${target?.name ?? visit.target}, planned ${plannedMinute(visit.begin_ns)}`;
 }
 
 /** How a flight that is over ended. */

@@ -1,6 +1,17 @@
 import { describe, expect, it } from 'vitest';
 import type { Operation } from '../../record/types';
-import { commandText, deadlineText, endText, lastCommands, paceText, runText } from './view';
+import {
+  commandText,
+  deadlineText,
+  endText,
+  lastCommands,
+  paceText,
+  runText,
+  sentText,
+  unheard,
+  valueFault,
+  wishWords,
+} from './view';
 
 const RUN: Operation = {
   now_ns: 0,
@@ -59,6 +70,35 @@ describe('operator bar', () => {
     expect(text([other, { ...own, number: 3 }])).toEqual(['pause: rejected: ann holds authority']);
     expect(text([other])).toEqual(['pause by ann: accepted']);
     expect(text([])).toEqual([]);
+  });
+
+  it('says how long a command waits for a silent server, and that it has expired', () => {
+    const pause = { wish: { do: 'pause' as const }, sentMs: 1000, after: 3 };
+    expect(sentText(pause, 4000)).toEqual({ words: 'pause: sent 3.0 s', state: 'sent' });
+    expect(sentText(pause, 11_000)).toMatchObject({
+      words: expect.stringMatching(/^pause: expired after 10 s: the server does not answer/),
+      state: 'expired',
+    });
+    const listed = (number: number) => ({
+      authority: RUN.authority,
+      commands: [{ ...SENT, number, state: 'sent' as const }],
+    });
+    expect(unheard([pause], listed(3))).toEqual([pause]);
+    expect(unheard([pause], listed(4))).toEqual([]);
+  });
+
+  it('states commands in the words of the record', () => {
+    expect(wishWords({ do: 'take-authority' })).toBe('take authority');
+    expect(wishWords({ do: 'remove-target', target: 'winery' })).toBe('remove target winery');
+    expect(wishWords({ do: 'value-target', target: 'winery', value: 777 })).toBe(
+      'value of target winery: 777',
+    );
+  });
+
+  it('names a value that is not one', () => {
+    expect([valueFault('12.5'), valueFault(' 3 ')]).toEqual([null, null]);
+    expect(valueFault('-5')).toBe('-5 is not a value: expected a number of 0 or more');
+    expect(valueFault('abc')).toContain('abc is not a value');
   });
 
   it('counts down to the default', () => {

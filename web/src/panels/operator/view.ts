@@ -1,6 +1,7 @@
 /** Texts of the operator bar; pure. */
 
-import type { CommandState, OpenQuestion, Operation } from '../../record/types';
+import type { SentCommand } from '../../player/operator.svelte';
+import type { CommandState, OpenQuestion, Operation, Wish } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 /** The paces to choose from; null is as fast as possible. */
@@ -50,4 +51,62 @@ export function lastCommands(operation: Pick<Operation, 'commands' | 'authority'
 export function commandText(command: CommandState, ownName: string): string {
   const by = command.by === ownName ? '' : ` by ${command.by}`;
   return `${command.words}${by}: ${endText(command)}`;
+}
+
+/** A command in the words of the record. */
+export function wishWords(wish: Wish): string {
+  switch (wish.do) {
+    case 'pace':
+      return wish.pace === null ? 'pace as fast as possible' : `pace ${wish.pace}`;
+    case 'answer':
+      return `answer ${wish.question} of ${wish.agent}: ${wish.answer}`;
+    case 'message':
+      return `message: ${wish.form}`;
+    case 'value-target':
+      return `value of target ${wish.target}: ${wish.value}`;
+    case 'acknowledge':
+      return `acknowledge ${wish.alarm}`;
+    case 'offer-authority':
+      return `offer authority to ${wish.to}`;
+    case 'add-target':
+    case 'remove-target':
+      return `${wish.do.replace('-', ' ')} ${wish.target}`;
+    default:
+      return wish.do.replace('-', ' ');
+  }
+}
+
+/** Time after which a command without an answer has expired, in milliseconds: that of the server for commands which the run does not take. */
+const EXPIRED_MS = 10_000;
+
+/** The commands that the server has neither answered nor listed, which is silent then. */
+export function unheard(
+  sent: readonly SentCommand[],
+  operation: Pick<Operation, 'commands' | 'authority'>,
+): SentCommand[] {
+  const first = sent[0];
+  if (!first) return [];
+  const { name } = operation.authority.you;
+  const listed = operation.commands.filter(one => one.by === name && one.number > first.after).length;
+  return sent.slice(listed);
+}
+
+/** `pause: sent 3.0 s`; after ten seconds that it has expired. */
+export function sentText(
+  { wish, sentMs }: SentCommand,
+  nowMs: number,
+): { words: string; state: CommandState['state'] } {
+  const age = Math.max(0, nowMs - sentMs);
+  const words = wishWords(wish);
+  if (age < EXPIRED_MS) return { words: `${words}: sent ${(age / 1000).toFixed(1)} s`, state: 'sent' };
+  const late = 'the server does not answer; it may still take the command once it does';
+  return { words: `${words}: expired after 10 s: ${late}`, state: 'expired' };
+}
+
+/** The fault of a typed value of a target; null for a number that is not negative. */
+export function valueFault(text: string): string | null {
+  if (/^\d+(\.\d+)?$/.test(text.trim())) return null;
+  return text.trim() === ''
+    ? 'type a value first'
+    : `${text.trim()} is not a value: expected a number of 0 or more`;
 }

@@ -129,7 +129,8 @@ function drawTroubles(context: Pen, picture: Picture): void {
   if (total > 0) {
     context.fillStyle = COLOURS.att;
     context.font = FONT;
-    context.fillText(`▲ ${total}`, 62, RAIL_PX / 2);
+    // Without the sign of the header, which counts alarms: the rail also has interruptions, and no questions.
+    context.fillText(String(total), 62, RAIL_PX / 2);
   }
   let free = picture.width;
   for (const { x, troubles } of picture.troubles.toReversed()) {

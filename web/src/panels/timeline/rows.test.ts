@@ -62,7 +62,13 @@ describe('rows of targets', () => {
     expect(a?.visits).toEqual([{ fromNs: 50, toNs: 70, state: 'observed' }]);
     expect(a?.reflies).toEqual([60]);
     expect(a?.windows).toEqual([{ fromNs: 5, toNs: 80 }]);
-    expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
+    expect(b?.threads.at(-1)).toEqual({
+      plan: 2,
+      beginNs: null,
+      reason: 'no time',
+      last: true,
+      begun: false,
+    });
     expect(b?.words).toContain('left out since 0:00:00: no time');
   });
   it('show all visits of the plan in force, and the time of the next one', () => {
@@ -83,6 +89,8 @@ describe('rows of targets', () => {
       return targetRows({ ...known, targets, plans, atNs })[0];
     };
     expect(rowAt(50)?.threads.map(thread => thread.beginNs)).toEqual([40, 60, 100, 140]);
+    // The circle of a visit that has begun would look like the sign of `observing` on the bar of the visit.
+    expect(rowAt(65)?.threads.map(thread => thread.begun)).toEqual([false, true, false, false]);
     expect([50, 61, 65, 80].map(atNs => rowAt(atNs)?.nextNs)).toEqual([60, 60, 100, 100]);
     expect(rowAt(80)?.words).toContain('planned T+0:00:00');
   });

@@ -1,7 +1,9 @@
 /** The timeline's geometry: times to pixels, lanes to rows, samples to strips; pure. */
 
 import type { Range } from '../../player/clock';
+import type { Alarm } from '../../record/alarms';
 import { type DenseBand, unpackBands } from '../../record/bands';
+import { failures } from '../../record/failures';
 import { columnUntil } from '../../record/measured';
 import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
@@ -133,13 +135,41 @@ export function densityOf(
   return runs;
 }
 
+/** An alarm of a signal, as an entry of the rail; its subject is its words. */
+export type SignalTrouble = Omit<Trouble, 'kind'> & { kind: 'signal' };
+export type RailEntry = Trouble | SignalTrouble;
+
 export interface TroubleMark {
   x: number;
-  troubles: Trouble[];
+  troubles: RailEntry[];
+}
+
+/** The entries of the rail up to an instant, oldest first: failures, faults and the alarms of signals. */
+export function railEntries(
+  troubles: readonly Trouble[],
+  alarms: readonly Alarm[],
+  atNs: number,
+): RailEntry[] {
+  const signals = alarms.flatMap((alarm): SignalTrouble[] =>
+    alarm.signal === null
+      ? []
+      : [
+          {
+            t_ns: alarm.firstNs,
+            kind: 'signal',
+            subject: alarm.words,
+            cause: alarm.cause,
+            task: null,
+            target: null,
+          },
+        ],
+  );
+  const failed = failures(troubles.filter(trouble => trouble.t_ns <= atNs));
+  return [...failed, ...signals].sort((a, b) => a.t_ns - b.t_ns);
 }
 
 /** Failures and faults of the window as marks; those less than six pixels apart are one mark with a count. */
-export function troubleMarks(troubles: readonly Trouble[], visible: Range, scale: Scale): TroubleMark[] {
+export function troubleMarks(troubles: readonly RailEntry[], visible: Range, scale: Scale): TroubleMark[] {
   const marks: TroubleMark[] = [];
   for (const trouble of troubles) {
     if (trouble.t_ns < visible.fromNs || trouble.t_ns > visible.toNs) continue;
@@ -151,16 +181,17 @@ export function troubleMarks(troubles: readonly Trouble[], visible: Range, scale
   return marks;
 }
 
-const TROUBLE_WORDS: Record<Trouble['kind'], (subject: string) => string> = {
+const TROUBLE_WORDS: Record<RailEntry['kind'], (subject: string) => string> = {
   failed: subject => `failed: ${subject}`,
   interrupted: subject => `interrupted: ${subject}`,
   fault: subject => `fault: ${subject}`,
   'left-out': subject => `left out: ${subject}`,
   ended: subject => `failed: ${subject}`,
+  signal: subject => subject,
 };
 
 /** `interrupted: scan Columbine`: a goal as a phrase, a target by its name. */
-export function troubleWords(trouble: Trouble, names: Names): string {
+export function troubleWords(trouble: RailEntry, names: Names): string {
   return TROUBLE_WORDS[trouble.kind](subjectWords(trouble.subject, names));
 }
 
