@@ -16,6 +16,7 @@ mod response;
 mod sensors;
 mod start;
 mod statement;
+mod storms;
 mod surface_wind;
 mod watch;
 

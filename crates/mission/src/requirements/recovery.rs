@@ -33,7 +33,8 @@ impl Scene<'_> {
         let site = match reading.concern {
             Concern::Energy => self.site_for_energy(),
             Concern::MissionEnd => self.site_for_mission_end(reading),
-            _ => self.nearest_site(self.here).0,
+            Concern::LandingDistance => self.nearest_site(self.here).0,
+            _ => self.nearest_open_site(),
         };
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
         let may_land = !matches!(reading.concern, Concern::Terrain | Concern::Sensor);

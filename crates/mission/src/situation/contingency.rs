@@ -12,6 +12,10 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
             None => "the engine has stopped: no landing place is in reach, landing here".to_string(),
         },
         "leak-found" => "more energy is lost than the engine uses".to_string(),
+        "landing-because" if subject == "storm" => {
+            let place = item(1).map_or_else(String::new, |place| format!(" at {place}"));
+            format!("a storm has stood over the landing place for too long: landing early{place}")
+        }
         "landing-because" if subject == "engine" => {
             let place = item(1).map_or_else(String::new, |place| format!(" at {place}"));
             format!("the engine runs again: landing early{place}")

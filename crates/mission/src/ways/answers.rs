@@ -1,5 +1,6 @@
 //! The host functions about paths: convert PDL values to requests, and paths to options of a command.
 
+use super::areas::avoided_areas;
 use super::landing::on_line;
 use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
@@ -9,7 +10,7 @@ use apex_geo::geodesy;
 use apex_geo::location::Location;
 use apex_geo::wind;
 use apex_model::host::HostFunctions;
-use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
@@ -17,17 +18,18 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
+/// Names, least and greatest numbers of arguments: the last one, which may be left out, is a list of areas to avoid: the weak links of
+/// `(weak-link-areas AIRCRAFT)`, and those of `(storm-areas AIRCRAFT)`, which have times.
 const FUNCTIONS: [(&str, usize, usize, Body); 11] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
-    ("way-to-landing", 4, 4, to_landing),
+    ("way-to-landing", 4, 5, to_landing),
     ("way-to-climb", 4, 4, to_climb),
     ("way-to-segment", 6, 6, to_segment),
     ("time-before-line", 6, 6, before_line),
     ("time-on-circle", 7, 7, on_circle),
-    ("landing-place-near", 2, 2, landing_place_near),
+    ("landing-place-near", 2, 3, landing_place_near),
     ("landing-place-in-glide", 3, 3, landing_place_in_glide),
     ("forecast-error", 4, 4, forecast_error),
 ];
@@ -49,7 +51,8 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
                 return Err(format!("`{name}` takes {wanted} arguments and was given {}.", arguments.len()));
             }
             let (arguments, areas) = arguments.split_at(least);
-            let limits = limits.with_weak(areas.first().map(weak_areas).unwrap_or_default());
+            let (weak, storms) = areas.first().map(avoided_areas).unwrap_or_default();
+            let limits = limits.with_areas(weak, storms);
             body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
         };
         functions.register(name, Arc::new(function));
@@ -57,7 +60,8 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     time_limits::register(limits, functions);
 }
 
-/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, otherwise nil.
+/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, otherwise nil. Places under a storm
+/// count only if there is no other.
 fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
     let here = Location::of(location)?.position;
@@ -65,7 +69,9 @@ fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, Str
         return Err(format!("the reach must be a length; got {reach}"));
     };
     let places = limits.landing_places.iter().map(|place| (geodesy::distance_m(here, place.position), &place.name));
-    let nearest = places.filter(|(distance_m, _)| *distance_m <= reach_m).min_by(|a, b| a.0.total_cmp(&b.0));
+    let places = places.filter(|(distance_m, _)| *distance_m <= reach_m);
+    let stormy = |name: &str| limits.place(name).is_some_and(|(position, _)| limits.is_under_storm(position));
+    let nearest = places.min_by(|a, b| stormy(a.1).cmp(&stormy(b.1)).then(a.0.total_cmp(&b.0)));
     Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
@@ -174,25 +180,6 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
         }
         None => Location::of(value).map(|place| (place.position, place.altitude_m)),
     }
-}
-
-/// Returns the areas in the value published by the situation; other items are ignored.
-fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
-    let area = |item: &Value| {
-        let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
-        let (altitude_m_max, _) = top.as_number()?;
-        let corners: Vec<Position> =
-            corners.iter().filter_map(|at| Location::of(at).ok()).map(|at| at.position).collect();
-        (corners.len() >= 3).then(|| AirspaceZone {
-            name: name.to_string(),
-            kind: ZoneKind::Restricted,
-            corners,
-            altitude_m_min: 0.0,
-            altitude_m_max,
-            active: TimeWindow::ALWAYS,
-        })
-    };
-    value.as_list().unwrap_or_default().iter().filter_map(area).collect()
 }
 
 fn length(value: &Value) -> Result<Option<f64>, String> {
