@@ -220,7 +220,10 @@ impl Scene<'_> {
             }
         };
         let layers = (1..=LAYERS).flat_map(|number| [-f64::from(number), f64::from(number)]);
-        let altitudes = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
+        let layers = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
+        // Near ice that was met the altitude is kept that was found then.
+        let level = self.flown.ice.level_m.filter(|_| reading.name == "icing");
+        let altitudes = level.into_iter().chain(layers);
         let found = altitudes
             .filter(|altitude_m| (lowest_m..=ceiling_m).contains(altitude_m))
             .find(|altitude_m| limit(*altitude_m))?;

@@ -150,13 +150,17 @@ impl Watch {
 
     fn read(&mut self, known: Known<'_>, now: Time) -> Findings {
         let now_s = now.seconds();
-        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
+        super::ice_level::update(&mut self.flown, known.0, &self.commanded, now_s);
+        let mut findings = Findings {
+            inputs: super::ice_level::report(&mut self.flown, known.0, &self.commanded, now),
+            ..Findings::default()
+        };
+        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return findings };
         // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_first = self.read_s.is_none();
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
         (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, scene.is_joining());
-        let mut findings = Findings::default();
         if is_first && let Some(reason) = too_much_wind_at_start(known.0) {
             findings.notes.push(reason);
         }

@@ -30,6 +30,7 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
         "navigation-lost" => "navigation is lost".to_string(),
         "navigation-regained" => "navigation has returned".to_string(),
         "icing-met" => "ice forms: changing altitude".to_string(),
+        "icing-expected" => "ice was met near here: staying off its altitude".to_string(),
         "icing-left" => "the aircraft has left the ice".to_string(),
         "rough-air" => "rough air: flying slower".to_string(),
         "smooth-air" => "the air is smooth again".to_string(),
