@@ -121,6 +121,7 @@ impl SimulatedWorld {
                 self.check_altitude(&arguments, altitude_m, self.state.position)?;
                 let answer = Value::measured(altitude_m, Dimension::LENGTH);
                 self.claim_altitude(altitude_m, Some(Setpoint { command: id, text: form.to_string(), answer }), inputs);
+                self.flight.level();
                 Ok(())
             }
             "set-speed" => {

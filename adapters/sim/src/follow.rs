@@ -89,6 +89,11 @@ impl FollowedPath {
         self.points.get(self.next).and_then(|point| point.altitude_m).map_or(0.0, |to| to - self.from_altitude_m)
     }
 
+    /// Drops the altitudes of the path.
+    pub(crate) fn level(&mut self) {
+        self.points = self.points.iter().map(|point| WayPoint { altitude_m: None, ..*point }).collect();
+    }
+
     /// Returns the altitude to command now: that of the leg, advanced by the lag of the altitude control.
     pub(crate) fn altitude_m(&self, here: &Situation) -> Option<f64> {
         let to_m = self.points.get(self.next)?.altitude_m?;

@@ -19,6 +19,7 @@ mod gusts;
 mod instants;
 mod joining;
 mod left_lines;
+mod levelling;
 pub mod living;
 mod motion;
 mod names;

@@ -72,6 +72,11 @@ impl Way {
         self.points.get(self.next).and_then(|point| point.altitude_m)
     }
 
+    /// Drops the altitudes of the way: another altitude was commanded.
+    pub(crate) fn level(&mut self) {
+        self.points.iter_mut().for_each(|point| point.altitude_m = None);
+    }
+
     /// Returns the distance to the end of the present leg, and to the end of the way.
     pub(crate) fn distances_m(&self, position: Position) -> (f64, f64) {
         let left_m = match self.points.get(self.next) {

@@ -176,6 +176,24 @@ fn altitude_and_speed_are_setpoints_of_their_own() {
     assert_eq!(run.answer(flight), None);
 }
 
+/// The way kept its altitude, and the setpoint took effect at its end.
+#[test]
+fn a_set_altitude_replaces_the_altitudes_of_a_way() {
+    for (head, ends) in
+        [("fly-to", vec![location(44.0, -120.0)]), ("join-line", vec![location(44.0, -120.0), location(44.3, -120.0)])]
+    {
+        let mut run = cruising(wind(0.0, 0.0, 0.0));
+        let before_m = run.world.altitude_m();
+        let way = Value::list([Value::list([43.9, -120.0, before_m].map(Value::Real))]);
+        let flight = run.send(form(head, ends.into_iter().chain([word(":via"), way])));
+        run.wait_s(30.0);
+        run.carry_out(form("set-altitude", [Value::Real(before_m - 500.0)]), 600.0).unwrap();
+        run.wait_s(120.0);
+        assert!((run.world.altitude_m() - before_m + 500.0).abs() < 11.0, "{head}: {}", run.world.altitude_m());
+        assert_eq!(run.answer(flight), None, "{head} continues");
+    }
+}
+
 #[test]
 fn a_joined_line_is_flown_on_without_a_second_turn() {
     let mut run = cruising(wind(10.0, -10.0, 0.0));

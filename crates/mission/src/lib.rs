@@ -47,6 +47,7 @@ mod settings;
 mod site_pictures;
 pub mod situation;
 mod sources;
+pub mod storm;
 mod surroundings;
 mod tables;
 mod targets;
@@ -318,8 +319,7 @@ impl Mission {
         ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
     }
 
-    /// Returns the lowest altitude that keeps the clearance of requirement `terrain` within `reach_m` of a place and of the turns around
-    /// it; `None` if the ground is unknown.
+    /// Returns the lowest altitude that keeps the terrain clearance within `reach_m` of a place and its turns; `None` without known ground.
     pub(crate) fn clear_altitude_m(&self, position: Position, reach_m: f64) -> Option<f64> {
         let highest_m = self.terrain.as_ref()?.highest_m_near(position, reach_m + self.ground_room_m())?;
         Some(highest_m + self.requirements.terrain_clearance_m.unwrap_or(0.0))

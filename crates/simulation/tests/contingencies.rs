@@ -266,25 +266,6 @@ fn rough_air_is_flown_slowly_until_it_is_smooth_for_a_while() {
 }
 
 #[test]
-fn a_storm_on_the_way_is_flown_around() {
-    let world = r#""storms": [{"latitude_deg": 37.55, "longitude_deg": -117.02, "radius_m": 8000}]"#;
-    let nearest_m = |guards: &'static str| {
-        let flown = Flight { guards, work: FAR_NORTH, world, ..Flight::default() }.fly();
-        let distances = flown.numbers("(storm-distance uav-1)");
-        let least_m = distances.iter().map(|(_, metres)| *metres).fold(f64::INFINITY, f64::min);
-        assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
-        (least_m, flown)
-    };
-    let (without_m, _) = nearest_m("");
-    assert!(without_m < 0.0, "{without_m}");
-    let (with_m, flown) = nearest_m("(step guard (guard against storms))");
-    assert!(with_m > 4_000.0, "{with_m} m\n{}", flown.story());
-    // Once on the outbound leg and once on the return.
-    assert!((1..=4).contains(&flown.count("(storm-passed uav-1)")), "{}", flown.story());
-    flown.assert_replays();
-}
-
-#[test]
 fn a_wrong_forecast_is_reported_and_not_again_at_once() {
     let flown = Flight {
         guards: "(step guard (guard against a wrong forecast))",

@@ -29,6 +29,7 @@ pub fn draft(
     let believed = situation.updates.believed(mission);
     let here_now = here(&believed, &situation);
     let believed = situation.links.without_weak_links(believed, here_now);
+    let believed = situation.storms.without_storms(believed, here_now, at.seconds());
     let flown = flown.as_ref().ok().and_then(Option::as_ref);
     let planned = pose(&believed, &situation, flown, at).and_then(|problem| {
         let means = means(resources, Some(HUMAN), Some(visits)).map_err(NoPlan::Fault)?;

@@ -197,6 +197,7 @@ impl Question {
         let believed = situation.updates.believed(mission);
         let here_now = here(&believed, situation);
         let believed = situation.links.without_weak_links(believed, here_now);
+        let believed = situation.storms.without_storms(believed, here_now, at.seconds());
         let believed = match flown {
             Some(flown) => flown.with_growth(believed),
             None => believed,

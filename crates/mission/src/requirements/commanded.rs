@@ -1,5 +1,6 @@
 //! The commanded route: the open flight command, and the last reported state of the vehicle.
 
+use super::ice::IceMemory;
 use crate::Mission;
 use crate::wind_error::WindError;
 use apex_geo::geodesy::{inverse, wrap_180};
@@ -38,6 +39,8 @@ pub(super) struct Commanded {
     command: Option<CommandId>,
     /// Altitude that was commanded last, for the end of the route.
     altitude_m: Option<f64>,
+    /// Altitude of the last flight command, whatever altitude is set meanwhile because of ice.
+    pub(super) planned_m: Option<f64>,
     /// Number of points ahead before the goal, and the altitude of the path over them.
     via: (usize, Option<f64>),
     /// Beginning of the leg to the first point.
@@ -167,6 +170,10 @@ impl Commanded {
             "land" => FlightOrder::Land(points),
             "set-altitude" => {
                 self.altitude_m = items.first().and_then(|value| number(value, Dimension::LENGTH)).or(self.altitude_m);
+                // It replaces the altitudes of the way, too, except those of a landing.
+                if !matches!(self.order, Some(FlightOrder::Land(_))) {
+                    self.via.1 = None;
+                }
                 return;
             }
             "set-speed" => {
@@ -180,7 +187,9 @@ impl Commanded {
         let stated = keyword(items, ":altitude").and_then(|value| number(value, Dimension::LENGTH));
         let with_location = items.iter().find_map(with_altitude).filter(|_| !lands);
         let taken_off = (name.is("take-off")).then(|| items.first().and_then(|value| number(value, Dimension::LENGTH)));
-        self.altitude_m = stated.or(with_location).or(taken_off.flatten()).or(self.altitude_m);
+        let altitude_m = stated.or(with_location).or(taken_off.flatten());
+        self.altitude_m = altitude_m.or(self.altitude_m);
+        self.planned_m = altitude_m.or(self.planned_m);
         let speed = keyword(items, ":speed").and_then(|value| number(value, Dimension::SPEED));
         self.true_airspeed_mps = speed.or(self.true_airspeed_mps);
         (self.order, self.command) = (Some(order), Some(command));
@@ -273,6 +282,8 @@ pub(super) struct Flown {
     /// Seconds of ice that the airframe carries.
     pub(super) ice_s: Option<f64>,
     pub(super) is_icing: bool,
+    /// Ice that was met.
+    pub(super) ice: IceMemory,
     /// Instants since when links, by their names in small letters, have been below their nominal level.
     pub(super) weak_since_s: BTreeMap<String, f64>,
     track_deg: Option<f64>,

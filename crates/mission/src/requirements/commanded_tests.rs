@@ -54,6 +54,10 @@ fn the_open_command_is_the_route() {
     assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint leaves the order");
     commanded.hear(&EventKind::CommandAcknowledged(CommandId(2), Ok(Value::nil())));
     assert_eq!(commanded.order, None);
+    commanded.take(0.0, &command(5, "(fly-to (34 -118 7000) :via ((33 -117 5000) (33.5 -117.5 5000)))"), place);
+    commanded.take(0.0, &command(6, "(set-altitude 8000m)"), place);
+    assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint replaces the altitudes of the way");
+    commanded.hear(&EventKind::CommandAcknowledged(CommandId(5), Ok(Value::nil())));
     commanded.take(0.0, &command(4, "(loiter (34 -118 8000) :centre (34.5 -118 8000))"), place);
     assert_eq!(commanded.order, Some(FlightOrder::Circle(vec![Position::new(34.5, -118.0)])));
 }

@@ -24,8 +24,19 @@ impl<'a> Scene<'a> {
             let (site, way) = self.way_to_site(position);
             self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, &site))
         };
+        let open = self.nearest_open_site(false);
+        let mut site = open;
+        let nearest = self.nearest_site(self.here).0;
+        let is_nearest = open.name == nearest.name;
+        let left_s = |position: Position, altitude_m: f64, after_s: f64| match is_nearest {
+            true => left_s(position, altitude_m, after_s),
+            // A storm closes the nearest site.
+            false => {
+                let way = geodesy::inverse(position, open.position);
+                self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, &open))
+            }
+        };
         let mut margin = left_s(self.here, self.flown.altitude_m, 0.0);
-        let mut site = self.nearest_site(self.here).0;
         if margin < 0.0
             && let Some((better, left_s)) = self.site_of_most_energy((endurance_s, reserve_s))
         {
@@ -99,14 +110,19 @@ impl<'a> Scene<'a> {
 
     /// Returns the landing site that leaves most endurance, where the nearest one leaves too little: it may lie against the wind.
     fn site_of_most_energy(&self, energy_s: (f64, f64)) -> Option<(LandingSite<'a>, f64)> {
-        let sites = self.landing_sites().map(|site| (site, self.site_left_s(energy_s, &site)));
-        sites.max_by(|(_, a), (_, b)| a.total_cmp(b))
+        let left_s = |site: LandingSite<'a>| (site, self.site_left_s(energy_s, &site));
+        let most = |sites: &mut dyn Iterator<Item = LandingSite<'a>>| {
+            sites.map(left_s).max_by(|(_, a), (_, b)| a.total_cmp(b))
+        };
+        // A storm over the only site in reach is a lesser evil than no energy.
+        let open = most(&mut self.landing_sites().filter(|site| !self.is_closed_by_storm(site)));
+        open.filter(|(_, left_s)| *left_s > -energy_s.1).or_else(|| most(&mut self.landing_sites()))
     }
 
     /// Returns the landing site to which a violation of the energy requirement leads.
     pub(super) fn site_for_energy(&self) -> LandingSite<'a> {
         let reserve_s = self.requirements().energy_reserve_s.unwrap_or(0.0);
-        let nearest = self.nearest_site(self.here).0;
+        let nearest = self.nearest_open_site(false);
         let Some(endurance_s) = self.flown.endurance_s else { return nearest };
         let near_s = self.site_left_s((endurance_s, reserve_s), &nearest);
         let better = self.site_of_most_energy((endurance_s, reserve_s)).filter(|_| near_s < 0.0);

@@ -23,6 +23,8 @@ const SAME_CLOUD_M: f64 = 250.0;
 const THAW: f64 = 2.0;
 /// Height of a change of altitude after which the vehicle is assumed to have left the ice.
 const LAYER_M: f64 = 500.0;
+/// A climb takes longer than at the rate with which it begins.
+const LEVEL_SHARE: f64 = 1.25;
 /// Time in which a camera is switched off.
 const SWITCH_S: f64 = 5.0;
 
@@ -41,14 +43,20 @@ impl Scene<'_> {
             margin,
             unit: Dimension::TIME,
             after_s: if margin < 0.0 { Some(0.0) } else { ahead },
-            response_s: LAYER_M / self.motion.climb_mps.min(self.motion.descent_mps).max(0.5),
+            response_s: self.leaves_ice_s(),
             what: "icing".to_string(),
             response: Response::Descend,
         })
     }
 
-    /// Returns true if ice may form on the path ahead at an altitude. Top and base of a cloud with present icing are unknown: only air
-    /// that is warm or cold enough ends the icing.
+    /// Returns the time of the change of altitude that ends the icing: to the altitude without ice where ice was met, else by [`LAYER_M`].
+    fn leaves_ice_s(&self) -> f64 {
+        let level_m = self.flown.ice.level_m.map_or(0.0, |level_m| (level_m - self.flown.altitude_m).abs());
+        (LEVEL_SHARE * level_m).max(LAYER_M) / self.motion.climb_mps.min(self.motion.descent_mps).max(0.5)
+    }
+
+    /// Returns true if ice may form on the path ahead at an altitude. The extent of a cloud in which ice was met is unknown: near it, only
+    /// air that is warm or cold enough ends the icing.
     pub(super) fn may_ice_at_level(&self, altitude_m: f64) -> bool {
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
         let steps = libm::ceil(until_s / STEP_S) as u32;
@@ -57,7 +65,8 @@ impl Scene<'_> {
                 .at((f64::from(number) * STEP_S).min(until_s))
                 .is_some_and(|state| self.is_icing_at(self.plane.position(state.point), altitude_m, state.after_s))
         };
-        self.flown.is_icing && self.is_freezing_at(altitude_m) || (0..=steps).any(is_icing)
+        let is_met = self.flown.is_icing || self.flown.ice.is_met_near(self.here);
+        is_met && self.is_freezing_at(altitude_m) || (0..=steps).any(is_icing)
     }
 
     fn is_freezing_at(&self, altitude_m: f64) -> bool {

@@ -4,8 +4,10 @@ use super::commanded::FlightOrder;
 use super::commanded_route::chart_distance_m;
 use super::readings::{LandingSite, Reading, Scene};
 use super::response::Response;
+use super::storms::StormSpell;
 use crate::closing::closing;
 use crate::descent::Descent;
+use crate::storm::AHEAD_S;
 use crate::vehicle::way_altitude_m_max;
 use crate::ways::is_inside;
 use apex_geo::geodesy::{self, Position};
@@ -78,7 +80,7 @@ impl<'a> Scene<'a> {
         (self.here, self.flown.altitude_m, 0.0)
     }
 
-    /// Returns the time that remains after a landing at a site until `before_s` before the mission ends, or before the site closes, from a
+    /// Returns the time that remains after a landing at a site, as soon as it is open, until `before_s` before the mission ends, or before the site closes, from a
     /// position, an altitude, and an instant after now.
     fn landed_s(
         &self,
@@ -88,16 +90,31 @@ impl<'a> Scene<'a> {
         detour: f64,
     ) -> f64 {
         let way_s = self.way_s(from, site.position, altitude_m, after_s).map(|way_s| detour * way_s);
+        // A storm that leaves the site in time is waited for.
+        let spell = self.storm_spell(site);
+        let left_s = spell.filter(|spell| spell.from_s <= 0.0).and_then(|spell| spell.until_s).unwrap_or(0.0);
+        let way_s = way_s.map(|way_s| way_s.max(left_s - after_s));
         let arrives_s = self.now_s + after_s + way_s.unwrap_or_default();
         let wind_mps = |altitude_m: f64| self.wind_over_mps(site.position, altitude_m, arrives_s);
         let descent_s = Descent::new(&self.mission.model, (altitude_m, site.elevation_m), &wind_mps).time_s;
-        mission_end(self.open_s(site) - before_s - after_s, way_s, descent_s).max(-NO_WAY_S)
+        mission_end(self.open_s(site, spell) - before_s - after_s, way_s, descent_s).max(-NO_WAY_S)
     }
 
     /// Returns the time until the mission ends or the site closes for good, whichever is earlier. A site that has closed is open for no time
-    /// where another one is open; else the end of the mission counts, because a landing there is the least of the evils.
-    fn open_s(&self, site: &LandingSite<'_>) -> f64 {
+    /// where another one is open; else the end of the mission counts, because a landing there is the least of the evils. A storm closes a
+    /// site if it is not expected to leave before the mission ends.
+    fn open_s(&self, site: &LandingSite<'_>, spell: Option<StormSpell>) -> f64 {
         let left_s = self.mission.settings.duration.seconds() - self.now_s;
+        let left_s = match spell {
+            Some(StormSpell { from_s, until_s }) if until_s.unwrap_or(f64::INFINITY) >= left_s => match from_s > 0.0 {
+                // Farther ahead, the storm may leave before the mission ends.
+                true if left_s > AHEAD_S => left_s,
+                true => from_s.min(left_s),
+                false if self.is_closed_by_storm(site) => 0.0,
+                false => left_s,
+            },
+            _ => left_s,
+        };
         let Some(closing) = closing(self.mission, (site.position, site.elevation_m)) else { return left_s };
         match closing.at_s - self.now_s {
             open_s if open_s > 0.0 => open_s.min(left_s),

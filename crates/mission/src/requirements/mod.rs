@@ -8,6 +8,8 @@ mod commanded;
 mod commanded_route;
 mod endurance;
 mod exposure;
+mod ice;
+mod ice_level;
 mod landing_distance;
 mod mission_end;
 mod readings;
@@ -16,6 +18,7 @@ mod response;
 mod sensors;
 mod start;
 mod statement;
+mod storms;
 mod surface_wind;
 mod watch;
 

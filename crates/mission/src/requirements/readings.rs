@@ -5,6 +5,7 @@ use super::commanded_route::{Circling, along, chart_distance_m, is_joining};
 use super::response::Response;
 use super::statement::Requirements;
 use crate::link::LinkMemory;
+use crate::storm::StormMemory;
 use crate::vehicle::{Airframe, turn_radius_m};
 use crate::ways::STRAIGHT_CLIMB_M;
 use crate::{Mission, TargetKind};
@@ -65,8 +66,8 @@ pub(super) struct LandingSite<'a> {
     pub(super) elevation_m: f64,
 }
 
-/// The mission, the assumed wind, and the knowledge about links.
-pub(super) type Known<'a> = (&'a Mission, &'a WindField, &'a LinkMemory);
+/// The mission, the assumed wind, and the knowledge about links and storms.
+pub(super) type Known<'a> = (&'a Mission, &'a WindField, &'a LinkMemory, &'a StormMemory);
 
 /// Everything that readings are computed from.
 pub(super) struct Scene<'a> {
@@ -74,6 +75,7 @@ pub(super) struct Scene<'a> {
     pub(super) forecast: &'a WindField,
     pub(super) flown: &'a Flown,
     pub(super) links: &'a LinkMemory,
+    pub(super) storms: &'a StormMemory,
     pub(super) here: Position,
     pub(super) now_s: f64,
     pub(super) plane: Plane,
@@ -95,7 +97,7 @@ type WayToSite<'a> = (LandingSite<'a>, (f64, f64));
 impl<'a> Scene<'a> {
     /// Returns the scene at `now_s`; `None` before the first position.
     pub(super) fn new(
-        (mission, forecast, links): Known<'a>,
+        (mission, forecast, links, storms): Known<'a>,
         flown: &'a Flown,
         commanded: &'a Commanded,
         now_s: f64,
@@ -143,6 +145,7 @@ impl<'a> Scene<'a> {
             forecast,
             flown,
             links,
+            storms,
             here,
             now_s,
             plane,

@@ -1,6 +1,6 @@
 //! Ways out: the destination of a response.
 
-use super::readings::{LandingSite, Reading, Scene};
+use super::readings::{Reading, Scene};
 use super::response::Response;
 use super::statement::LandingReach;
 use apex_geo::geodesy::{self, Position};
@@ -33,8 +33,8 @@ impl Scene<'_> {
         let site = match reading.concern {
             Concern::Energy => self.site_for_energy(),
             Concern::MissionEnd => self.site_for_mission_end(reading),
-            _ if is_escalated => self.nearest_open_site(),
-            _ => self.nearest_site(self.here).0,
+            Concern::LandingDistance if !is_escalated => self.nearest_site(self.here).0,
+            _ => self.nearest_open_site(is_escalated),
         };
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
         let may_land = !matches!(reading.concern, Concern::Terrain | Concern::Sensor);
@@ -66,14 +66,6 @@ impl Scene<'_> {
                 (Response::TurnAway, self.good_link_place(reading).unwrap_or_else(|| self.turn_away().0))
             }
         }
-    }
-
-    /// Returns the nearest landing site outside of active restricted zones; the nearest one if all are inside.
-    fn nearest_open_site(&self) -> LandingSite<'_> {
-        let distance_m = |site: &LandingSite<'_>| geodesy::distance_m(self.here, site.position);
-        let open = self.landing_sites().filter(|site| !self.is_shut(site));
-        let nearest = open.min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
-        nearest.unwrap_or_else(|| self.nearest_site(self.here).0)
     }
 
     fn away_m(&self) -> f64 {
@@ -228,7 +220,10 @@ impl Scene<'_> {
             }
         };
         let layers = (1..=LAYERS).flat_map(|number| [-f64::from(number), f64::from(number)]);
-        let altitudes = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
+        let layers = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
+        // Near ice that was met the altitude is kept that was found then.
+        let level = self.flown.ice.level_m.filter(|_| reading.name == "icing");
+        let altitudes = level.into_iter().chain(layers);
         let found = altitudes
             .filter(|altitude_m| (lowest_m..=ceiling_m).contains(altitude_m))
             .find(|altitude_m| limit(*altitude_m))?;

@@ -9,14 +9,11 @@ use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use super::surface_wind::too_much_wind_at_start;
-use crate::Mission;
-use crate::link::LinkMemory;
 use crate::ways::STRAIGHT_CLIMB_M;
 use crate::wind_error::WindError;
 use apex_geo::wind;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
-use apex_model::problem::WindField;
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -38,6 +35,8 @@ const NEAR_LIMIT_S: f64 = 60.0;
 const REPORT_S: f64 = 60.0;
 /// An alarm that lasts is repeated: a response may have ended without success.
 const REPEAT_S: f64 = 30.0;
+/// A storm this near on the route is watched each second.
+const NEAR_STORM_S: f64 = 120.0;
 /// A new plan for the rest of the mission is requested at most this often.
 const REPLAN_S: f64 = 1_800.0;
 /// Significant digits of reported margins.
@@ -59,7 +58,17 @@ pub struct Watch {
     /// The number of changes of the command that was read last.
     read_changes: u32,
     is_near: bool,
+    storm: StormWatch,
     requirements: BTreeMap<String, RequirementState>,
+}
+
+/// State of the reports about storms.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct StormWatch {
+    /// True while a cell is known.
+    is_reported: bool,
+    /// The landing place under a storm to which the command leads, and the instant since when.
+    waits_for: Option<(String, f64)>,
 }
 
 /// State of one requirement.
@@ -100,12 +109,8 @@ impl Watch {
     }
 
     /// Observes a step of the agent that flies.
-    pub(crate) fn observe(
-        &mut self,
-        (mission, forecast, links): (&Mission, &WindField, &LinkMemory),
-        batch: &Batch,
-        effects: &[Effect],
-    ) -> Findings {
+    pub(crate) fn observe(&mut self, known: Known<'_>, batch: &Batch, effects: &[Effect]) -> Findings {
+        let (mission, forecast, ..) = known;
         let mut moved = false;
         let vehicle = &mission.agent.name;
         for event in &batch.events {
@@ -140,21 +145,26 @@ impl Watch {
         if self.flown.is_on_ground || !(moved && due || changed) {
             return Findings::default();
         }
-        self.read((mission, forecast, links), batch.now)
+        self.read(known, batch.now)
     }
 
     fn read(&mut self, known: Known<'_>, now: Time) -> Findings {
         let now_s = now.seconds();
-        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
+        super::ice_level::update(&mut self.flown, known.0, &self.commanded, now_s);
+        let mut findings = Findings {
+            inputs: super::ice_level::report(&mut self.flown, known.0, &self.commanded, now),
+            ..Findings::default()
+        };
+        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return findings };
         // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_first = self.read_s.is_none();
         let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
         (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, scene.is_joining());
-        let mut findings = Findings::default();
         if is_first && let Some(reason) = too_much_wind_at_start(known.0) {
             findings.notes.push(reason);
         }
+        self.is_near |= self.storm.report(&scene, now, &mut findings);
         for reading in scene.readings() {
             let is_urgent = |within_s: f64| {
                 reading.margin < 0.0
@@ -195,6 +205,33 @@ impl Watch {
             }
         }
         findings
+    }
+}
+
+impl StormWatch {
+    /// Reports the storms in the way, in flights in which a cell has been seen; returns true if one is near on the route.
+    fn report(&mut self, scene: &Scene<'_>, now: Time, findings: &mut Findings) -> bool {
+        let is_clear = scene.storms.cells().is_empty();
+        if is_clear && !self.is_reported {
+            return false;
+        }
+        let (now_s, storm_s) = (now.seconds(), scene.storm_time_s());
+        let awaited = scene.awaited_site();
+        if self.waits_for.as_ref().map(|(name, _)| name.as_str()) != awaited {
+            self.waits_for = awaited.map(|name| (name.to_string(), now_s));
+        }
+        let waited_s = self.waits_for.as_ref().map_or(0.0, |(_, since_s)| now_s - since_s);
+        self.is_reported = !is_clear;
+        let is_between = if scene.is_storm_between() { Value::symbol("t") } else { Value::nil() };
+        for (attribute, value) in [
+            ("storm-time", Value::Real(libm::round(storm_s))),
+            ("storm-between", is_between),
+            ("storm-wait", Value::measured(libm::round(waited_s), Dimension::TIME)),
+        ] {
+            let variable = StateVariable::new(Symbol::new(attribute), Value::Symbol(scene.mission.agent.name.clone()));
+            findings.inputs.push(Input::new(now, EventKind::Measurement(variable, value)));
+        }
+        storm_s < NEAR_STORM_S
     }
 }
 

@@ -44,6 +44,10 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
             None => "the engine has stopped: no landing place is in reach, landing here".to_string(),
         },
         "leak-found" => "more energy is lost than the engine uses".to_string(),
+        "landing-because" if subject == "storm" => {
+            let place = item(1).map_or_else(String::new, |place| format!(" at {place}"));
+            format!("a storm has stood over the landing place for too long: landing early{place}")
+        }
         "landing-because" if subject == "engine" => {
             let place = item(1).map_or_else(String::new, |place| format!(" at {place}"));
             format!("the engine runs again: landing early{place}")
@@ -64,6 +68,7 @@ pub(super) fn line(head: &str, items: &[Value]) -> Option<String> {
         "navigation-lost" => "navigation is lost".to_string(),
         "navigation-regained" => "navigation has returned".to_string(),
         "icing-met" => "ice forms: changing altitude".to_string(),
+        "icing-expected" => "ice was met near here: staying off its altitude".to_string(),
         "icing-left" => "the aircraft has left the ice".to_string(),
         "rough-air" => "rough air: flying slower".to_string(),
         "smooth-air" => "the air is smooth again".to_string(),

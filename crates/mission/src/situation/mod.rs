@@ -6,14 +6,18 @@ mod believed_tests;
 mod contingency;
 mod ending;
 mod event;
+mod kept;
 mod news;
 mod scan_line;
+mod storms;
 mod updates;
 mod visit;
 
 pub(crate) use ending::Ending;
 pub use event::MissionEvent;
+pub use kept::{Chosen, MadePlan, Note};
 pub use scan_line::ScanLine;
+use storms::StormyVisits;
 pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
 pub use visit::{VehicleState, Visit};
 
@@ -22,13 +26,14 @@ use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
+use crate::storm::StormMemory;
 use crate::wind_error::WindError;
 use apex_geo::wind;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::planned::{Location, PlannedActivity};
-use apex_model::problem::{Plan, PlannedVisit, QualityFactor};
+use apex_model::problem::Plan;
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -39,33 +44,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of goals whose chosen procedure is remembered; more than any mission has.
 const CHOSEN_MAX: usize = 10_000;
-
-/// A notable decision.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Note {
-    /// Instant.
-    pub at: Time,
-    /// Text, one line.
-    pub text: String,
-}
-
-/// A procedure that was chosen for a goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Chosen {
-    /// Place of the procedure.
-    pub place: Place,
-    /// Instant of its choice.
-    pub since: Time,
-}
-
-/// A plan and the instant of its request.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MadePlan {
-    /// The plan.
-    pub plan: Plan,
-    /// Instant at which its problem was posed.
-    pub made: Time,
-}
 
 /// Knowledge and assumptions of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -102,6 +80,10 @@ pub struct Situation {
     watch: Watch,
     /// Measurements of radio links.
     pub links: LinkMemory,
+    /// Cells on the weather radar.
+    pub storms: StormMemory,
+    /// Visits for which a storm was announced, and plans were requested again.
+    stormy: StormyVisits,
     /// Outcomes of tests and the diagnoses derived from them.
     pub diagnosis: DiagnosisService,
     /// The landing by a contingency, if there is one.
@@ -142,8 +124,11 @@ impl Situation {
         for effect in effects {
             self.take_effect(mission, batch.now, effect);
         }
+        let areas = self.storms.observe(mission, batch, effects);
         self.watch(mission, batch, effects);
+        self.derived.extend(areas);
         self.derived.extend(self.outdated(batch));
+        self.compare_storms(mission, batch.now);
         self.derived.extend(self.links.observe(mission, batch, effects));
         if let Some(model) = &mission.diagnosis {
             let reported = self.diagnosis.observe(model, batch, effects);
@@ -161,11 +146,23 @@ impl Situation {
     /// Compares the requirements with the flight, by the forecast that is presently assumed.
     fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
         let forecast = self.updates.forecast(mission);
-        let findings = self.watch.observe((mission, forecast, &self.links), batch, effects);
+        let findings = self.watch.observe((mission, forecast, &self.links, &self.storms), batch, effects);
         for note in findings.notes {
             self.note(batch.now, note);
         }
         self.derived = findings.inputs;
+    }
+
+    /// Requests a new plan where a storm is in the way of the present one.
+    fn compare_storms(&mut self, mission: &Mission, now: Time) {
+        let mut stormy = self.stormy.clone();
+        let Some(made) = self.plan.as_ref().filter(|_| self.storms.is_avoiding()) else { return };
+        let observed: Vec<&str> = self.observed().map(|visit| visit.target.as_str()).collect();
+        let plan = (&made.plan, made.made.seconds(), observed.as_slice(), self.target_changes.as_slice());
+        let (notes, input) = stormy.compare((mission, &self.storms), plan, now);
+        self.stormy = stormy;
+        self.derived.extend(input);
+        notes.into_iter().for_each(|note| self.note(now, note));
     }
 
     /// Returns the inputs that the last step adds to the next batch, and clears them.
@@ -364,7 +361,9 @@ impl Situation {
                 DecisionKind::Selected { goal, method: Method::Procedure(place), .. } => {
                     self.take_choice(now, goal, *place);
                 }
-                DecisionKind::ProcedureAdded { request, summary, .. } => self.take_plan(now, *request, summary),
+                DecisionKind::ProcedureAdded { request, summary, .. } => {
+                    self.take_plan(mission, now, *request, summary)
+                }
                 DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")), // english: allow
                 _ => {}
             },
@@ -373,7 +372,7 @@ impl Situation {
     }
 
     /// Records that the executive adopted the plan of `request`: its targets are planned; left-out targets are skipped, with the reason.
-    fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
+    fn take_plan(&mut self, mission: &Mission, now: Time, request: SolveRequestId, summary: &str) {
         self.note(now, format!("new plan: {summary}"));
         self.adopted = self.adopted.saturating_add(1);
         let made = self.answers.remove(&request);
@@ -382,32 +381,19 @@ impl Situation {
             self.ending.take_missing_plan(summary);
             return;
         };
-        let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
-        let visits: Vec<(String, String)> = match &made.plan {
-            Plan::SingleVisit(plan) => {
-                let detail = |visit: &PlannedVisit| match visit.quality.as_ref().map(|quality| &quality.coverage) {
-                    Some(QualityFactor { factor, cause }) if (100.0 * factor).round() < 100.0 => {
-                        format!("{}; coverage {:.0} %: {cause}", planned(visit.begin_s), 100.0 * factor)
-                    }
-                    _ => planned(visit.begin_s),
-                };
-                plan.visits.iter().map(|visit| (visit.target.clone(), detail(visit))).collect()
-            }
-            // Times of these plans count from the instant at which the problem was posed.
-            Plan::Surveillance(plan) => {
-                let begin = |arrive_s: f64| planned(made.made.seconds() + arrive_s);
-                plan.visits.iter().map(|visit| (visit.target.clone(), begin(visit.arrive_s))).collect()
-            }
-        };
         let mut planned_targets = BTreeSet::new();
-        for (target, detail) in visits {
+        for (target, detail, begin_s) in storms::planned_visits(&made.plan, made.made.seconds()) {
             // Of several visits to a target, the first one counts.
             if planned_targets.insert(target.clone()) {
+                let storm = storms::expected_over((mission, &self.storms), &target, (now, begin_s));
+                let detail = format!("{detail}{storm}");
                 self.change(target, now, TargetState::Planned, detail);
             }
         }
         for left_out in made.plan.left_out() {
-            self.change(left_out.target.clone(), now, TargetState::Skipped, left_out.reason.clone());
+            let storm = storms::expected_over((mission, &self.storms), &left_out.target, (now, f64::INFINITY));
+            let reason = format!("{}{storm}", left_out.reason);
+            self.change(left_out.target.clone(), now, TargetState::Skipped, reason);
         }
         self.plan = Some(made);
     }

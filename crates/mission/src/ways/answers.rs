@@ -1,5 +1,6 @@
 //! The host functions about paths: convert PDL values to requests, and paths to options of a command.
 
+use super::areas::avoided_areas;
 use super::landing::on_line;
 use super::landing_places;
 use super::limits::Limits;
@@ -10,7 +11,7 @@ use apex_geo::geodesy;
 use apex_geo::location::Location;
 use apex_geo::wind;
 use apex_model::host::HostFunctions;
-use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
@@ -18,18 +19,18 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names, least and greatest numbers of arguments. The last one, which may be left out, is `(weak-link-areas AIRCRAFT)` for ways, and the
-/// time for landing places.
+/// Names, least and greatest numbers of arguments. The last one, which may be left out, is a list of areas to avoid: the weak links of
+/// `(weak-link-areas AIRCRAFT)`, and those of `(storm-areas AIRCRAFT)`, which have times. Landing places take the time before it.
 const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
-    ("way-to-landing", 4, 4, to_landing),
+    ("way-to-landing", 4, 5, to_landing),
     ("way-to-climb", 4, 4, to_climb),
     ("way-to-segment", 6, 6, to_segment),
     ("time-before-line", 6, 6, before_line),
     ("time-on-circle", 7, 7, on_circle),
-    ("landing-place-near", 2, 3, landing_places::near),
+    ("landing-place-near", 2, 4, landing_places::near),
     ("landing-place-in-glide", 3, 4, landing_places::in_glide),
     ("landing-place-zones", 2, 2, landing_places::zones),
     ("forecast-error", 4, 4, forecast_error),
@@ -51,9 +52,14 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
                 let wanted = if least == most { least.to_string() } else { format!("{least} or {most}") };
                 return Err(format!("`{name}` takes {wanted} arguments and was given {}.", arguments.len()));
             }
-            let of_way = if name.starts_with("way-to") { least } else { arguments.len() };
-            let (arguments, areas) = arguments.split_at(of_way);
-            let limits = limits.with_weak(areas.first().map(weak_areas).unwrap_or_default());
+            let of_body = match name {
+                "landing-place-near" => least + 1,
+                way if way.starts_with("way-to") => least,
+                _ => most,
+            };
+            let (arguments, areas) = arguments.split_at(of_body.min(arguments.len()));
+            let (weak, storms) = areas.first().map(avoided_areas).unwrap_or_default();
+            let limits = limits.with_areas(weak, storms);
             body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
         };
         functions.register(name, Arc::new(function));
@@ -138,25 +144,6 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
         }
         None => Location::of(value).map(|place| (place.position, place.altitude_m)),
     }
-}
-
-/// Returns the areas in the value published by the situation; other items are ignored.
-fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
-    let area = |item: &Value| {
-        let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
-        let (altitude_m_max, _) = top.as_number()?;
-        let corners: Vec<Position> =
-            corners.iter().filter_map(|at| Location::of(at).ok()).map(|at| at.position).collect();
-        (corners.len() >= 3).then(|| AirspaceZone {
-            name: name.to_string(),
-            kind: ZoneKind::Restricted,
-            corners,
-            altitude_m_min: 0.0,
-            altitude_m_max,
-            active: TimeWindow::ALWAYS,
-        })
-    };
-    value.as_list().unwrap_or_default().iter().filter_map(area).collect()
 }
 
 fn length(value: &Value) -> Result<Option<f64>, String> {

@@ -12,20 +12,22 @@ use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 
 /// Evaluates `(landing-place-near LOCATION REACH [TIME])`: the name of the nearest landing place within REACH, otherwise nil. With TIME,
-/// since the start of the mission, places outside of restricted zones come first.
+/// since the start of the mission, places outside of restricted zones come first. Places under a storm come last.
 pub(super) fn near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, reach, time @ ..] = arguments else { return Err("a location and a reach are missing".to_string()) };
     let here = Location::of(location)?.position;
     let reach_m = length(reach, "reach")?;
-    let at_s = time.first().map(seconds).transpose()?;
+    let at_s = time.first().filter(|time| time.is_true()).map(seconds).transpose()?;
     let places = limits.landing_places.iter().map(|place| (geodesy::distance_m(here, place.position), place));
     let is_open = |(distance_m, place): &(f64, &LandingPlace)| {
         let arrives_s = at_s.map(|at_s| at_s + distance_m / limits.true_airspeed_mps);
         arrives_s.is_none_or(|arrives_s| limits.zones_of_landing(place, arrives_s).is_empty())
     };
+    let is_stormy = |place: &LandingPlace| limits.is_under_storm(place.position);
+    let rank = |place: &(f64, &LandingPlace)| (is_stormy(place.1), !is_open(place));
     let nearest = places
         .filter(|(distance_m, _)| *distance_m <= reach_m)
-        .min_by(|a, b| is_open(b).cmp(&is_open(a)).then(a.0.total_cmp(&b.0)));
+        .min_by(|a, b| rank(a).cmp(&rank(b)).then(a.0.total_cmp(&b.0)));
     Ok(nearest.map_or_else(Value::nil, |(_, place)| Value::symbol(&place.name)))
 }
 

@@ -25,6 +25,8 @@ pub struct Limits {
     pub(super) zones: Vec<AirspaceZone>,
     /// Areas with a weak link. Paths avoid them if possible; a path through them violates no requirement.
     pub(super) weak: Vec<AirspaceZone>,
+    /// Areas of storms, which are zones, too.
+    storms: Vec<AirspaceZone>,
     pub(super) landing_places: Vec<LandingPlace>,
     pub(super) landing_distance_m_max: Option<f64>,
     pub(super) wind: WindField,
@@ -145,6 +147,7 @@ impl Limits {
         Limits {
             zones: mission.zones.clone(),
             weak: Vec::new(),
+            storms: Vec::new(),
             landing_places: mission.landing_places(),
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
             wind: mission.forecast.clone(),
@@ -189,9 +192,20 @@ impl Limits {
         !self.weak.is_empty()
     }
 
-    /// Returns the limits with the weak areas that a flight has measured.
-    pub(super) fn with_weak(&self, areas: Vec<AirspaceZone>) -> Cow<'_, Limits> {
-        if areas.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(Limits { weak: areas, ..self.clone() }) }
+    /// Returns the limits with the areas of weak links and storms that a flight has measured.
+    pub(super) fn with_areas(&self, weak: Vec<AirspaceZone>, storms: Vec<AirspaceZone>) -> Cow<'_, Limits> {
+        if weak.is_empty() && storms.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let zones = self.zones.iter().chain(&storms).cloned().collect();
+        Cow::Owned(Limits { zones, weak, storms, ..self.clone() })
+    }
+
+    /// Returns true if a place is in the present area of a storm.
+    pub(super) fn is_under_storm(&self, place: Position) -> bool {
+        let first_s = self.storms.iter().map(|storm| storm.active.from_s).fold(f64::INFINITY, f64::min);
+        let mut present = self.storms.iter().filter(|storm| storm.active.from_s <= first_s);
+        present.any(|storm| distance_m(storm, place) <= 0.0)
     }
 
     /// Returns the limits with weak areas as zones, except for areas near the ends of a path; `None` if no area remains.

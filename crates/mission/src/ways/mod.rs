@@ -6,6 +6,7 @@
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
 
 mod answers;
+mod areas;
 mod circles;
 mod crossed;
 mod landing;
