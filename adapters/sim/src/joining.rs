@@ -13,6 +13,9 @@ const LEAD_IN_S: f64 = 16.0;
 const JOIN_ACROSS_M: f64 = 120.0;
 const JOIN_COURSE_RAD: f64 = 0.06;
 const JOIN_BANK_RAD: f64 = 0.05;
+/// Accuracy of the course with which an interrupted line is resumed at once, because it corrects itself along the line within seconds,
+/// whereas another join takes minutes.
+const RESUMED_COURSE_RAD: f64 = 0.15;
 const JOINS_MAX: u32 = 2;
 /// Accuracy with which a path must end on a line.
 const LINED_UP_ACROSS_M: f64 = 400.0;
@@ -50,7 +53,9 @@ impl ActiveOrder {
             self.at_once = true;
             return Stage::LeadIn;
         }
-        if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
+        let is_resumed = self.begin_m > 0.0 && along_m > self.begin_m - lead_m;
+        let accuracy_rad = if is_resumed { RESUMED_COURSE_RAD } else { JOIN_COURSE_RAD };
+        if near && here.fixed() && off_rad <= accuracy_rad && here.at_altitude() {
             self.begin_m = self.begin_m.min(along_m.max(0.0));
             self.at_once = true;
             return Stage::LeadIn;
