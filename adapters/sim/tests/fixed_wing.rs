@@ -264,6 +264,27 @@ fn a_line_broken_off_twice_is_still_taken_up_where_it_was_left() {
     assert!(left_m > 10_000.0 && (flown_s - rest_s).abs() < 15.0, "{flown_s} s for {rest_s}");
 }
 
+/// Six degrees off the line, as after a short part in wind: the aircraft corrects its course along the line. Another join takes minutes.
+#[test]
+fn a_line_is_taken_up_a_few_degrees_off_its_course() {
+    let (from, to) = (Position::new(40.3, -119.8), Position::new(40.3, -120.4));
+    let ends = || [location(40.3, -119.8), location(40.3, -120.4)];
+    for side_deg in [-6.0, 6.0] {
+        let mut run = cruising(wind(5.0, 5.0, 0.0));
+        run.send(form("fly-line", ends()));
+        run.wait_s(600.0);
+        let (left_m, _) = geodesy::along_cross_track_m(from, to, run.world.position());
+        let aside = geodesy::destination(run.world.position(), geodesy::azimuth_deg(from, to) + side_deg, 60_000.0);
+        run.send(form("fly-to", [location(aside.latitude_deg, aside.longitude_deg)]));
+        run.wait_s(9.0);
+        let begun = run.now.seconds();
+        run.carry_out(form("fly-line", ends()), 2_000.0).unwrap();
+        let rest_s = (geodesy::distance_m(from, to) - left_m) / 89.0;
+        let flown_s = run.now.seconds() - begun;
+        assert!((flown_s - rest_s).abs() < 30.0, "{side_deg} degrees: {flown_s} s for {rest_s}");
+    }
+}
+
 #[test]
 fn a_line_broken_off_for_a_refly_is_taken_up_where_it_was_left() {
     let mut run = cruising(wind(5.0, 5.0, 0.0));

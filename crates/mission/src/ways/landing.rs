@@ -23,6 +23,8 @@ const STEP_S: f64 = 60.0;
 const ON_THE_WAY: f64 = 0.8;
 /// Speed of the final approach, as a multiple of the slowest speed.
 const APPROACH_SPEED: f64 = 1.3;
+/// A rotorcraft at most this far from its field lands without a path to it.
+const OVER_FIELD_M: f64 = 100.0;
 /// Number of lengths of an extended final approach that are tried.
 const STRETCHES: u32 = 4;
 
@@ -52,7 +54,10 @@ impl Limits {
             return Landing { course_deg: self.course_over_low_ground_deg(&request), way: None };
         }
         if !is_fixed_wing {
-            return Landing { course_deg: None, way: self.best_way(&request) };
+            // The vehicle descends over the field: before that it keeps its altitude. Over the field no path is needed.
+            let level = Request { to_altitude_m: request.from_altitude_m.max(approach_altitude_m), ..request };
+            let is_there = geodesy::distance_m(request.from, request.to) <= OVER_FIELD_M;
+            return Landing { course_deg: None, way: if is_there { None } else { self.best_way(&level) } };
         }
         let here = wind::at(&self.wind, request.to, approach_altitude_m, request.at_s);
         let into_deg = libm::atan2(-here.east_mps, -here.north_mps).to_degrees();
@@ -347,9 +352,9 @@ mod tests {
     const FIELD: Position = Position { latitude_deg: 40.0, longitude_deg: -120.0 };
     const HIGH_M: f64 = 10_000.0;
 
-    /// Returns the landing of a Predator B that flies north over the field, with a square zone of 40 km whose northern edge is `south_m` away.
-    fn landing(south_m: f64) -> (Landing, f64) {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+    /// Returns the limits of a mission's vehicle with a square zone of 40 km whose northern edge is `south_m` away from the field.
+    fn limits_beside(mission: &str, south_m: f64) -> Limits {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(mission);
         let mut limits = Limits::of(&Mission::load(&folder).unwrap());
         let corner = |east_m: f64, south_m: f64| {
             let there = geodesy::destination(FIELD, 180.0, south_m);
@@ -372,9 +377,14 @@ mod tests {
         limits.wind.layers.clear();
         limits.patches.clear();
         (limits.terrain, limits.landing_distance_m_max, limits.margin_m) = (None, None, 0.0);
-        let request = Request {
-            from: FIELD,
-            from_altitude_m: HIGH_M,
+        limits
+    }
+
+    /// Returns the request for a landing at the field by a vehicle that flies north.
+    fn from(from: Position, from_altitude_m: f64) -> Request {
+        Request {
+            from,
+            from_altitude_m,
             from_track_rad: Some(0.0),
             at_s: 3_600.0,
             to: FIELD,
@@ -382,8 +392,13 @@ mod tests {
             to_track_rad: None,
             circle_radius_m: 0.0,
             stay_s: 0.0,
-        };
-        (limits.landing(&request), (HIGH_M - limits.final_approach_height_m) / limits.descent_rate_mps)
+        }
+    }
+
+    /// Returns the landing of a Predator B over the field, and the time that its descent takes.
+    fn landing(south_m: f64) -> (Landing, f64) {
+        let limits = limits_beside("western-states", south_m);
+        (limits.landing(&from(FIELD, HIGH_M)), (HIGH_M - limits.final_approach_height_m) / limits.descent_rate_mps)
     }
 
     #[test]
@@ -401,5 +416,15 @@ mod tests {
     fn approaches_are_closed_where_a_zone_covers_the_field() {
         let broken = landing(-10_000.0).0.way.unwrap().broken.unwrap();
         assert_eq!((broken.name.as_str(), broken.why.as_str()), ("south", "every final approach is closed"));
+    }
+
+    #[test]
+    fn a_rotorcraft_keeps_its_altitude_on_the_way_to_its_field() {
+        let limits = limits_beside("structure-watch", 500.0);
+        let behind = geodesy::destination(FIELD, 180.0, 45_000.0);
+        let way = limits.landing(&from(behind, 120.0)).way.unwrap();
+        assert!(!way.via.is_empty() && way.altitude_m == 120.0, "{way:?}");
+        let over = limits_beside("structure-watch", -500.0);
+        assert_eq!(over.landing(&from(FIELD, 120.0)).way, None, "a zone over the field leads no vehicle away from it");
     }
 }
