@@ -274,9 +274,12 @@ fn a_line_is_taken_up_a_few_degrees_off_its_course() {
         run.send(form("fly-line", ends()));
         run.wait_s(600.0);
         let (left_m, _) = geodesy::along_cross_track_m(from, to, run.world.position());
-        let aside = geodesy::destination(run.world.position(), geodesy::azimuth_deg(from, to) + side_deg, 60_000.0);
-        run.send(form("fly-to", [location(aside.latitude_deg, aside.longitude_deg)]));
-        run.wait_s(9.0);
+        let left = geodesy::interpolate(from, to, left_m / geodesy::distance_m(from, to));
+        for back_m in [40_000.0, 20_000.0, 0.0] {
+            let back_deg = geodesy::azimuth_deg(left, from) + side_deg;
+            let place = geodesy::destination(left, back_deg, back_m);
+            run.carry_out(form("fly-to", [location(place.latitude_deg, place.longitude_deg)]), 2_000.0).unwrap();
+        }
         let begun = run.now.seconds();
         run.carry_out(form("fly-line", ends()), 2_000.0).unwrap();
         let rest_s = (geodesy::distance_m(from, to) - left_m) / 89.0;

@@ -57,6 +57,11 @@ struct Leg {
     high_m: f64,
 }
 
+/// Returns true if a leg keeps its distance from edges. A leg that crosses one has the distance zero, which also a margin of zero excludes.
+fn is_apart(edges_m: f64, distance_m: f64) -> bool {
+    edges_m > 0.0 && edges_m >= distance_m
+}
+
 impl Leg {
     fn flat(&self, zone: &AirspaceZone) -> Option<(Point, Point, Vec<Point>)> {
         let plane = Plane::around(&[self.from, self.to]);
@@ -70,7 +75,7 @@ impl Leg {
             && zone.active.overlaps(self.span_s.0, self.span_s.1);
         // Areas that cannot be drawn on one plane map are left to the network.
         let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
-            !plane::inside(a, &corners) && plane::segment_to_edges(a, b, &corners) >= distance_m
+            !plane::inside(a, &corners) && is_apart(plane::segment_to_edges(a, b, &corners), distance_m)
         };
         !meets || self.flat(zone).is_some_and(clear)
     }
@@ -82,7 +87,7 @@ impl Leg {
             && zone.active.from_s <= self.span_s.0
             && self.span_s.1 < zone.active.until_s;
         let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
-            plane::inside(a, &corners) && plane::segment_to_edges(a, b, &corners) >= distance_m
+            plane::inside(a, &corners) && is_apart(plane::segment_to_edges(a, b, &corners), distance_m)
         };
         counts && self.flat(zone).is_some_and(clear)
     }
