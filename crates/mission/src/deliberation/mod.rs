@@ -276,6 +276,7 @@ impl Question {
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
         let mut without_visits = None;
+        let is_posed = self.problem.is_ok();
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
@@ -289,10 +290,12 @@ impl Question {
             without_visits = Some(solved.plan);
             Err(NoPlan::NothingLeft(reason))
         });
+        // In the air a failure would end the flight there; without a visit the aircraft flies home. The failure of a planner that the
+        // program names is one that the program answers.
+        let flies_home = ends_in_the_air && (!is_posed || without_visits.is_some() || solver.is_none());
         match solved {
             Err(NoPlan::NothingLeft(reason))
-                // In the air a failure would end the flight there; without a visit the aircraft flies home.
-                if (has_observed || ends_in_the_air || !believed.weak_targets.is_empty()) && !is_imposed =>
+                if (has_observed || flies_home || !believed.weak_targets.is_empty()) && !is_imposed =>
             {
                 let nothing = nothing_more(&goal, number, &reason, without_visits);
                 SolverAnswer { result: Ok(nothing), charged: Duration::ZERO }
