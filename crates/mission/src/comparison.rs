@@ -213,6 +213,28 @@ fn whole(time: Time) -> String {
 mod tests {
     use super::*;
 
+    /// A fire that grows in one of two flights only: the other flight has not observed the growth, it does not have it.
+    #[test]
+    fn a_target_of_one_flight_is_not_observed_in_the_other() {
+        let report = |left_out: &[(&str, &str)]| Report {
+            mission: "m".to_string(),
+            end: (Time::ZERO, "the end".to_string()),
+            failed_because: None,
+            not_landed: None,
+            landed_away: None,
+            visits: Vec::new(),
+            left_out: left_out.iter().map(|(id, why)| (id.to_string(), why.to_string())).collect(),
+            value: MissionValue::None,
+            notes: Vec::new(),
+            plans: 0,
+            names: Vec::new(),
+        };
+        let (first, second) = (report(&[]), report(&[("gw/growth-1", "too far")]));
+        let compared = Comparison { headings: ["a", "b"], reports: [&first, &second], from: Time::ZERO };
+        let row = ["not a target in this flight".to_string(), "too far".to_string()];
+        assert_eq!(compared.left_out(), [("gw/growth-1".to_string(), row)]);
+    }
+
     #[test]
     fn columns_that_fit_keep_their_widths() {
         let row: ComparisonRow = ("because".to_string(), ["mission over".to_string(), "no fuel".to_string()]);

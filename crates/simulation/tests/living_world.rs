@@ -18,6 +18,7 @@ use apex_mission::report::MissionValue;
 use apex_mission::situation::Situation;
 use apex_mission::verification::verify;
 use apex_model::time::Time;
+use apex_runtime::explain::{Explainer, Question};
 use apex_runtime::record::RecordReader;
 use apex_runtime::record::view::RecordView;
 use apex_simulation::{IgnoranceSummary, RunSummary, RunTerms, fly_runs};
@@ -219,6 +220,19 @@ fn a_living_sky_is_planned_for_and_scored() {
         assert!(lost(grown, "not seen") < 1.0, "{grown}: {}", report.text());
     }
     assert!(score.score > 500.0, "{}", report.text());
+    // Growth is a target: it has states, can be asked about, and is known since the report of its fire.
+    assert!(report.left_out.iter().all(|(_, why)| why != "never announced"), "{}", report.text());
+    let known = RecordView::open(&path, 0).unwrap().targets(None).unwrap();
+    let growth = known.targets.iter().find(|target| target.id == "gw/growth-1").unwrap();
+    assert_eq!((growth.name.as_str(), growth.state.as_deref()), ("GW growth 1", Some("observed")));
+    assert_eq!(growth.latitude_deg, None, "the middle of the fire is outside of the ground by which it has grown");
+    let asked = |what: &str, at_h: f64| {
+        let question = Question::new(what, Time::from_seconds(3_600.0 * at_h));
+        Explainer::of_decisions(&reader).why_not(&question).unwrap().answer
+    };
+    assert!(asked("gw/growth-1", 12.0).starts_with("gw/growth-1 was observed"), "{}", asked("gw/growth-1", 12.0));
+    assert!(asked("castle-rock", 1.0).contains("has not been announced by 1:00:00"), "{}", asked("castle-rock", 1.0));
+    assert!(asked("castle-rock", 5.0).contains("planned"), "{}", asked("castle-rock", 5.0));
     let replayed = replay(&reader).unwrap();
     assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
     assert_continues_stored(&reader, &mission);

@@ -151,8 +151,8 @@ struct Question {
     from: (Position, Time),
     /// True if an observation has ended: if nothing more can be visited, the mission is then complete.
     has_observed: bool,
-    /// True for a surveillance in the air of which no visit can give a picture: the mission continues after it.
-    /// Without a plan the flight would end in the air: no plan is flown that could continue.
+    /// True if the failure of the request would end the flight in the air: no plan is flown yet that could continue, or it is a
+    /// surveillance of which no visit can give a picture.
     ends_in_the_air: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
@@ -221,7 +221,7 @@ impl Question {
             false => (Some(operator_plan::HUMAN.to_string()), Some(OperatorPlan { visits: imposed, repeat: false })),
         };
         let is_first = situation.plan.is_none() && operator_plan.is_none();
-        // No target can be posed: the reasons are in the report, target by target.
+        // No target can be posed: the report has the reason of each target.
         let problem = match problem {
             Err(NoPlan::Fault(reason)) if is_first && situation.ending().is_airborne() => {
                 Err(NoPlan::NothingLeft(reason))
@@ -291,8 +291,9 @@ impl Question {
             Err(NoPlan::NothingLeft(reason))
         });
         // In the air a failure would end the flight there; without a visit the aircraft flies home. The failure of a planner that the
-        // program names is one that the program answers.
-        let flies_home = ends_in_the_air && (!is_posed || without_visits.is_some() || solver.is_none());
+        // program brings is one that the program answers.
+        let is_shipped = || solver.is_none_or(|name| apex_solvers::shipped().find(name).is_some());
+        let flies_home = ends_in_the_air && (!is_posed || without_visits.is_some() || is_shipped());
         match solved {
             Err(NoPlan::NothingLeft(reason))
                 if (has_observed || flies_home || !believed.weak_targets.is_empty()) && !is_imposed =>

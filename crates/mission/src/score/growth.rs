@@ -165,6 +165,10 @@ mod tests {
         let whole_m2 = area_m2 / (1.1 * 1.1 - 1.0);
         assert!((wider_m2 / whole_m2 - 0.44).abs() < 0.01, "{area_m2} {wider_m2}");
         let (later, later_m2) = take(1.3, true).unwrap();
+        let late = Target { announced_late: true, ..fire.clone() };
+        let ends = (first.as_slice(), wider(1.1));
+        let (part, _) = part_of(&late, 1, (ends.0, &ends.1), (0.17, &ground)).unwrap();
+        assert!(!part.announced_late, "the report of its fire's outline has announced it");
         assert!(later == "gw/growth-2" && (later_m2 / whole_m2 - 0.25).abs() < 0.01, "{later} {later_m2}");
         // The situation has taken a report about a fire that was seen in passing.
         let mut updated = mission.clone();

@@ -403,6 +403,12 @@ mod tests {
         for file in ["winds-actual.csv", "winds-of-mars.csv", "winds-of-mars.csv"] {
             said(&mut updates, "new-forecast", &[Value::text(file)]);
         }
+        let subject = |head: &str, target: &str| {
+            let items = [Value::symbol(target), Value::Real(2.0)];
+            MissionUpdates::without_subject(&MissionUpdate::read(head, &items).unwrap(), &mission)
+        };
+        assert_eq!(subject("new-value", "castle").as_deref(), Some("castle is not a target of this mission"));
+        assert_eq!((subject("new-value", "winery"), subject("target-gone", "winery")), (None, None));
         said(&mut updates, "new-likelihood", &[Value::symbol("castle"), Value::Real(2.0)]);
         said(&mut updates, "target-gone", &[Value::symbol("castle")]);
         let unknown = updates.unknown(&mission);

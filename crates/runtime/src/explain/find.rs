@@ -178,6 +178,13 @@ mod tests {
     }
 
     #[test]
+    fn whole_words_precede_parts_of_words() {
+        let tasks = [task(1, "see", "(observe skyland)", 0.0), task(2, "down", "(land at home)", 5.0)];
+        let told = |name: &str| find_task(&tasks, name, Time::from_seconds(10.0)).map(|task| task.id.0).ok();
+        assert_eq!((told("land"), told("LAND AT"), told("skyl")), (Some(2), Some(2), Some(1)));
+    }
+
+    #[test]
     fn of_tasks_with_one_name_the_living_is_meant() {
         let mut tasks = [task(1, "fly", "(fly to a)", 0.0), task(2, "fly", "(fly to b)", 5.0)];
         let told = |tasks: &[TaskRow]| find_task(tasks, "fly", Time::from_seconds(10.0)).map(|task| task.id.0).ok();

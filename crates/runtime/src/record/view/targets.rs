@@ -115,8 +115,8 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
     Ok(Targets { targets })
 }
 
-/// Returns targets for the states that belong to ground by which a fire has grown, `FIRE/growth-1`: it has no row in the table, and lies at
-/// its fire. Its value and outline are not recorded.
+/// Returns targets for the states that belong to ground by which a fire has grown, `FIRE/growth-1`: it has no row in the table. Its place,
+/// outline and value are not recorded; the middle of its fire is outside of it.
 fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> Vec<Target> {
     let of = |(id, mut history): (String, Vec<TargetChange>)| {
         let (fire, part) = id.split_once(LOOK)?;
@@ -127,8 +127,8 @@ fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> 
         history.drain(..history.len().saturating_sub(HISTORY_MAX));
         Some(Target {
             name: format!("{} {}", fire.name, part.replace('-', " ")),
-            latitude_deg: fire.latitude_deg,
-            longitude_deg: fire.longitude_deg,
+            latitude_deg: None,
+            longitude_deg: None,
             value: None,
             observed_ns,
             geometry: None,
