@@ -45,7 +45,8 @@ CI_PROFILE := --profile ci
 # differ and half of the workspace is compiled again.
 CI_SELECTION := --workspace
 # Lints come from the build: clippy's driver compiles the packages of the workspace, so that nothing is compiled for lints alone.
-CI_LINTS := RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
+# It leaves programs of tests unoptimised.
+CI_LINTS := RUSTC_WORKSPACE_WRAPPER=$(abspath .ci/driver) CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
 CI_CARGO := $(CI_LINTS) cargo
 CI_BUILD := $(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples --bench '*' --bin xtask
 CI_APEX := $(TARGET)/ci/apex
