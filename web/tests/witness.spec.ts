@@ -43,6 +43,9 @@ const FAILING = `
   (step high (hold high) (priority 5) (waitfor (go)))
   (step ask (ask operator "Continue?" :options (yes no) :by 30s :default no) (waitfor (go)))
   (step again (ask operator "Again?" :options (yes no) :by 10s :default no) (waitfor (end ?ask)))
+  (step late (hold late) (waitfor (go)) (skip-when (end ?ask)))
+  (step short (hold short) (waitfor (end ?low)) (exit-when (stop)))
+  (step unready (hold unready) (waitfor (end ?ask)) (precondition (gear main = down)) (on-failure (hold spare)))
   (step end (order) (waitfor (stop))))
 (procedure (index (order)) (step no (terminate failure)))
 (primitive (index (hold ?how)) (profile voice) (duration 25s))
@@ -87,7 +90,15 @@ async function compareTasks(page: Page, seen: Witness, where: string): Promise<v
     })),
   );
   expect(rows.length, where).toBeGreaterThan(0);
-  const words = { success: 'done', failure: 'failed', cut: 'cut' } as Record<string, string>;
+  const words: Record<string, string> = {
+    success: 'done',
+    failure: 'failed',
+    'precondition failed': 'failed',
+    'invariant violated': 'failed',
+    cut: 'cut',
+    skipped: 'skipped',
+    exited: 'exited',
+  };
   for (const row of rows) {
     const known = seen.tasks.get(row.task);
     expect({ ...row, known: known !== undefined }, `${row.task}, ${where}`).toEqual({

@@ -127,7 +127,7 @@ function change(seen: Witness, task: string, known: WitnessTask, line: Line): vo
   const granted = /^it was granted (.+)$/.exec(line.cause ?? '')?.[1];
   known.holds = line.state === 'ongoing' && granted ? granted.split(/, | and /) : [];
   for (const resource of known.holds) seen.resources.add(resource);
-  if (line.outcome === 'failure') seen.failures += 1;
+  if (/fail|violated/.test(line.outcome ?? '')) seen.failures += 1;
   if (line.state === 'terminated')
     for (const [number, asked] of seen.questions) if (asked.task === task) seen.questions.delete(number);
 }

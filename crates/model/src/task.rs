@@ -119,6 +119,15 @@ impl Outcome {
     }
 }
 
+/// The words of all outcomes, as [`Outcome::word`] returns them.
+pub const OUTCOME_WORDS: [&str; 7] =
+    ["success", "failure", "cut", "skipped", "exited", "precondition failed", "invariant violated"];
+
+/// Returns true for the word of each kind of failure; see [`Outcome::is_failure`].
+pub fn is_failure_word(word: &str) -> bool {
+    matches!(word, "failure" | "precondition failed" | "invariant violated")
+}
+
 /// Words for the final outcome of a task in conditions: `(failed ?s)`, `(state ?s = failed)`.
 pub const OUTCOME_STATES: &[&str] =
     &["succeeded", "failed", "cut", "skipped", "exited", "precondition-failed", "invariant-violated"];

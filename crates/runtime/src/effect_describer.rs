@@ -31,7 +31,7 @@ pub struct EffectRow {
     pub from: Option<TaskState>,
     /// State after, for `transition`.
     pub to: Option<TaskState>,
-    /// `success`, `failure` or `cut`, for the transition to terminated.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, for the transition to terminated.
     pub outcome: Option<&'static str>,
     /// The task's value, for a successful end with a value.
     pub value: Option<Value>,

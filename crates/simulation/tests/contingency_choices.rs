@@ -153,6 +153,22 @@ fn a_flight_without_positions_ends() {
     assert!(flown.last_distance_m(37.0, -117.0) < 3_000.0, "{}", flown.story());
 }
 
+/// No positions on the ground: the take-off waits for them, and nothing is commanded meanwhile.
+#[test]
+fn an_aircraft_on_the_ground_waits_for_positions_without_a_command() {
+    let flown = Flight {
+        guards: "(step guard (guard against navigation failure))",
+        work: "(step pause (wait 3min)) (step up (take off to 4000m)) (step home (return to home at 4000m))",
+        world: r#""faults": [{"fault": "silence", "of": "location", "at_s": 30, "for_s": 300}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    assert!(flown.first_s("(reading-silent location") < 100.0, "{}", flown.story());
+    assert_eq!((flown.count("(landed uav-1)"), flown.count("(landing-because")), (1, 0), "{}", flown.story());
+    let (first_s, first) = &flown.commands[0];
+    assert!(*first_s > 330.0 && first.starts_with("(take-off"), "{first_s} {first}\n{}", flown.story());
+}
+
 /// Without a reading of the fuel no leak can be found.
 #[test]
 fn a_flight_without_a_reading_of_the_fuel_ends() {

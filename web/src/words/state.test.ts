@@ -13,6 +13,8 @@ describe('the sign of a state', () => {
       stateSign({ state: 'ongoing', outcome: null }, true),
       stateSign(undefined),
     ];
+    const others = ['precondition failed', 'invariant violated', 'skipped', 'exited'];
+    expect(others.map(outcome => stateSign({ state: 'terminated', outcome }))).toEqual(['▲', '▲', '–', '–']);
     expect(signs).toEqual(['○', '◇', '●', '▨', '✓', '▲', '–', '◐', '·']);
   });
 });

@@ -180,7 +180,7 @@ pub struct Why {
     pub state: String,
     /// Since when, in seconds of mission time.
     pub since: f64,
-    /// `success`, `failure` or `cut`, if it has ended.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
     pub outcome: Option<String>,
     /// Its priority at the instant, without interrupt cost; `None` if it has ended.
     pub priority: Option<f64>,

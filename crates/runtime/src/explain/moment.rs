@@ -26,7 +26,7 @@ pub struct Moment {
     pub from: Option<String>,
     /// State after, for `transition`.
     pub to: Option<String>,
-    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
     pub outcome: Option<String>,
     /// The goal, form, clause, resource or variable concerned.
     pub subject: String,

@@ -19,7 +19,7 @@ pub struct TaskRow {
     pub created: Time,
     /// Instant of its end, if it has ended.
     pub ended: Option<Time>,
-    /// `success`, `failure` or `cut`, if it has ended.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
     pub outcome: Option<String>,
     /// `procedure file.pdl:3:1`, if one was selected.
     pub method: Option<String>,

@@ -48,6 +48,12 @@ describe('a row', () => {
     expect(stateLabel(task(1, null))).toBe('ongoing');
     expect(stateLabel(task(1, null, 'terminated', 'success'))).toBe('done');
     expect(stateLabel(task(1, null, 'terminated', 'failure'))).toBe('failed');
+    for (const failure of ['precondition failed', 'invariant violated']) {
+      expect(stateLabel(task(1, null, 'terminated', failure))).toBe('failed');
+    }
+    for (const outcome of ['cut', 'skipped', 'exited']) {
+      expect(stateLabel(task(1, null, 'terminated', outcome))).toBe(outcome);
+    }
     expect(stateLabel(task(1, null, 'terminated'))).toBe('ended');
     expect(tone(task(1, null, 'terminated', 'failure'))).toBe('failed');
   });

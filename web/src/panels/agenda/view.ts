@@ -1,6 +1,7 @@
 /** The task tree as rows to draw; pure. */
 
 import type { Task, TaskState, Tasks } from '../../record/types';
+import { isFailure } from '../../words/state';
 
 export interface Row {
   task: Task;
@@ -46,11 +47,8 @@ function opensByItself(task: Task, depth: number): boolean {
 /** The word for a task's state, or for its outcome once it has ended. */
 export function stateLabel(task: Task): string {
   if (task.state !== 'terminated') return task.state;
-  const outcome = (task.outcome ?? '').toLowerCase();
-  if (outcome.startsWith('success')) return 'done';
-  if (outcome.startsWith('fail')) return 'failed';
-  if (outcome.startsWith('cut')) return 'cut';
-  return 'ended';
+  if (isFailure(task.outcome)) return 'failed';
+  return task.outcome === 'success' ? 'done' : (task.outcome ?? 'ended');
 }
 
 /** The colour's name for a task: failures are emphasised among ended tasks. */

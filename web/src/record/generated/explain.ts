@@ -60,7 +60,7 @@ state: string,
  */
 since: number, 
 /**
- * `success`, `failure` or `cut`, if it has ended.
+ * A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
  */
 outcome: string | null, 
 /**
@@ -239,7 +239,7 @@ from: string | null,
  */
 to: string | null, 
 /**
- * `success`, `failure` or `cut`, for the transition to `terminated`.
+ * A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
  */
 outcome: string | null, 
 /**

@@ -174,7 +174,7 @@ goal: string,
  */
 state: TaskState, 
 /**
- * `success`, `failure` or `cut`, if it has ended.
+ * A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
  */
 outcome: string | null, 
 /**
@@ -350,7 +350,7 @@ from_state: string | null,
  */
 to_state: string | null, 
 /**
- * `success`, `failure` or `cut`, for the transition to `terminated`.
+ * A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
  */
 outcome: string | null, 
 /**

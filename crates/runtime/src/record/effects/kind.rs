@@ -21,7 +21,7 @@ pub(crate) struct EffectKind {
     pub(crate) word: &'static str,
     /// State after, for `transition`.
     pub(crate) to: Option<TaskState>,
-    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
     pub(crate) outcome: Option<&'static str>,
     /// True if the effect grants resources.
     pub(crate) grants: bool,

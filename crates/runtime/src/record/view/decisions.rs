@@ -20,7 +20,7 @@ pub(crate) struct DecisionRow {
     pub(crate) from: Option<String>,
     /// State after, for `transition`.
     pub(crate) to: Option<String>,
-    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
     pub(crate) outcome: Option<String>,
     pub(crate) subject: String,
     pub(crate) text: String,

@@ -73,7 +73,7 @@ pub struct EventRow {
     pub from_state: Option<String>,
     /// State after, for `transition`.
     pub to_state: Option<String>,
-    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, for the transition to `terminated`.
     pub outcome: Option<String>,
     /// The goal, form or variable.
     pub subject: Option<String>,

@@ -6,7 +6,7 @@ use super::state::StateWord;
 use crate::error::RecordError;
 use crate::record::{EffectKind, EffectNeed, Effects, Item, RecordReader};
 use apex_model::effect::{Decision, DecisionKind, Effect};
-use apex_model::task::TaskState;
+use apex_model::task::{OUTCOME_WORDS, TaskState};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -61,18 +61,16 @@ pub(super) struct Change {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct OutcomeCode(u8);
 
-const OUTCOMES: [&str; 3] = ["success", "failure", "cut"];
-
 impl OutcomeCode {
     /// Returns the code of an outcome; `None` has a code too.
     pub(super) fn of(word: Option<&str>) -> OutcomeCode {
-        let place = OUTCOMES.iter().position(|outcome| Some(*outcome) == word);
+        let place = OUTCOME_WORDS.iter().position(|outcome| Some(*outcome) == word);
         OutcomeCode(place.map_or(0, |place| place as u8 + 1))
     }
 
-    /// Returns `success`, `failure` or `cut`.
+    /// Returns a word of [`OUTCOME_WORDS`]; `None` for a task that has not ended.
     pub(super) fn word(self) -> Option<&'static str> {
-        usize::from(self.0).checked_sub(1).and_then(|place| OUTCOMES.get(place)).copied()
+        usize::from(self.0).checked_sub(1).and_then(|place| OUTCOME_WORDS.get(place)).copied()
     }
 }
 
@@ -354,7 +352,7 @@ mod tests {
 
     #[test]
     fn outcomes_come_back_from_their_codes() {
-        for word in OUTCOMES.map(Some).into_iter().chain([None]) {
+        for word in OUTCOME_WORDS.map(Some).into_iter().chain([None]) {
             assert_eq!(OutcomeCode::of(word).word(), word);
         }
         assert_eq!(std::mem::size_of::<Change>(), 16);

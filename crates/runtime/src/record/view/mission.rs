@@ -2,6 +2,7 @@
 
 use super::RecordView;
 use crate::error::RecordError;
+use apex_model::task::is_failure_word;
 use rusqlite::Connection;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -100,7 +101,8 @@ impl RecordView {
         let index = self.tasks_index()?;
         let tasks = index.tasks().values().filter(|task| task.state_at(at_ns).is_some()).count();
         let root_failed = index.tasks().values().filter(|task| task.parent.is_none()).any(|root| {
-            root.state_at(at_ns).is_some_and(|now| now.outcome.word() == Some("failure") && !now.state.is_alive())
+            root.state_at(at_ns)
+                .is_some_and(|now| now.outcome.word().is_some_and(is_failure_word) && !now.state.is_alive())
         });
         drop(index);
         let targets = self.targets(Some(at_ns))?.targets;

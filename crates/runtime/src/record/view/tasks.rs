@@ -57,7 +57,7 @@ pub struct Task {
     pub goal: String,
     /// Its state.
     pub state: StateWord,
-    /// `success`, `failure` or `cut`, if it has ended.
+    /// A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
     pub outcome: Option<String>,
     /// Mission time in nanoseconds at which the state began.
     pub since_ns: i64,

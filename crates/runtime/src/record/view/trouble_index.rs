@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::record::{EffectKind, RecordReader};
-use apex_model::task::TaskState;
+use apex_model::task::{TaskState, is_failure_word};
 use serde::Serialize;
 
 /// Kind of the effects that report faults.
@@ -95,7 +95,7 @@ fn kind_of(kind: &EffectKind) -> Option<TroubleKind> {
     match (kind.word, kind.to, kind.outcome) {
         (FAULT, ..) => Some(TroubleKind::Fault),
         ("transition", Some(TaskState::Interrupted), _) => Some(TroubleKind::Interrupted),
-        ("transition", _, Some("failure")) => Some(TroubleKind::Failed),
+        ("transition", _, Some(outcome)) if is_failure_word(outcome) => Some(TroubleKind::Failed),
         _ => None,
     }
 }
