@@ -61,7 +61,7 @@ def offset_m(here, there):
 
 
 class Camera:
-    """A camera that tilts, on a vehicle that turns towards what it looks at; it obeys at once.
+    """A camera that tilts, on a vehicle that turns towards its target; it obeys at once.
 
     Before each picture come the position, the attitude and the angles of the mount that belong to it: Apex computes the seen ground from
     them.

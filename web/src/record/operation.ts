@@ -23,7 +23,7 @@ export class ServedFlight {
    * Sends a command, with an epoch of authority if one is given, and with the time of the server's clock until which it is valid; resolves
    * when the command has ended.
    */
-  async command(wish: Wish, epoch: number | null, until_ms: number | null): Promise<CommandState> {
+  async command(wish: Wish, epoch: number | null, until_ms: number | null = null): Promise<CommandState> {
     return this.ask<CommandState>('commands', {
       method: 'POST',
       headers: { 'Content-Type': 'application/json' },

@@ -27,7 +27,7 @@ const REMEMBERED_MAX: usize = 50;
 pub type ReadDatum = Arc<dyn Fn(&str) -> Result<Value, String> + Send + Sync>;
 
 /// A command with what its caller states about it.
-pub(crate) struct Request {
+pub(crate) struct CommandRequest {
     pub(crate) wish: Wish,
     pub(crate) author: Author,
     /// Time of the door's clock until which the run may accept the command, as the caller reckons it; `None`: not stated.
@@ -188,8 +188,8 @@ impl FlightDoor {
     }
 
     /// Sends a command. It ends at once if it is certain that the run would not execute it.
-    pub(crate) fn send(&self, request: Request) -> u64 {
-        let Request { wish, author, valid_until } = request;
+    pub(crate) fn send(&self, request: CommandRequest) -> u64 {
+        let CommandRequest { wish, author, valid_until } = request;
         let at = Instant::now();
         let latest = at + EXPIRES_AFTER;
         let until = valid_until.and_then(|clock| self.shared.began.checked_add(clock)).unwrap_or(latest).min(latest);

@@ -2,7 +2,7 @@
 
 use crate::access::Caller;
 use crate::answer::{ApiError, ApiResult};
-use crate::operation::door::{CommandState, FlightDoor, Request};
+use crate::operation::door::{CommandRequest, CommandState, FlightDoor};
 use crate::operation::request::Wish;
 use crate::state::{AppState, Shared};
 use apex_runtime::authority::Actor;
@@ -94,7 +94,7 @@ async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> Api
     let (wish, terms) = Wish::read(body).map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, error))?;
     door.hear(&actor.name);
     let author = Author { actor, epoch: terms.epoch };
-    let number = door.send(Request { wish, author, valid_until: terms.valid_until });
+    let number = door.send(CommandRequest { wish, author, valid_until: terms.valid_until });
     let forgotten = || ApiError::not_found(format!("command {number} is forgotten"), "the record holds its end");
     let ended = tokio::spawn(async move {
         loop {

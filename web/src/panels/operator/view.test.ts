@@ -78,7 +78,7 @@ describe('operator bar', () => {
     expect(sentText(pause, 4000)).toEqual({ words: 'pause: sent 3.0 s', state: 'sent' });
     expect(sentText(pause, 11_000)).toMatchObject({
       words: expect.stringMatching(
-        /^pause: expired after 10 s: the server does not answer; .*is not carried out any more$/,
+        /^pause: expired after 10 s: the server does not answer; .*is no longer carried out$/,
       ),
       state: 'expired',
     });

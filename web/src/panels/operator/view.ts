@@ -97,7 +97,7 @@ export function sentText(
   const age = Math.max(0, nowMs - sentMs);
   const words = wishWords(wish);
   if (age < VALID_MS) return { words: `${words}: sent ${(age / 1000).toFixed(1)} s`, state: 'sent' };
-  const late = 'the server does not answer; a command that it has not begun is not carried out any more';
+  const late = 'the server does not answer; a command that it has not begun is no longer carried out';
   return { words: `${words}: expired after 10 s: ${late}`, state: 'expired' };
 }
 

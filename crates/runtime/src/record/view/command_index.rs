@@ -86,13 +86,7 @@ fn command(t_ns: i64, kind: &EventKind) -> Option<RecordedCommand> {
         [Value::Text(reason), ..] => Some(reason.to_string()),
         _ => None,
     };
-    Some(RecordedCommand {
-        t_ns,
-        number: *number,
-        words: words.to_string(),
-        end: end.to_string(),
-        reason,
-    })
+    Some(RecordedCommand { t_ns, number: *number, words: words.to_string(), end: end.to_string(), reason })
 }
 
 #[cfg(test)]

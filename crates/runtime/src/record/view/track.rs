@@ -62,7 +62,7 @@ fn read(connection: &Connection, query: &TrackQuery) -> rusqlite::Result<Track> 
         .query_row([from, to], |row| row.get(0))?;
     let recorded = usize::try_from(recorded).unwrap_or(0);
     let points = query.points.unwrap_or(POINTS_DEFAULT).clamp(2, POINTS_MAX);
-    // The last sample is listed besides every n-th one before it.
+    // The last sample is listed after every n-th one before it.
     let stride = recorded.saturating_sub(1).div_ceil(points - 1).max(1);
     let mut statement = connection.prepare_cached(
         "SELECT t_ns, latitude_deg, longitude_deg, altitude_m, heading_deg, roll_deg, ground_speed_mps, fuel_kg \
