@@ -37,7 +37,8 @@ fn in_pages(pages: &[(&str, &str)], word: &str) -> Option<String> {
     let places = kinds.into_iter().flat_map(|kind| pages.iter().map(move |(name, page)| (name, kind(page, word))));
     let places = places.flat_map(|(name, places)| places.into_iter().map(move |place| (name, place)));
     for (name, (heading, place)) in places.take(SHOWN_MAX) {
-        let _ = writeln!(text, "{name}, \"{heading}\":\n  {place}");
+        let below = if heading.is_empty() { String::new() } else { format!(", \"{heading}\"") };
+        let _ = writeln!(text, "{name}{below}:\n  {place}");
     }
     (!text.is_empty()).then_some(text)
 }
