@@ -113,8 +113,8 @@ function take(seen: Witness, line: Line): void {
       seen.questions.delete(line.question ?? -1);
       break;
     case 'trouble': // english: allow
-      // The failure of a task that no other task handles is that of the task: one failure is one alarm.
-      if (!/^its subtask T\d+ failed and nothing handles that/.test(line.message ?? '')) seen.faults += 1;
+      // The failure of a task that a task above it handles is that of the task: one failure is one alarm.
+      if (!/^its subtask T\d+ failed/.test(line.cause ?? '')) seen.faults += 1;
       break;
     default:
       hear(seen, line.form ?? '');

@@ -42,6 +42,9 @@ fn an_outside_simulator_flies_a_mission() {
     }
     let visits = out.matches("(observed ").count();
     assert!(visits >= 16, "{visits} visits in an hour");
+    // The camera takes a valid picture at each visit.
+    let seen = err.lines().filter(|line| line.ends_with("1.00") && line.contains(" cm ")).count();
+    assert!(seen >= 8 && !err.contains("not seen"), "{seen} sites seen\n{err}");
     desk.apex(&["trace", "flight.apex", "--type", "plan"]).well().told(&["patrol the structures"]);
     desk.apex(&["replay", "flight.apex"]).well().told(&["The record is confirmed: "]);
 }

@@ -147,6 +147,19 @@ fn a_flight_record_is_watched_in_terms_of_its_own_program() {
 }
 
 #[test]
+fn messages_and_samples_of_the_program_are_events_of_its_record() {
+    let desk = Desk::new();
+    let program = "(state-variable (heat ?part) :type real)
+(procedure (index (do-domain)) (step a (tell)) (step done (terminate) (waitfor (end ?a))))
+(primitive (index (tell)) (duration 2s) (on-end (inform (said 5)) (publish (heat engine) 7)))\n";
+    desk.write("p.pdl", program);
+    desk.apex(&["run", "p.pdl", "--record", "r.apex"]);
+    let said = desk.apex(&["monitor", "(said ?n)", "(heat engine > 5)", "--inputs", "r.apex"]);
+    assert!(said.out.contains("1: at 2s, ?n = 5\n  because (said 5) at 2s"), "{} {}", said.out, said.err);
+    assert!(said.out.contains("2: satisfied"), "{} {}", said.out, said.err);
+}
+
+#[test]
 fn what_became_of_each_sample_is_in_the_table() {
     let desk = Desk::new();
     desk.write("d.pdl", "(state-variable (x ?a) :unit m :lateness 2s)");

@@ -3,13 +3,13 @@
 //! Either a test has a wrong result, or the model lacks a dependency. The search deepens iteratively over the number of tests left out. A
 //! failed test without an explanation leaves two ways: leave out that test, or leave out all passed tests that clear one of its failure
 //! modes.
-//! Bound: [`RETRACTIONS_MAX`] sets of tests.
+//! Bound: the sets of tests that the caller permits.
 
 use crate::bits::{Bits, minimal};
 use crate::evidence::{Exclusion, Outcome, TestEvidence};
 use crate::grouping::{ConflictGroup, groups};
 use crate::hitting::{Problem, SearchEnd, search};
-use crate::limits::{ALTERNATIVES_MAX, RETRACTION_NODES_MAX, RETRACTION_SEARCH, RETRACTIONS_MAX};
+use crate::limits::{ALTERNATIVES_MAX, RETRACTION_NODES_MAX, RETRACTION_SEARCH};
 use crate::model::Model;
 use std::collections::BTreeSet;
 
@@ -33,6 +33,8 @@ pub(crate) struct Retraction<'a> {
     exclusions: &'a [Exclusion],
     outcomes: &'a [Outcome],
     costs: &'a [f64],
+    /// Maximum number of sets that are tried.
+    tried_max: usize,
     tried: usize,
     /// True if a set was not decided within its nodes.
     is_undecided: bool,
@@ -53,8 +55,9 @@ impl<'a> Retraction<'a> {
         exclusions: &'a [Exclusion],
         outcomes: &'a [Outcome],
         costs: &'a [f64],
+        tried_max: usize,
     ) -> Retraction<'a> {
-        Retraction { model, exclusions, outcomes, costs, tried: 0, is_undecided: false }
+        Retraction { model, exclusions, outcomes, costs, tried_max, tried: 0, is_undecided: false }
     }
 
     /// Returns the contradiction of these unexplained failed tests.
@@ -70,7 +73,7 @@ impl<'a> Retraction<'a> {
                 return Contradiction { unexplained, left_out, is_smallest, are_all };
             }
             is_smallest &= self.is_thorough();
-            if self.tried >= RETRACTIONS_MAX {
+            if self.tried >= self.tried_max {
                 break;
             }
         }
@@ -80,12 +83,12 @@ impl<'a> Retraction<'a> {
 
     /// Returns true if no limit has cut the search so far.
     fn is_thorough(&self) -> bool {
-        self.tried < RETRACTIONS_MAX && !self.is_undecided
+        self.tried < self.tried_max && !self.is_undecided
     }
 
     /// Finds the sets that leave out `left_out` and at most `size` further tests.
     fn within(&mut self, left_out: &Bits, size: usize, found: &mut BTreeSet<Bits>) {
-        if self.tried >= RETRACTIONS_MAX || found.len() >= ALTERNATIVES_MAX {
+        if self.tried >= self.tried_max || found.len() >= ALTERNATIVES_MAX {
             return;
         }
         self.tried += 1;

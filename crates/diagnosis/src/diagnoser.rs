@@ -12,7 +12,7 @@ use crate::doubt::{Doubt, Doubts, TestReport};
 use crate::evidence::{Exclusion, Outcome, TestEvidence};
 use crate::grouping::{ConflictGroup, groups};
 use crate::hitting::{Problem, SearchEnd, search};
-use crate::limits::{CANDIDATES_MAX, NODES_MAX};
+use crate::limits::{CANDIDATES_MAX, NODES_MAX, RETRACTIONS_MAX, RETRACTIONS_REPORT_MAX};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -110,12 +110,23 @@ pub struct Diagnoser {
     exclusions: Vec<Exclusion>,
     costs: Vec<f64>,
     solved: Vec<Solved>,
+    /// Maximum number of sets of tests that are left out on trial for a contradiction.
+    retractions_max: usize,
     diagnosis: Diagnosis,
 }
 
 impl Diagnoser {
     /// Returns a diagnoser without any outcome.
     pub fn new(model: Arc<Model>) -> Diagnoser {
+        Diagnoser::searching(model, RETRACTIONS_MAX)
+    }
+
+    /// Returns a diagnoser for a report on the ground: the search for the smallest contradictions takes more time than a flight permits.
+    pub fn thorough(model: Arc<Model>) -> Diagnoser {
+        Diagnoser::searching(model, RETRACTIONS_REPORT_MAX)
+    }
+
+    fn searching(model: Arc<Model>, retractions_max: usize) -> Diagnoser {
         let permanent = Bits::of(
             model.modes.len(),
             (0..model.modes.len()).filter(|mode| model.modes.get(*mode).is_some_and(|mode| !mode.is_intermittent)),
@@ -133,6 +144,7 @@ impl Diagnoser {
             exclusions: model.tests.iter().map(|test| exclusion(test.implicants())).collect(),
             costs: (0..model.modes.len()).map(|mode| model.cost(mode)).collect(),
             solved: Vec::new(),
+            retractions_max,
             diagnosis: Diagnosis::default(),
             model,
         };
@@ -202,7 +214,8 @@ impl Diagnoser {
             known.append(&mut self.solved);
         };
         let contradiction = (!unexplained.is_empty()).then(|| {
-            let retraction = Retraction::new(&self.model, &self.exclusions, &self.outcomes, &self.costs);
+            let most = self.retractions_max;
+            let retraction = Retraction::new(&self.model, &self.exclusions, &self.outcomes, &self.costs, most);
             let mut found = retraction.contradiction(unexplained);
             let newest_ns =
                 |set: &Vec<usize>| set.iter().filter_map(|test| self.reports.get(*test)).map(|known| known.at_ns).max();

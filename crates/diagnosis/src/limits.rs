@@ -14,6 +14,8 @@ pub const NODES_MAX: usize = 500;
 /// Sets of tests that are left out on trial, in order, to find the smallest ones without which the other results are consistent. Limited
 /// for use in flight, like [`NODES_MAX`].
 pub const RETRACTIONS_MAX: usize = 60;
+/// The same for a report on the ground, which may take a second.
+pub const RETRACTIONS_REPORT_MAX: usize = 20_000;
 /// Partial sets examined to decide whether one set of tests leaves the rest consistent, if passed tests exclude sets of failures.
 pub const RETRACTION_NODES_MAX: usize = 40;
 /// Number of tried sets as which such a decision counts towards [`RETRACTIONS_MAX`].

@@ -228,3 +228,47 @@ fn a_sample_that_nobody_watches_is_an_instant_for_a_function_of_the_time() {
         assert_eq!(printed(&run(&mut agent(pdl), &events, 20.0)), ["seen at 8s"], "samples of {others}");
     }
 }
+
+/// Returns the reason of the end of the application.
+fn end_of(pdl: &str) -> String {
+    let effects = run(&mut agent(pdl), &[message(1.0, "(go)")], 5.0);
+    let reason = effects.into_iter().find_map(|(_, effect)| match effect {
+        apex_model::effect::Effect::EndApplication { reason } => Some(reason),
+        _ => None,
+    });
+    reason.unwrap()
+}
+
+#[test]
+fn an_end_without_a_text_names_the_procedure_and_what_it_waited_for() {
+    let pdl = "(procedure (index (do-domain)) (step home (go home because low)) (step idle (idle)))
+      (procedure :sequential (index (go home because ?why)) (step fly (fly)) (step finish (end-application)))
+      (procedure (index (idle)) (step wait (terminate) (waitfor (never))))
+      (primitive (index (fly)) (duration 2s))";
+    assert_eq!(end_of(pdl), "(go home because low) ended the application: (fly) is done");
+    let pdl = "(procedure (index (do-domain)) (step finish (end-application) (waitfor (go))))";
+    assert_eq!(end_of(pdl), "(do-domain) ended the application: (go) at 1s");
+}
+
+#[test]
+fn an_end_with_a_text_states_it() {
+    let pdl = "(procedure (index (do-domain)) (step up (climb leak)))
+      (procedure (index (climb ?why)) (step finish (end-application (format nil \"landed early: ~a\" ?why)) (waitfor (go))))";
+    assert_eq!(end_of(pdl), "landed early: leak");
+}
+
+/// The failure of a subtask is reported with the first reason and with the goal that handles it, and nothing says that it is unhandled.
+#[test]
+fn a_handled_failure_states_its_first_reason_and_its_handler() {
+    let pdl = "(procedure (index (do-domain)) (step a (inspect 5) (on-failure (stay home))))
+      (procedure (index (inspect ?what)) (step circle (circle ?what)))
+      (procedure (index (circle ?what)) (step fly (orbit ,(/ 1 (- ?what ?what)))))
+      (primitive (index (orbit ?what)) (duration 1s))
+      (primitive (index (stay home)) (duration 1s))";
+    let told = story(&run(&mut agent(pdl), &[], 5.0));
+    let trouble: Vec<_> = told.iter().filter(|line| line.contains("trouble")).collect();
+    let expected = "(inspect 5) failed: an expression failed: (/ ..): division of 1 by zero; from test.pdl:3:";
+    assert!(trouble.len() == 1 && trouble[0].contains(expected), "{trouble:?}");
+    assert!(trouble[0].ends_with("; (stay home) handles it"), "{trouble:?}");
+    assert!(told.iter().all(|line| !line.contains("nothing handles")), "{told:?}");
+}

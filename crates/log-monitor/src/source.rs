@@ -4,7 +4,8 @@ use apex_logs::{Format, LogError, LogFile, MappingError, MappingFile, ReadErrors
 use apex_mission::error::{ErrorKind, MissionError, MissionResult};
 use apex_mission::files::{read_text, unreadable};
 use apex_mission::{recording, scenario};
-use apex_model::event::{EventKind, StateVariable};
+use apex_model::effect::Effect;
+use apex_model::event::{EventKind, StateVariable, measured};
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -202,9 +203,23 @@ fn feed_lines<E: From<MissionError>>(sink: SampleSink<'_, E>) -> Result<(), E> {
 
 fn feed_record<E: From<MissionError>>(reader: &RecordReader, sink: SampleSink<'_, E>) -> Result<(), E> {
     let failed = |error: apex_runtime::RecordError| MissionError::new(ErrorKind::Input, error.to_string());
-    for step in reader.steps().map_err(failed)?.without_effects() {
-        for event in step.map_err(failed)?.batch.events {
+    for step in reader.steps().map_err(failed)? {
+        let step = step.map_err(failed)?;
+        let effects = step.decoded_effects().map_err(|what| MissionError::new(ErrorKind::Input, what))?;
+        let now = step.batch.now;
+        for event in step.batch.events {
             sink(event.at, event.kind)?;
+        }
+        // The agent receives its own messages and published samples at the instant at which it sends them.
+        for effect in effects {
+            match effect {
+                Effect::Inform { form, .. } => match measured(&form) {
+                    Some((variable, value)) => sink(now, EventKind::Measurement(variable, value))?,
+                    None => sink(now, EventKind::Occurrence(form))?,
+                },
+                Effect::Publish { variable, value, .. } => sink(now, EventKind::Measurement(variable, value))?,
+                _ => {}
+            }
         }
     }
     Ok(())

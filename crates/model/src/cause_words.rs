@@ -67,7 +67,7 @@ impl Cause {
             Cause::ParentEnded { parent } => format!("{parent} above it ended"),
             Cause::ParentRestarted { parent } => format!("{parent} above it starts over"),
             Cause::ParentFailed { parent } => format!("{parent} above it failed, and its on-failure takes over"),
-            Cause::ChildFailed { child } => format!("its subtask {child} failed and nothing handles that"),
+            Cause::ChildFailed { child } => format!("its subtask {child} failed"),
             Cause::FailureHandled { by } => format!("{by} handles its failure"),
             Cause::HandlerEnded { handler } => format!("{handler} handled its failure and ended"),
             Cause::MostSpecific { candidates: 1 } => "it is the only match".into(),

@@ -36,6 +36,7 @@ codes! {
     UNKNOWN_UNIT "E0009" "A number is followed by a word that is not a unit.";
     NOT_ONE_DATUM "E0010" "The text must hold exactly one datum.";
     BRACKET "E0011" "A list is written with brackets or braces.";
+    TYPOGRAPHIC_QUOTE "E0012" "A string or a quote has typographic quotation marks.";
     UNKNOWN_FORM "E0101" "No top-level form has this name.";
     MALFORMED "E0102" "A form does not have the parts that it needs.";
     MISSING_INDEX "E0103" "A procedure, primitive or solver does not say which goals it serves.";

@@ -7,6 +7,15 @@ const PAGES: [(&str, &str); 2] = [
     ("docs/reference/pdl.md", include_str!("../../../docs/reference/pdl.md")),
     ("docs/reference/conditions.md", include_str!("../../../docs/reference/conditions.md")),
 ];
+/// Pages about missions and flights. They are searched for a word that the pages about the language do not have.
+const PAGES_OF_MISSIONS: [(&str, &str); 6] = [
+    ("docs/reference/mission-data.md", include_str!("../../../docs/reference/mission-data.md")),
+    ("docs/reference/requirements.md", include_str!("../../../docs/reference/requirements.md")),
+    ("docs/reference/travel.md", include_str!("../../../docs/reference/travel.md")),
+    ("docs/reference/manoeuvres.md", include_str!("../../../docs/reference/manoeuvres.md")),
+    ("docs/reference/simulator.md", include_str!("../../../docs/reference/simulator.md")),
+    ("docs/reference/world.md", include_str!("../../../docs/reference/world.md")),
+];
 /// Finds the places of a word in a page: a heading and a text for each.
 type Finder = fn(&str, &str) -> Vec<(String, String)>;
 
@@ -19,12 +28,17 @@ pub(crate) fn explain(word: &str) -> Option<String> {
     if word.is_empty() {
         return None;
     }
+    in_pages(&PAGES, word).or_else(|| in_pages(&PAGES_OF_MISSIONS, word))
+}
+
+fn in_pages(pages: &[(&str, &str)], word: &str) -> Option<String> {
     let mut text = String::new();
     let kinds: [Finder; 2] = [of_rows, of_text];
-    let places = kinds.into_iter().flat_map(|kind| PAGES.iter().map(move |(name, page)| (name, kind(page, word))));
+    let places = kinds.into_iter().flat_map(|kind| pages.iter().map(move |(name, page)| (name, kind(page, word))));
     let places = places.flat_map(|(name, places)| places.into_iter().map(move |place| (name, place)));
     for (name, (heading, place)) in places.take(SHOWN_MAX) {
-        let _ = writeln!(text, "{name}, \"{heading}\":\n  {place}");
+        let below = if heading.is_empty() { String::new() } else { format!(", \"{heading}\"") };
+        let _ = writeln!(text, "{name}{below}:\n  {place}");
     }
     (!text.is_empty()).then_some(text)
 }
@@ -105,7 +119,7 @@ fn plain(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{PAGES, explain, has};
+    use super::{PAGES, PAGES_OF_MISSIONS, explain, has, in_pages};
     use crate::words::explain_word;
     use std::collections::BTreeSet;
 
@@ -127,13 +141,29 @@ mod tests {
     }
 
     #[test]
+    fn words_of_missions_are_explained() {
+        let commands = [":via", ":hold-around", ":course", ":centre", ":speeds", "flight-time-limit"];
+        let requirements = [":clearance", ":reserve", ":at-most", ":lost-for", ":pattern"];
+        let modems = [":around", ":ridge", ":sector", ":beyond"];
+        let messages = ["truth-fault", "truth-fault-over", "truth-fire", "truth-fire-seen"];
+        for word in commands.iter().chain(&requirements).chain(&modems).chain(&messages) {
+            let text = explain_word(word).unwrap_or_else(|| panic!("`{word}` is not explained"));
+            assert!(text.contains("docs/reference/"), "`{word}`: {text}");
+        }
+        for word in PAGES_OF_MISSIONS.iter().flat_map(|(_, page)| keywords(page)) {
+            assert!(explain_word(&format!(":{word}")).is_some(), "`:{word}` is not explained");
+        }
+    }
+
+    #[test]
     fn rows_come_before_sentences_and_other_words_have_no_place() {
         let text = explain("waitfor").unwrap();
         assert!(text.starts_with("docs/reference/pdl.md, \"Steps\":\n  `(waitfor C..)`: the preconditions"), "{text}");
         let text = explain("capacity").unwrap();
         assert!(text.contains("has units"), "{text}");
-        for word in ["wait", "capacit", "", "no-such-word"] {
+        for word in ["capacit", "", "no-such-word"] {
             assert_eq!(explain(word), None, "{word}");
         }
+        assert_eq!(in_pages(&PAGES, "wait"), None, "`waitfor` is another word");
     }
 }

@@ -56,6 +56,12 @@ message_tests! {
     equally_specific: "(procedure (index (go ?x to ?y fast)))\n(procedure (index (go ?x slowly ?y ?)))\n(procedure (index (go ?x ? ?y fast)))\n";
     two_definitions: "(defun f (x) x)\n(defun f (y) y)\n(defun length (x) x)\n";
     unknown_clause: "(procedure (index (a)) (step s1 (a) (witfor (ready camera-1))) (end-when (stop)))\n";
+    infix_connective: "(procedure (index (a)) (step s1 (a) (waitfor ((go) :and (stop)))) (step s2 (a) (waitfor (go :or stop))) (end-when (b)))\n";
+    typographic_quotes: "(primitive (index (stop)) (on-start (print “two words”)) (return ’done))\n";
+    negative_duration: "(primitive (index (stop)) (duration -5s))\n(solver auto (index (go)) :budget -1s)\n";
+    select_twice: "(procedure (index (a ?n)) (step s1 (b ?x) (select ?x 1) (select ?x (+ ?x ?n)) (select ?x 3)))\n(primitive (index (b ?x)))\n";
+    awaited_otherwise: "(declare-event (go (?x number)))\n(procedure (index (a)) (step s1 (b) (waitfor (go 1 2))) (step s2 (b) (waitfor (go ?y))))\n(primitive (index (b)) (on-start (inform (go 1))))\n";
+    misspelt_outcome: "(procedure (index (a)) (step s1 (b)) (step s2 (b) (waitfor (succeded ?s1))) (end-when (b)))\n(primitive (index (b)))\n";
     clause_twice: "(procedure (index (a)) (step s1 (a) (rank 1) (rank 2)) (end-when (b)))\n";
     waitfor_twice: "(procedure (index (a)) (step s1 (a) (waitfor (b)) (waitfor (c))) (end-when (b)))\n";
     unknown_option: "(procedure (index (a)) (step s1 (a) (repeating :with-recovry 5s)) (end-when (b)))\n";

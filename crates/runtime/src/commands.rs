@@ -2,7 +2,7 @@
 //!
 //! The run decides about a command when it receives it, at one instant of mission time. It records the command with its end as an input:
 //! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`, with `:by NAME :epoch NUMBER` if its
-//! author is known. If the sender has ended the command as expired before, the run does not execute it.
+//! author is known. If the sender has ended the command as expired before, or its time is over, the run does not execute it.
 
 use crate::authority::{Actor, AuthorityRequest};
 use apex_model::event::EventKind;
@@ -10,6 +10,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// The head of the event that records a command.
 pub(crate) const HEAD: &str = "operator-command";
@@ -59,22 +60,33 @@ pub enum CommandEnd {
 
 /// The end of a command, shared by all clones; empty until it is set.
 #[derive(Clone, Debug, Default)]
-pub struct Ticket(Arc<Mutex<Option<CommandEnd>>>);
+pub struct Ticket {
+    end: Arc<Mutex<Option<CommandEnd>>>,
+    valid_until: Option<Instant>,
+}
 
 impl Ticket {
-    /// Sets the end. Returns false, and changes nothing, if the command has one already.
+    /// Returns the ticket of a command that the run may accept before this instant only. A process that stands still for a while finds
+    /// old commands when it continues, and the run may see them before the sender has ended them.
+    pub fn valid_until(instant: Instant) -> Ticket {
+        Ticket { valid_until: Some(instant), ..Ticket::default() }
+    }
+
+    /// Sets the end. Returns false if the command has another one: that which it had already, or expired instead of accepted too late.
     pub fn settle(&self, end: CommandEnd) -> bool {
-        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = self.end.lock().unwrap_or_else(PoisonError::into_inner);
         if slot.is_some() {
             return false;
         }
-        *slot = Some(end);
-        true
+        let is_late = self.valid_until.is_some_and(|instant| Instant::now() >= instant);
+        let is_refused = is_late && matches!(end, CommandEnd::Accepted { .. });
+        *slot = Some(if is_refused { CommandEnd::Expired } else { end });
+        !is_refused
     }
 
     /// Returns the end; `None` before it is set.
     pub fn end(&self) -> Option<CommandEnd> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.end.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -114,7 +126,7 @@ impl Command {
 
 impl PartialEq for Command {
     fn eq(&self, other: &Command) -> bool {
-        Arc::ptr_eq(&self.ticket.0, &other.ticket.0)
+        Arc::ptr_eq(&self.ticket.end, &other.ticket.end)
     }
 }
 
@@ -130,6 +142,17 @@ mod tests {
     use super::*;
     use crate::terms::Control;
     use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_command_whose_time_is_over_is_not_accepted() {
+        let accepted = CommandEnd::Accepted { at: Time::from_seconds(3.0) };
+        let ticket = Ticket::valid_until(Instant::now());
+        assert!(!ticket.settle(accepted.clone()));
+        assert_eq!(ticket.end(), Some(CommandEnd::Expired));
+        let ticket = Ticket::valid_until(Instant::now() + std::time::Duration::from_secs(60));
+        assert!(ticket.settle(accepted.clone()));
+        assert_eq!(ticket.end(), Some(accepted));
+    }
 
     #[test]
     fn a_command_that_the_run_does_not_take_is_rejected_at_its_end() {

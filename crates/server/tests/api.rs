@@ -107,11 +107,17 @@ fn the_track_is_thinned_and_keeps_its_ends() {
     let (_folder, server, story) = complete_record();
     let (_, track) = get(server, "/api/track?points=100");
     let times = track["t_ns"].as_array().unwrap();
-    assert!(times.len() <= 102 && times.len() >= 50, "{}", times.len());
+    assert!(times.len() <= 100 && times.len() >= 50, "{}", times.len());
     assert_eq!(times.first().unwrap(), 0);
     assert_eq!(times.last().unwrap(), story.end_ns());
     assert_eq!(track["recorded"], story.samples.len());
     assert_eq!(track["latitude_deg"].as_array().unwrap().len(), times.len());
+    for (points, most) in [(0, 2), (2, 2), (3, 3), (7, 7)] {
+        let (_, track) = get(server, &format!("/api/track?points={points}"));
+        let times = track["t_ns"].as_array().unwrap();
+        assert!(times.len() <= most && times.len() >= 2, "{points} points: {} rows", times.len());
+        assert_eq!((times.first(), times.last()), (Some(&0.into()), Some(&story.end_ns().into())), "{points}");
+    }
 }
 
 #[test]
@@ -128,6 +134,7 @@ fn tasks_have_the_states_of_the_instant_asked_for() {
     assert_eq!(state(-1, 1), None);
 
     let (_, all) = get(server, "/api/tasks");
+    assert_eq!(all["at_ns"], story.end_ns(), "without `at` the instant is the end of the record");
     let (_, few) = get(server, "/api/tasks?limit=3");
     let left = few["left_out"].as_u64().unwrap() as usize;
     assert_eq!(left + 3, all["tasks"].as_array().unwrap().len());

@@ -318,6 +318,14 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     ends(&json!({"do": "answer", "agent": "rotorcraft-1", "question": 99, "answer": "x"}), "rejected", "is not open");
     ends(&json!({"do": "pace", "pace": 0.0}), "rejected", "is not above 0");
     assert_eq!(command(&json!({"do": "fly-away"})).0, 422);
+    // A request that waited in front of a server that stood still: its time is over when it arrives.
+    let clock = get(server, &at("operation")).1["clock_ms"].as_f64().unwrap();
+    let late = command(&json!({"do": "resume", "until_ms": clock - 1.0})).1;
+    assert_eq!((&late["state"], &late["at_ns"]), (&json!("expired"), &Value::Null), "{late}");
+    assert!(late["reason"].as_str().unwrap().contains("reached the server after the time"), "{late}");
+    assert_eq!(get(server, &at("operation")).1["paused"], json!(true), "an expired command has no effect");
+    ends(&json!({"do": "acknowledge", "alarm": "x", "until_ms": clock + 60_000.0}), "accepted", "");
+    assert_eq!(command(&json!({"do": "pause", "until_ms": "soon"})).0, 422);
     assert_eq!(ask(server, "POST", &at("commands"), "", "{}").0, 415);
     ends(&json!({"do": "stop"}), "accepted", "");
     let ended = ended(server, &flight["id"]);
@@ -326,7 +334,7 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     let record = PathBuf::from(ended["record"].as_str().unwrap());
     let lines = trace(&record);
     let entries = lines.lines().filter(|line| line.contains("operator-command")).count();
-    assert_eq!(entries, 10, "each command that the run could take is one input:\n{lines}");
+    assert_eq!(entries, 12, "each command that the run could take is one input:\n{lines}");
     assert!(replay(&RecordReader::open(&record).unwrap()).unwrap().difference.is_none());
     let (_, none) = get(server, "/api/operation");
     assert_eq!(none, Value::Null, "this server shows no record");

@@ -48,6 +48,8 @@ fn a_landing_avoids_places_inside_restricted_zones() {
         assert!(from_home_m < 3_000.0, "{fault}: {from_home_m} m from home\n{}", flown.story());
         assert_eq!(flown.count("(requirement-broken"), 0, "{}", flown.story());
         assert_eq!(flown.verified().inside_zones, 0, "{fault}: {}", flown.verified());
+        let why = if fault == LEAK.1 { "leak" } else { "the engine has stopped" };
+        assert_eq!(flown.end, format!("the aircraft landed early at home: {why}"));
     }
 }
 

@@ -1,6 +1,6 @@
 /** The Operator: the operator's view of a flight under way, and the commands to it. The flight makes all decisions. */
 
-import type { ServedFlight } from '../record/operation';
+import { type ServedFlight, VALID_MS } from '../record/operation';
 import { RecordError } from '../record/source';
 import type { Operation, Wish } from '../record/types';
 
@@ -27,6 +27,11 @@ export class Operator {
   nowMs = $state(0);
   /** The browser's time of the last answer, in milliseconds. */
   updatedMs = 0;
+  /**
+   * The server's clock less the browser's, in milliseconds, by the last answer. The answer was on its way for a while, so the server's clock
+   * is at or after this: a command ends early rather than late.
+   */
+  private clockLead: number | null = null;
   private clock: ReturnType<typeof setInterval> | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private over = false;
@@ -39,6 +44,7 @@ export class Operator {
     try {
       this.operation = await this.flight.operation();
       this.updatedMs = performance.now();
+      this.clockLead = this.operation ? this.operation.clock_ms - this.updatedMs : null;
       if (this.operation === null) return;
     } catch {
       // The header reports that there is no connection, and the last state stays.
@@ -62,7 +68,8 @@ export class Operator {
     const numbers = this.operation?.commands.map(command => command.number) ?? [];
     const one = { wish, sentMs: performance.now(), after: Math.max(0, ...numbers) };
     this.track([...this.sent, one]);
-    const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null);
+    const until = this.clockLead === null ? null : one.sentMs + this.clockLead + VALID_MS;
+    const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null, until);
     setTimeout(() => void this.watch(), 0);
     try {
       await ended;

@@ -15,7 +15,7 @@ const said = (words: string, t_ns: number, end = 'accepted'): RecordedCommand =>
   number: 1,
   words,
   end,
-  reason: '',
+  reason: null,
 });
 const alarms = (
   troubles: Trouble[],

@@ -13,13 +13,21 @@ const entry = (kind: Trouble['kind'], subject: string, cause: string, task: numb
 
 describe('failures', () => {
   it('are one alarm where the record has a failure and a fault', () => {
-    const cause = 'its subtask T47 failed and nothing handles that';
+    const cause = 'its subtask T47 failed';
+    const fault = '(inspect railway) failed: the mount does not move; (skip railway) handles it';
     const list = failures([
       entry('failed', '(orient camera-1 to railway)', 'the mount does not move', 47),
-      entry('fault', `${cause}; from missions/diagnosis/mission.pdl:76:3`, cause, 44),
+      entry('fault', fault, cause, 44),
     ]);
     expect(list.map(one => [one.subject, one.cause])).toEqual([
-      ['(orient camera-1 to railway)', 'the mount does not move; nothing handles this failure'],
+      ['(orient camera-1 to railway)', 'the mount does not move; (skip railway) handles it'],
+    ]);
+  });
+
+  it('of a step itself are one alarm without its cause twice', () => {
+    const fault = '(fly to home) failed: its command was not answered within PT5M; (land here) handles it';
+    expect(failures([entry('fault', fault, 'command 3 failed: no answer within PT5M', 9)])).toEqual([
+      { ...entry('fault', fault, '', 9) },
     ]);
   });
 

@@ -7,6 +7,8 @@ import type { CommandState, Operation, Wish } from './types';
 const SESSION_HELP = 'open the page by the link of an operator or of the pilot in command';
 /** Time for an answer about the state of the flight; the next request may reach a server that this one has not. */
 const ANSWER_MS = 5000;
+/** Time from the press of a command until it is no longer valid, in milliseconds. The server has the same limit from its arrival on. */
+export const VALID_MS = 10_000;
 
 /** A server that may have a flight under way. */
 export class ServedFlight {
@@ -17,12 +19,15 @@ export class ServedFlight {
     return this.ask<Operation | null>('operation', { signal: AbortSignal.timeout(ANSWER_MS) });
   }
 
-  /** Sends a command, with an epoch of authority if one is given; resolves when the command has ended. */
-  async command(wish: Wish, epoch: number | null): Promise<CommandState> {
+  /**
+   * Sends a command, with an epoch of authority if one is given, and with the time of the server's clock until which it is valid; resolves
+   * when the command has ended.
+   */
+  async command(wish: Wish, epoch: number | null, until_ms: number | null = null): Promise<CommandState> {
     return this.ask<CommandState>('commands', {
       method: 'POST',
       headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ ...wish, epoch }),
+      body: JSON.stringify({ ...wish, epoch, until_ms }),
     });
   }
 

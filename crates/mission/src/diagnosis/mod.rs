@@ -39,7 +39,7 @@ pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<
         ModelQuery::Results(results) => {
             let results =
                 Results::parse(&results.display().to_string(), &read_text(results)?, &model).map_err(invalid)?;
-            let mut diagnoser = Diagnoser::new(model);
+            let mut diagnoser = Diagnoser::thorough(model);
             diagnoser.set_all(results.outcomes.into_iter().enumerate());
             if json { shown(diagnoser.json()) } else { diagnoser.text() }
         }

@@ -29,22 +29,14 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, fi
             sent.entry(head).or_default().push(call);
         }
     }
-    let mut awaited: Vec<(&Pattern, Place)> = Vec::new();
-    for procedure in &library.procedures {
-        // A shipped library may wait for messages that not every mission sends.
-        if is_shipped(library, procedure.place) {
-            continue;
-        }
-        walk::conditions_of(procedure, &mut |condition| {
-            if let ConditionKind::Event { pattern, .. } = &condition.kind {
-                awaited.push((pattern, condition.place));
-            }
-        });
-    }
     let mut told: BTreeSet<&Symbol> = BTreeSet::new();
-    for (pattern, place) in awaited {
+    for (pattern, place) in awaited(library) {
         let Some(head) = pattern_head(pattern) else { continue };
         let declared = library.events.get(head);
+        if declared.is_some_and(|declared| !may_be(declared, pattern)) {
+            // `check_declared` has reported it.
+            continue;
+        }
         let from_outside = declared.is_some_and(|declared| declared.from.is_some()) || known.messages.contains(head);
         let of_program = sent.get(head);
         if !from_outside && of_program.is_none() {
@@ -63,6 +55,30 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, fi
             never_so(declared, of_program, head, place, findings);
         }
     }
+}
+
+/// Reports awaited messages with other arguments than their declaration has. This needs no mission: no sender may send them so.
+pub(super) fn check_declared(library: &Library, findings: &mut Findings<'_>) {
+    for (pattern, place) in awaited(library) {
+        let Some(head) = pattern_head(pattern) else { continue };
+        let declared = library.events.get(head);
+        if declared.is_some_and(|declared| !may_be(declared, pattern)) {
+            never_so(declared, None, head, place, findings);
+        }
+    }
+}
+
+/// Returns the messages for which the program's own procedures wait. A shipped library may wait for messages that not every mission sends.
+fn awaited(library: &Library) -> Vec<(&Pattern, Place)> {
+    let mut awaited: Vec<(&Pattern, Place)> = Vec::new();
+    for procedure in library.procedures.iter().filter(|procedure| !is_shipped(library, procedure.place)) {
+        walk::conditions_of(procedure, &mut |condition| {
+            if let ConditionKind::Event { pattern, .. } = &condition.kind {
+                awaited.push((pattern, condition.place));
+            }
+        });
+    }
+    awaited
 }
 
 /// Returns false if no message of this declaration can match.

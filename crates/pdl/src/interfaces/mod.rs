@@ -31,6 +31,7 @@ pub(crate) fn check(library: &Library) -> Vec<Diagnostic> {
         let calls = Calls::new(library, &methods);
         let types = Types::new(library, &methods, &calls);
         arguments::check(library, &calls, &types, &mut findings);
+        messages::check_declared(library, &mut findings);
         sums::check(library, &types, &mut findings);
     }
     findings.diagnostics

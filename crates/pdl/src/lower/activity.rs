@@ -30,8 +30,9 @@ impl Lowering {
                 let arguments = self.pure("an activity", |lowering| lowering.body(items))?;
                 Some(Activity::BuiltIn(BuiltInActivity::Print, arguments))
             }
-            "end-application" if items.is_empty() => {
-                Some(Activity::BuiltIn(BuiltInActivity::EndApplication, Vec::new()))
+            "end-application" if items.len() <= 1 => {
+                let reason = self.pure("an activity", |lowering| lowering.body(items))?;
+                Some(Activity::BuiltIn(BuiltInActivity::EndApplication, reason))
             }
             "ask" if items.first().is_some_and(|who| who.is("operator")) => self.ask(datum, items),
             "plan" if items.first().is_some_and(|goal| goal.head().is_some() || goal.as_variable().is_some()) => {

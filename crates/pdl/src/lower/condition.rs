@@ -122,7 +122,7 @@ impl Lowering {
             let state = Pattern::Literal(Value::symbol(datum.head_name()));
             return plain(ConditionKind::TaskState { task, state });
         }
-        if self.report_near_condition(datum) || self.report_slipped_condition(datum) {
+        if self.report_infix(items) || self.report_near_condition(datum) || self.report_slipped_condition(datum) {
             return None;
         }
         match (datum.head_name(), items) {

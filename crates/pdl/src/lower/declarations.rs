@@ -362,7 +362,7 @@ impl Lowering {
         let budget = values_of(&options, "budget").iter().chain(of_clause("budget")).next();
         let meanwhile = values_of(&options, "meanwhile").iter().chain(of_clause("meanwhile")).next();
         let budget = match budget {
-            Some(datum) => Some(self.pure("a solver's budget", |lowering| lowering.duration(datum))?),
+            Some(datum) => Some(self.pure("a solver's budget", |lowering| lowering.span_of_time(datum))?),
             None => None,
         };
         if let Some(budget) = &budget

@@ -342,7 +342,7 @@ impl Lowering {
         {
             let message = format!("{duration} is a negative span of time");
             let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
-                .reason("a wait ends now or later")
+                .reason("it ends now or later")
                 .help("write a duration of at least 0");
             return self.refuse(diagnostic);
         }

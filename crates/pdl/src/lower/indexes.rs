@@ -94,7 +94,7 @@ fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
         return Some(word);
     }
     match rest {
-        [] if is(head, "end-application") => Some("end-application"),
+        [] | [_] if is(head, "end-application") => Some("end-application"),
         [second, ..] if is(head, "ask") && is(second, "operator") => Some("ask operator"),
         [Pattern::List(_) | Pattern::Literal(Value::List(_)), ..] if is(head, "plan") => Some("plan"),
         // With a variable these goals are activities on a task or a plan, whatever value the variable has.

@@ -60,7 +60,7 @@ impl Lowering {
             }
             "duration" => {
                 let datum = self.only("duration", clause.tail(), clause.span)?;
-                primitive.duration = Some(self.pure("a duration clause", |lowering| lowering.duration(datum))?);
+                primitive.duration = Some(self.pure("a duration clause", |lowering| lowering.span_of_time(datum))?);
             }
             "update" => primitive.update = Some(self.update(clause)?),
             "on-completion" => primitive.on_completion.extend(self.body(clause.tail())?),

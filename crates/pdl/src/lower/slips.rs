@@ -70,6 +70,9 @@ pub(super) const RELATION_SIGNS: &[(&str, &str)] = &[
     (">", ">"),
     ("=", "="),
 ];
+/// Words that say how a task ended, in a condition `(WORD ?step)`.
+pub(super) const OUTCOME_WORDS: &[&str] =
+    &["succeeded", "failed", "skipped", "exited", "precondition-failed", "invariant-violated"];
 /// Words that conditions use about tasks.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
@@ -134,7 +137,7 @@ impl Lowering {
         let is_tag = task.as_variable().is_some_and(|tag| self.scope.tags.contains(tag));
         let head = datum.head().filter(|head| is_tag && !OF_TASKS.contains(&head.folded()));
         let Some((head, meant)) = head.and_then(|head| {
-            let found = near(head.printed(), OF_TASKS.iter().copied());
+            let found = near(head.printed(), OF_TASKS.iter().chain(OUTCOME_WORDS).copied());
             let meant =
                 if ENDED.contains(&head.folded()) { Some("end") } else { found.first().map(|first| first.name) };
             meant.map(|meant| (head, meant))
@@ -144,6 +147,40 @@ impl Lowering {
         let message = format!("a step has no `{head}`");
         let fix = Fix::safe(format!("replace `{head}` by `{meant}`")).replace(datum.head_span(), meant);
         self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
+        true
+    }
+}
+
+impl Lowering {
+    /// Reports `((go) :and (stop))` and `(go :or stop)`: the connective stands between its parts, so that the form would be a message.
+    /// Returns true if it did.
+    pub(super) fn report_infix(&mut self, items: &[Datum]) -> bool {
+        let of_lists = items.first().is_some_and(|first| first.as_list().is_some());
+        let connective = |item: &Datum| {
+            let (name, is_marked) = match item.keyword() {
+                Some(name) => (name, true),
+                None => (item.as_symbol()?.folded(), false),
+            };
+            (["and", "or", "not"].contains(&name) && (is_marked || of_lists)).then(|| name.to_string())
+        };
+        let Some((span, name)) = items.iter().skip(1).find_map(|item| Some((item.span, connective(item)?))) else {
+            return false;
+        };
+        let message = format!("`:{name}` stands between conditions");
+        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, span, message)
+            .reason("as written, this is an event with these words, which never occurs")
+            .help(format!("a connective comes first: `(:{name} CONDITION ..)`"));
+        let (parts, between): (Vec<_>, Vec<_>) = items.iter().enumerate().partition(|(at, _)| at % 2 == 0);
+        let is_regular = name != "not"
+            && parts.len() == between.len() + 1
+            && parts.iter().all(|(_, part)| part.as_list().is_some())
+            && between.iter().all(|(_, item)| connective(item).as_deref() == Some(name.as_str()));
+        if let Some((_, first)) = parts.first().filter(|_| is_regular) {
+            let start = Span { end: first.span.start, ..first.span };
+            let fix = Fix::safe(format!("write `(:{name} ..)`")).insert_before(start, format!(":{name} "));
+            diagnostic = diagnostic.fix(between.iter().fold(fix, |fix, (_, item)| fix.replace(item.span, "")));
+        }
+        self.report(diagnostic);
         true
     }
 }

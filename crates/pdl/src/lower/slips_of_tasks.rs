@@ -1,16 +1,13 @@
 //! Conditions on tasks and state variables that are written nearly right: as they stand, they would be messages that never come.
 
 use super::Lowering;
-use super::slips::RELATION_SIGNS;
+use super::slips::{OUTCOME_WORDS, RELATION_SIGNS};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use apex_model::task::OUTCOME_STATES;
 
-/// Words that say how a task ended, in a condition `(WORD ?step)`.
-const OUTCOME_WORDS: &[&str] =
-    &["succeeded", "failed", "skipped", "exited", "precondition-failed", "invariant-violated"];
 /// States of tasks while they are not at their end.
 const STATES: &[&str] = &["pending", "enabled", "ongoing", "interrupted", "suspended", "terminated", "resumed"];
 /// States of the command of a task.

@@ -4,7 +4,7 @@ use super::Lowering;
 use super::activity::swap;
 use super::clauses::groups;
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames;
@@ -194,7 +194,13 @@ impl Lowering {
                 let conditions = self.conditions(items)?;
                 step.waitfor = self.clause_conditions(conditions, clause.span);
             }
-            "select" => step.select.push(self.select(clause)?),
+            "select" => {
+                let selected = self.select(clause)?;
+                if step.select.iter().any(|(name, _)| *name == selected.0) {
+                    self.report_selected_again(clause, &selected.0);
+                }
+                step.select.push(selected);
+            }
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
             "priority" => {
                 let clause = self.priority(clause)?;
@@ -294,6 +300,18 @@ impl Lowering {
         };
         self.scope.bind(name, *span);
         Some((name.clone(), self.pure_expression(value, "a select clause")?))
+    }
+
+    /// Warns of a select that replaces the value of an earlier one without using it: the earlier one has no effect.
+    fn report_selected_again(&mut self, clause: &Datum, name: &Symbol) {
+        if clause.tail().get(1).is_some_and(|value| value.mentions(name)) {
+            return;
+        }
+        let message = format!("this `select` replaces the value that another one gives `?{name}`");
+        let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, clause.span, message)
+            .reason("the clauses are evaluated in their order, and the last value counts")
+            .help("keep one of them, or give one of the variables another name");
+        self.report(diagnostic);
     }
 
     fn forall(&mut self, clause: &Datum) -> Option<(Symbol, Expr)> {

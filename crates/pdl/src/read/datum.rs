@@ -122,6 +122,20 @@ impl Datum {
         }
     }
 
+    /// Returns true if the variable `name` occurs anywhere inside.
+    pub(crate) fn mentions(&self, name: &Symbol) -> bool {
+        match &self.kind {
+            DatumKind::Variable(other) | DatumKind::Bound(other) => other == name,
+            DatumKind::List(items) => items.iter().any(|item| item.mentions(name)),
+            DatumKind::Quote(inner)
+            | DatumKind::Quasi(inner)
+            | DatumKind::Unquote(inner)
+            | DatumKind::Splice(inner)
+            | DatumKind::Function(inner) => inner.mentions(name),
+            _ => false,
+        }
+    }
+
     /// Returns true if a variable or indexical occurs anywhere inside; a literal has none.
     pub(crate) fn has_holes(&self) -> bool {
         match &self.kind {

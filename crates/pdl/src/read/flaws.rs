@@ -51,6 +51,41 @@ pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagno
     found.iter().filter_map(about).collect()
 }
 
+/// Double and single quotation marks of typography: an editor for prose writes them in place of `"` and `'`.
+const TYPOGRAPHIC: &[(char, &str)] = &[
+    ('\u{201c}', "\""),
+    ('\u{201d}', "\""),
+    ('\u{201e}', "\""),
+    ('\u{201f}', "\""),
+    ('\u{ab}', "\""),
+    ('\u{bb}', "\""),
+    ('\u{2018}', "'"),
+    ('\u{2019}', "'"),
+];
+
+/// Returns the message about a word with typographic quotation marks: double ones anywhere, single ones at its beginning, since names may
+/// contain an apostrophe.
+pub(super) fn typographic_quote(word: &str, span: Span) -> Option<Diagnostic> {
+    let plain = |mark: char| TYPOGRAPHIC.iter().find(|(own, _)| *own == mark).map(|(_, plain)| *plain);
+    let at_start = word.chars().next().and_then(plain);
+    let is_double = word.chars().any(|mark| plain(mark) == Some("\""));
+    if !is_double && at_start.is_none() {
+        return None;
+    }
+    let written: String =
+        word.chars().map(|mark| plain(mark).map_or_else(|| mark.to_string(), str::to_string)).collect();
+    let message = match is_double {
+        true => "a string is written between two `\"`, not between typographic quotation marks",
+        false => "a quote is written `'`, not as a typographic quotation mark",
+    };
+    let diagnostic = Diagnostic::error(codes::TYPOGRAPHIC_QUOTE, span, message);
+    Some(
+        diagnostic
+            .reason("as written, the marks are letters of a word")
+            .fix(Fix::safe(format!("write `{written}`")).replace(span, written)),
+    )
+}
+
 /// Returns the message about a quotation mark.
 fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
     let fix = if quote.is_certain { Fix::safe("add `\"` here") } else { Fix::look("add `\"` here") };

@@ -149,7 +149,12 @@ impl<'t> Reader<'t> {
             Atom::Quantity(quantity) => DatumKind::Quantity(quantity),
             Atom::Duration(duration) => DatumKind::Duration(duration),
             Atom::Symbol(name) if name.eq_ignore_ascii_case("nil") => DatumKind::List(Vec::new()),
-            Atom::Symbol(name) => DatumKind::Symbol(self.symbol(name)),
+            Atom::Symbol(name) => {
+                if !name.is_ascii() {
+                    self.diagnostics.extend(flaws::typographic_quote(name, self.span(at)));
+                }
+                DatumKind::Symbol(self.symbol(name))
+            }
             Atom::Variable(name) => DatumKind::Variable(self.symbol(name)),
             Atom::Bound(name) => DatumKind::Bound(self.symbol(name)),
             Atom::Anonymous => DatumKind::Anonymous,

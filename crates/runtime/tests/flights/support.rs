@@ -22,7 +22,7 @@ pub(crate) const CAMERA: &str = r#"
   (step patrol (patrol) (priority 3))
   (step look (look-at fire) (waitfor (fire-seen)) (priority 7))
   (step high (print "high") (waitfor (altitude ac-1 > 7000)))
-  (step done (end-application) (waitfor ?look ?high)))
+  (step done (end-application "seen") (waitfor ?look ?high)))
 (primitive (index (patrol)) (profile flight-path) (duration 100s))
 (primitive (index (look-at ?what)) (profile flight-path) (duration 5s) (on-start (inform (looking ?what))))
 "#;

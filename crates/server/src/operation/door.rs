@@ -26,6 +26,14 @@ const REMEMBERED_MAX: usize = 50;
 /// Reads one PDL datum from text; the server itself has no parser.
 pub type ReadDatum = Arc<dyn Fn(&str) -> Result<Value, String> + Send + Sync>;
 
+/// A command with what its caller states about it.
+pub(crate) struct CommandRequest {
+    pub(crate) wish: Wish,
+    pub(crate) author: Author,
+    /// Time of the door's clock until which the run may accept the command, as the caller reckons it; `None`: not stated.
+    pub(crate) valid_until: Option<Duration>,
+}
+
 /// The connection to one run in progress. Clones share it.
 #[derive(Clone)]
 pub struct FlightDoor {
@@ -33,6 +41,8 @@ pub struct FlightDoor {
 }
 
 struct Shared {
+    /// Zero of the door's clock.
+    began: Instant,
     controls: Mutex<Sender<Control>>,
     seen: Seen,
     sent: Mutex<Sent>,
@@ -57,6 +67,8 @@ struct SourceEntry {
     by: String,
     order: Order,
     at: Instant,
+    /// The run accepts it before this instant only.
+    until: Instant,
     ticket: Ticket,
 }
 
@@ -80,6 +92,8 @@ pub(crate) struct CommandState {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Operation {
     now_ns: i64,
+    /// Milliseconds of the server's clock, from which callers reckon `until_ms` of their commands.
+    clock_ms: f64,
     /// Mission seconds per second of wall time; `None` is as fast as possible.
     pace: Option<f64>,
     paused: bool,
@@ -112,7 +126,8 @@ impl FlightDoor {
         let running = pace.filter(|pace| *pace > 0.0);
         let sent = Sent { last_number: 0, entries: VecDeque::new(), pace, running };
         let (controls, sent, seen) = (Mutex::new(controls), Mutex::new(sent), Seen::default());
-        let shared = Shared { controls, seen, sent, targets, read, authority: AuthorityBoard::default() };
+        let began = Instant::now();
+        let shared = Shared { began, controls, seen, sent, targets, read, authority: AuthorityBoard::default() };
         (FlightDoor { shared: Arc::new(shared) }, receiver)
     }
 
@@ -173,7 +188,11 @@ impl FlightDoor {
     }
 
     /// Sends a command. It ends at once if it is certain that the run would not execute it.
-    pub(crate) fn send(&self, wish: &Wish, author: Author) -> u64 {
+    pub(crate) fn send(&self, request: CommandRequest) -> u64 {
+        let CommandRequest { wish, author, valid_until } = request;
+        let at = Instant::now();
+        let latest = at + EXPIRES_AFTER;
+        let until = valid_until.and_then(|clock| self.shared.began.checked_add(clock)).unwrap_or(latest).min(latest);
         let seen = self.shared.seen.state();
         let running = self.sent().running;
         let known = |id: &str| self.is_known(id, &seen);
@@ -187,9 +206,9 @@ impl FlightDoor {
             refusal.get_or_insert_with(|| format!("{OPEN_MAX} commands are in progress already"));
         }
         sent.last_number += 1;
-        let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::default());
+        let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::valid_until(until));
         let by = author.actor.name.clone();
-        let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at: Instant::now(), ticket };
+        let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at, until, ticket };
         let command = Command { number, words, order, author: Some(author), ticket: entry.ticket.clone() };
         if let Some(reason) = refusal {
             // The run records a command that it is not to execute.
@@ -224,6 +243,7 @@ impl FlightDoor {
             .map(|id| TargetNews { id: id.clone(), known: self.is_known(id, &seen).unwrap_or_default() });
         Operation {
             now_ns: seen.now_ns,
+            clock_ms: self.shared.began.elapsed().as_secs_f64() * 1e3,
             pace,
             paused: pace == Some(0.0),
             targets: targets.collect(),
@@ -266,7 +286,7 @@ impl SourceEntry {
     }
 
     fn state(&self) -> CommandState {
-        if self.at.elapsed() >= EXPIRES_AFTER {
+        if Instant::now() >= self.until {
             // No effect if the run has settled the command already.
             self.ticket.settle(CommandEnd::Expired);
         }
@@ -275,7 +295,10 @@ impl SourceEntry {
             Some(CommandEnd::Accepted { at: Time(at) }) => ("accepted", Some(at), None),
             Some(CommandEnd::Rejected { reason }) => ("rejected", None, Some(reason)),
             Some(CommandEnd::Expired) => {
-                let reason = format!("the run did not accept it within {} s", EXPIRES_AFTER.as_secs());
+                let reason = match self.until <= self.at {
+                    true => "it reached the server after the time until which it was valid".to_string(),
+                    false => format!("the run did not accept it within {} s", EXPIRES_AFTER.as_secs()),
+                };
                 ("expired", None, Some(reason))
             }
         };

@@ -10,6 +10,7 @@ use apex_runtime::commands::Order;
 use apex_runtime::target_state::TARGET_VALUE_MAX;
 use serde::Deserialize;
 use serde_json::Value as Json;
+use std::time::Duration;
 
 /// Maximum pace. A flight as fast as possible has no pace.
 const PACE_MAX: f64 = 1e6;
@@ -86,17 +87,44 @@ pub(crate) enum Wish {
     ReleaseAuthority,
 }
 
+/// Members of a body that each command may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CommandTerms {
+    /// The epoch of authority in which the command is given.
+    pub(crate) epoch: Option<u64>,
+    /// Time of the door's clock until which the run may accept the command.
+    pub(crate) valid_until: Option<Duration>,
+}
+
+impl CommandTerms {
+    fn take(body: &mut Json) -> Result<CommandTerms, String> {
+        let Some(members) = body.as_object_mut() else { return Ok(CommandTerms::default()) };
+        let mut stated = |name: &str| members.remove(name).filter(|value| !value.is_null());
+        let epoch = match stated("epoch") {
+            None => None,
+            Some(epoch) => Some(epoch.as_u64().ok_or_else(|| format!("`epoch` is {epoch}; expected a whole number"))?),
+        };
+        let valid_until = match stated("until_ms") {
+            None => None,
+            Some(until) => {
+                let refused =
+                    || format!("`until_ms` is {until}; expected milliseconds of the clock of `/api/operation`");
+                let until_s = until.as_f64().ok_or_else(refused)?.max(0.0) / 1e3;
+                Some(Duration::try_from_secs_f64(until_s).map_err(|_| refused())?)
+            }
+        };
+        Ok(CommandTerms { epoch, valid_until })
+    }
+}
+
 impl Wish {
-    /// Reads a body: a command, with the epoch of authority in which it is given if it states one.
+    /// Reads a body: a command with its terms.
     ///
     /// # Errors
     /// It is not a command.
-    pub(crate) fn read(mut body: Json) -> Result<(Wish, Option<u64>), String> {
-        let epoch = match body.as_object_mut().and_then(|fields| fields.remove("epoch")) {
-            None | Some(Json::Null) => None,
-            Some(epoch) => Some(epoch.as_u64().ok_or_else(|| format!("`epoch` is {epoch}; expected a whole number"))?),
-        };
-        Ok((serde_json::from_value(body).map_err(|error| error.to_string())?, epoch))
+    pub(crate) fn read(mut body: Json) -> Result<(Wish, CommandTerms), String> {
+        let terms = CommandTerms::take(&mut body)?;
+        Ok((serde_json::from_value(body).map_err(|error| error.to_string())?, terms))
     }
 
     /// Returns the command as text, as recorded.

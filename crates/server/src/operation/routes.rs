@@ -2,7 +2,7 @@
 
 use crate::access::Caller;
 use crate::answer::{ApiError, ApiResult};
-use crate::operation::door::{CommandState, FlightDoor};
+use crate::operation::door::{CommandRequest, CommandState, FlightDoor};
 use crate::operation::request::Wish;
 use crate::state::{AppState, Shared};
 use apex_runtime::authority::Actor;
@@ -91,9 +91,10 @@ async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> Api
     }
     };
     let Json(body) = body.map_err(|rejection| refused(rejection.status(), rejection.body_text()))?;
-    let (wish, epoch) = Wish::read(body).map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, error))?;
+    let (wish, terms) = Wish::read(body).map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, error))?;
     door.hear(&actor.name);
-    let number = door.send(&wish, Author { actor, epoch });
+    let author = Author { actor, epoch: terms.epoch };
+    let number = door.send(CommandRequest { wish, author, valid_until: terms.valid_until });
     let forgotten = || ApiError::not_found(format!("command {number} is forgotten"), "the record holds its end");
     let ended = tokio::spawn(async move {
         loop {

@@ -220,9 +220,9 @@ impl Teller {
         self.end(go, "success", "the vehicle finished command 5");
         if name == "GW" {
             self.target(index, "skipped", "cloud over the whole area at arrival");
-            self.end(scan, "failure", "its subtask failed and nothing handles that: (cloud-cover gw) = 0.94");
+            self.end(scan, "failure", "its subtask failed: (cloud-cover gw) = 0.94");
             self.end(send, "cut", "its parent ended");
-            self.end(observe, "failure", "its subtask failed and nothing handles that");
+            self.end(observe, "failure", "its subtask failed");
             return;
         }
         self.target(index, "observing", &format!("{lines} lines"));

@@ -15,6 +15,7 @@ import {
 
 const RUN: Operation = {
   now_ns: 0,
+  clock_ms: 0,
   pace: 60,
   paused: false,
   questions: [],
@@ -76,7 +77,9 @@ describe('operator bar', () => {
     const pause = { wish: { do: 'pause' as const }, sentMs: 1000, after: 3 };
     expect(sentText(pause, 4000)).toEqual({ words: 'pause: sent 3.0 s', state: 'sent' });
     expect(sentText(pause, 11_000)).toMatchObject({
-      words: expect.stringMatching(/^pause: expired after 10 s: the server does not answer/),
+      words: expect.stringMatching(
+        /^pause: expired after 10 s: the server does not answer; .*is no longer carried out$/,
+      ),
       state: 'expired',
     });
     const listed = (number: number) => ({

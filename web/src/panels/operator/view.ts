@@ -1,6 +1,7 @@
 /** Texts of the operator bar; pure. */
 
 import type { SentCommand } from '../../player/operator.svelte';
+import { VALID_MS } from '../../record/operation';
 import type { CommandState, OpenQuestion, Operation, Wish } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
@@ -76,9 +77,6 @@ export function wishWords(wish: Wish): string {
   }
 }
 
-/** Time after which a command without an answer has expired, in milliseconds: that of the server for commands which the run does not take. */
-const EXPIRED_MS = 10_000;
-
 /** The commands that the server has neither answered nor listed, which is silent then. */
 export function unheard(
   sent: readonly SentCommand[],
@@ -98,8 +96,8 @@ export function sentText(
 ): { words: string; state: CommandState['state'] } {
   const age = Math.max(0, nowMs - sentMs);
   const words = wishWords(wish);
-  if (age < EXPIRED_MS) return { words: `${words}: sent ${(age / 1000).toFixed(1)} s`, state: 'sent' };
-  const late = 'the server does not answer; it may still take the command once it does';
+  if (age < VALID_MS) return { words: `${words}: sent ${(age / 1000).toFixed(1)} s`, state: 'sent' };
+  const late = 'the server does not answer; a command that it has not begun is no longer carried out';
   return { words: `${words}: expired after 10 s: ${late}`, state: 'expired' };
 }
 

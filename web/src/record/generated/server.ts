@@ -33,6 +33,10 @@ export type WantedWindow = { target: string, look: string, from_ns: number, to_n
  */
 export type Operation = { now_ns: number, 
 /**
+ * Milliseconds of the server's clock, from which callers reckon `until_ms` of their commands.
+ */
+clock_ms: number, 
+/**
  * Mission seconds per second of wall time; `None` is as fast as possible.
  */
 pace: number | null, paused: boolean, targets: Array<TargetNews>, commands: Array<CommandState>, authority: AuthorityState, 

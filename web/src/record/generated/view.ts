@@ -1030,9 +1030,9 @@ words: string,
  */
 end: string, 
 /**
- * Reason of a rejection; empty for other ends.
+ * Reason of a rejection; `None` for other ends.
  */
-reason: string, };
+reason: string | null, };
 
 /**
  * Operator commands that were decided by an instant.

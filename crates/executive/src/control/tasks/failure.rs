@@ -6,7 +6,7 @@
 use crate::control::conflicts::{competition, resources};
 use crate::control::cycle::Cycle;
 use crate::control::tasks::instantiation::{self, Seed};
-use crate::control::tasks::{interruption, primitive, termination};
+use crate::control::tasks::{interruption, primitive, reasons, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, HandlingController};
@@ -44,11 +44,8 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         after_sequence: None,
         cause: Cause::HandlesFailure { of: id },
     };
-    cycle.decide(
-        Some(id),
-        DecisionKind::Trouble { message: because.text_at(&|place| cycle.agent.describe_place(place)) },
-        because.clone(),
-    );
+    let message = reasons::of_handled(cycle, id, because);
+    cycle.decide(Some(id), DecisionKind::Trouble { message }, because.clone());
     let Ok(handler) = instantiation::create(cycle, seed) else { return false };
     let handling = Because::new(Cause::FailureHandled { by: handler }, because.place);
     if let Some(task) = cycle.agent.task_mut(id) {

@@ -32,6 +32,16 @@ pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
     goal_in(cycle.agent, id, cycle.now)
 }
 
+/// Returns the goal of the `on-failure` of the task's step.
+pub(crate) fn handler_goal(cycle: &Cycle<'_>, id: TaskId) -> Value {
+    let origin = cycle.task(id).map(|task| task.origin);
+    let Some(Origin::Step(step)) = origin else { return Value::nil() };
+    let view = cycle.view(id, Level::Step);
+    let template = cycle.agent.procedure(step.procedure).and_then(|each| each.steps.get(step.step as usize));
+    let handler = template.and_then(|step| step.on_failure.as_ref());
+    handler.map_or_else(Value::nil, |activity| activity_as_value(activity, &view))
+}
+
 /// Returns the task's goal, outside of a cycle.
 pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
     let Some(task) = agent.task(id) else { return Value::nil() };

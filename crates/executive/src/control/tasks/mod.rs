@@ -15,6 +15,7 @@ pub(crate) mod primitive;
 pub(crate) mod probing;
 pub(crate) mod procedure;
 pub(crate) mod question;
+mod reasons;
 pub(crate) mod repetition;
 pub(crate) mod restart;
 pub(crate) mod termination;

@@ -7,7 +7,8 @@
 use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{
-    binding, failure, interruption, monitoring_clauses, outcomes, primitive, probing, procedure, question, repetition,
+    binding, failure, interruption, monitoring_clauses, outcomes, primitive, probing, procedure, question, reasons,
+    repetition,
 };
 use crate::control::transition::{Trigger, transition};
 use crate::state::controller::Controller;
@@ -216,7 +217,7 @@ pub(crate) fn end_application(cycle: &mut Cycle<'_>, by: TaskId, reason: Option<
     let words = match reason {
         Some(Value::Text(text)) => text.to_string(),
         Some(other) => other.to_string(),
-        None => format!("{by} ended the application"),
+        None => reasons::of_end(cycle, by),
     };
     let because = Because::new(Cause::ApplicationEnded { by }, cycle.place_of(by));
     if cut_all(cycle, &words, because) {

@@ -20,8 +20,8 @@ pub struct RecordedCommand {
     pub words: String,
     /// `accepted`, `rejected` or `expired`.
     pub end: String,
-    /// Reason of a rejection; empty for other ends.
-    pub reason: String,
+    /// Reason of a rejection; `None` for other ends.
+    pub reason: Option<String>,
 }
 
 /// All commands, kept in memory and grown with the record. Bound: each step is read once.
@@ -81,15 +81,28 @@ fn command(t_ns: i64, kind: &EventKind) -> Option<RecordedCommand> {
     let EventKind::Occurrence(form) = kind else { return None };
     let [head, Value::Integer(number), Value::Text(words), end, rest @ ..] = form.as_list()? else { return None };
     head.as_symbol().filter(|head| head.is(HEAD))?;
-    let reason = rest.first().map(|reason| match reason {
-        Value::Text(text) => text.to_string(),
-        other => other.to_string(),
-    });
-    Some(RecordedCommand {
-        t_ns,
-        number: *number,
-        words: words.to_string(),
-        end: end.to_string(),
-        reason: reason.unwrap_or_default(),
-    })
+    // After the end, and the reason of a rejection, come the author and the epoch as keywords.
+    let reason = match rest {
+        [Value::Text(reason), ..] => Some(reason.to_string()),
+        _ => None,
+    };
+    Some(RecordedCommand { t_ns, number: *number, words: words.to_string(), end: end.to_string(), reason })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::authority::{Actor, ActorRole};
+    use crate::commands::{Author, Command, CommandEnd, Order, Ticket};
+
+    #[test]
+    fn only_a_rejection_has_a_reason() {
+        let author = Author { actor: Actor { name: "ann".into(), role: ActorRole::Operator }, epoch: Some(1) };
+        let (order, ticket) = (Order::Note, Ticket::default());
+        let given = Command { number: 1, words: "pause".into(), order, author: Some(author), ticket };
+        let reason = |end: CommandEnd| command(5, &given.entry(&end)).unwrap().reason;
+        assert_eq!(reason(CommandEnd::Accepted { at: Time(5) }), None);
+        assert_eq!(reason(CommandEnd::Expired), None);
+        assert_eq!(reason(CommandEnd::Rejected { reason: "too late".into() }).as_deref(), Some("too late"));
+    }
 }

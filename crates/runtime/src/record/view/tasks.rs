@@ -113,7 +113,8 @@ impl RecordView {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn tasks(&mut self, query: &TasksQuery) -> Result<Tasks, RecordError> {
-        let at_ns = query.at_ns.unwrap_or(i64::MAX);
+        let end_ns = self.reader.span()?.map_or(0, |(_, end)| end.0);
+        let at_ns = query.at_ns.unwrap_or(end_ns);
         let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
         let find = query.find.as_deref().map(str::to_lowercase).filter(|text| !text.is_empty());
         let index = self.tasks_index()?;

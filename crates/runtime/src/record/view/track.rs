@@ -17,7 +17,7 @@ pub struct TrackQuery {
     pub from_ns: Option<i64>,
     /// Latest mission time in nanoseconds; default: the record's end.
     pub to_ns: Option<i64>,
-    /// Maximum number of samples; default 4,000, at most 50,000.
+    /// Maximum number of samples; default 4,000, at least 2 (the first and the last), at most 50,000.
     pub points: Option<usize>,
 }
 
@@ -62,7 +62,8 @@ fn read(connection: &Connection, query: &TrackQuery) -> rusqlite::Result<Track> 
         .query_row([from, to], |row| row.get(0))?;
     let recorded = usize::try_from(recorded).unwrap_or(0);
     let points = query.points.unwrap_or(POINTS_DEFAULT).clamp(2, POINTS_MAX);
-    let stride = recorded.div_ceil(points).max(1);
+    // The last sample is listed after every n-th one before it.
+    let stride = recorded.saturating_sub(1).div_ceil(points - 1).max(1);
     let mut statement = connection.prepare_cached(
         "SELECT t_ns, latitude_deg, longitude_deg, altitude_m, heading_deg, roll_deg, ground_speed_mps, fuel_kg \
          FROM track WHERE t_ns BETWEEN ?1 AND ?2 ORDER BY t_ns",
