@@ -8,6 +8,7 @@ use apex_model::effect::Effect;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_planning::registry::Registry;
 use apex_runtime::record::{RecordReader, RecordedEffect};
 use apex_runtime::target_state::TargetState;
 use std::path::PathBuf;
@@ -39,6 +40,11 @@ pub(crate) fn program(options: &str, cruise: &str) -> String {
 
 /// Flies the mission of a program and its data files.
 pub(crate) fn fly(program: &str, files: &[(&str, &str)]) -> Flown {
+    fly_with(apex_solvers::shipped(), program, files)
+}
+
+/// Like [`fly`], with these planners.
+pub(crate) fn fly_with(planners: Registry, program: &str, files: &[(&str, &str)]) -> Flown {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
     for (name, text) in files {
@@ -47,7 +53,7 @@ pub(crate) fn fly(program: &str, files: &[(&str, &str)]) -> Flown {
     let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
     let record = folder.path().join("flight.apex");
     let mut recorder = apex_simulation::create_record(&record, &mission, None).unwrap();
-    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let means = PlanningResources::of(&Arc::new(planners));
     let terms = MissionFlight::terms(&mission, None);
     let outcome = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
     Flown { _folder: folder, record, outcome }
