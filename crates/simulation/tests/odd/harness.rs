@@ -43,14 +43,21 @@ pub(crate) fn fly(program: &str, files: &[(&str, &str)]) -> Flown {
     fly_with(apex_solvers::shipped(), program, files)
 }
 
-/// Like [`fly`], with these planners.
-pub(crate) fn fly_with(planners: Registry, program: &str, files: &[(&str, &str)]) -> Flown {
+/// Loads the mission of a program and its data files, from the folder that is returned.
+pub(crate) fn loaded(program: &str, files: &[(&str, &str)]) -> (TempDir, Mission) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
+    let mission = Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}"));
+    (folder, mission)
+}
+
+/// Like [`fly`], with these planners.
+pub(crate) fn fly_with(planners: Registry, program: &str, files: &[(&str, &str)]) -> Flown {
+    let (folder, mission) = loaded(program, files);
+    let mission = Arc::new(mission);
     let record = folder.path().join("flight.apex");
     let mut recorder = apex_simulation::create_record(&record, &mission, None).unwrap();
     let means = PlanningResources::of(&Arc::new(planners));
