@@ -100,6 +100,12 @@ fn truth_word(truth: bool) -> &'static str {
     if truth { "t" } else { "nil" }
 }
 
+/// Returns true for a variable of the vehicle whose value is a number.
+pub(crate) fn is_number(name: &str) -> bool {
+    let found = VARIABLES.iter().find(|variable| variable.name.eq_ignore_ascii_case(name));
+    found.is_some_and(|variable| matches!(variable.read, Read::Number(_)))
+}
+
 use Pace::{Attitude, Fast, Flow, Slow};
 
 /// Every variable of the vehicle, in the order of the packet. Cameras and modems add their own:

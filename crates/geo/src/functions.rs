@@ -48,7 +48,7 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("way-to-line", 6, 7, |_| Ok(Value::nil())),
     ("way-to-landing", 4, 5, |_| Ok(Value::nil())),
     ("way-to-climb", 4, 4, |_| Ok(Value::nil())),
-    ("way-to-segment", 6, 6, |a| Ok(Value::list(a.iter().skip(3).take(2).cloned()))),
+    ("way-to-segment", 6, 8, |a| Ok(Value::list(a.iter().skip(3).take(2).cloned()))),
     ("time-before-line", 6, 6, |_| Ok(Value::nil())),
     ("time-on-circle", 7, 7, |_| Ok(Value::nil())),
     ("landing-place-near", 2, 4, |_| Ok(Value::nil())),

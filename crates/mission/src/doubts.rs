@@ -34,8 +34,13 @@ impl Mission {
         found
     }
 
-    /// Returns true if the forecast of winds, turbulence or clouds changes during the mission.
+    /// Returns true if the quality of an observation depends on its instant: the forecast of winds, turbulence or clouds changes during the
+    /// mission, or the sun, which moves, is mirrored by the water of a target.
     pub fn air_changes(&self) -> bool {
+        let is_water = |target: &Target| matches!(&target.kind, TargetKind::Fire(fire) if fire.wanted.is_water);
+        if self.settings.epoch_unix_s.is_some() && self.targets.iter().any(is_water) {
+            return true;
+        }
         let end_s = self.settings.duration.seconds();
         let layers = self.forecast.layers.iter().flat_map(|layer| [layer.from_s, layer.until_s]);
         let decks = self.clouds.iter().flat_map(|deck| [deck.active.from_s, deck.active.until_s]);

@@ -2,7 +2,7 @@
 //!
 //! The cost of a fire is that of its structure's cost function for its age at the end of the visit that saw it; for its age at the
 //! horizon if it was never seen. The expected cost is that of the same visits at the rates that the mission states. Both count visits in
-//! which a picture was taken. Over many seeds the means are equal if every look detects (`detection` 1). Bound: O(fires x visits).
+//! which a picture was taken, and both end at the horizon of the mission or, if that is earlier, at the end of the flight. Over many seeds the means are equal if every look detects (`detection` 1). Bound: O(fires x visits).
 
 use crate::Mission;
 use crate::problem::watched;
@@ -28,7 +28,7 @@ pub struct FireLog {
 /// Ignorance of one flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealisedIgnorance {
-    /// Fires that broke out until the horizon.
+    /// Fires that broke out until the horizon of the comparison.
     pub fires: usize,
     /// Number of fires seen up to the horizon.
     pub seen: usize,
@@ -41,9 +41,11 @@ pub struct RealisedIgnorance {
 impl FireLog {
     /// Compares with the report of the flight; `None` for missions without structures.
     pub fn compare(&self, mission: &Mission, report: &Report) -> Option<RealisedIgnorance> {
-        let Ok(problem) = watched(mission) else {
+        let Ok(mut problem) = watched(mission) else {
             return None;
         };
+        // No fire is known that breaks out after the flight.
+        problem.horizon_s = problem.horizon_s.min(report.end.0.seconds());
         let visits: Vec<SurveillanceVisit> = report
             .visits
             .iter()

@@ -407,7 +407,7 @@ fn adopt_plan(deliberator: &mut MissionDeliberator, at_s: f64) {
     let goal = Value::list(["map", "the", "fires"].map(Value::symbol));
     let (request, solver) = (SolveRequestId(1), Symbol::new("auto"));
     let budget = Some(apex_model::time::Duration::from_seconds(0.2));
-    let request = SolveRequest { request, task: TaskId(1), goal, solver, budget };
+    let request = SolveRequest { request, task: TaskId(1), goal, solver, budget, is_failure_handled: false };
     step(vec![place], &[Effect::Solve(request.clone())], deliberator);
     let answer = deliberator.pose(&request, now).job.run(&CancelToken::new()).result.unwrap();
     let kind = DecisionKind::ProcedureAdded { request: request.request, summary: "a".into(), pdl: "b".into() };

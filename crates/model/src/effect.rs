@@ -132,6 +132,9 @@ pub struct SolveRequest {
     pub solver: Symbol,
     /// Deliberation time; `None` for the runtime's default.
     pub budget: Option<Duration>,
+    /// True if the program handles a failure of the request: by `on-failure` of the task's step or of a step above it, or by a clause that
+    /// names the failure.
+    pub is_failure_handled: bool,
 }
 
 /// One decision of the executive.

@@ -49,6 +49,7 @@ fn effect_of(form: &str) -> Option<Effect> {
             goal: samples::goal(&["plan"]),
             solver: Symbol::new("auto"),
             budget: None,
+            is_failure_handled: false,
         })),
         _ => None,
     }

@@ -37,6 +37,7 @@ fn request(number: u64, goal: &str, budget_s: f64) -> SolveRequest {
         goal: Value::symbol(goal),
         solver: Symbol::new("auto"),
         budget: Some(Duration::from_seconds(budget_s)),
+        is_failure_handled: false,
     }
 }
 

@@ -121,6 +121,7 @@ fn first_effects() -> Vec<Effect> {
             goal: goal(&["patrol"]),
             solver: Symbol::new("auto"),
             budget: Some(Duration::from_seconds(5.0)),
+            is_failure_handled: false,
         }),
     ]
 }

@@ -3,12 +3,12 @@
 
 mod flight;
 mod fork;
+mod ignorance;
 mod runs;
 mod world;
 
 pub use flight::{create_record, create_record_with, fly, fly_to_the_end, pace_of};
 pub use fork::{ForkTerms, Forked, WorldChanges, check_fork, fork};
-pub use runs::{
-    IgnoranceSummary, JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs,
-};
+pub use ignorance::IgnoranceSummary;
+pub use runs::{JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs};
 pub use world::world;

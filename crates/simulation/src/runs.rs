@@ -1,5 +1,6 @@
 //! Many flights of one mission, each in a world from another seed: the distribution of results, and the causes of losses.
 
+use crate::ignorance::IgnoranceSummary;
 use crate::world::world;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
@@ -106,6 +107,8 @@ pub struct RunRow {
     pub beyond_landing_distance: u64,
     /// Requirements whose unavoidable violation the flight announced.
     pub said_broken: u64,
+    /// Statement about a vehicle that did not land, or that crashed; `None` if it is on the ground. Not in tables.
+    pub not_landed: Option<String>,
 }
 
 impl RunRow {
@@ -143,6 +146,7 @@ impl RunRow {
             near_ground: check.near_ground,
             beyond_landing_distance: check.beyond_landing_distance,
             said_broken: check.said_broken.len() as u64,
+            not_landed: report.not_landed.clone(),
         }
     }
 
@@ -169,6 +173,7 @@ impl RunRow {
             near_ground: 0,
             beyond_landing_distance: 0,
             said_broken: 0,
+            not_landed: None,
         }
     }
 
@@ -257,48 +262,10 @@ pub struct RunSummary {
     pub violations: BTreeMap<&'static str, Violated>,
     /// Flights that were not completed, by reason.
     pub lost: BTreeMap<String, NotCompleted>,
-}
-
-/// Realised next to expected ignorance over many flights.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct IgnoranceSummary {
-    /// Flights compared.
-    pub flights: usize,
-    /// Fires that broke out in these flights.
-    pub fires: u64,
-    /// Number of these fires that were seen.
-    pub seen: u64,
-    /// Mean cost of the fires of a flight.
-    pub realised: f64,
-    /// Mean of the expected costs.
-    pub expected: f64,
-    /// Standard error of the mean difference.
-    pub standard_error: f64,
-}
-
-impl IgnoranceSummary {
-    fn of(rows: &[RunRow]) -> Option<IgnoranceSummary> {
-        let pairs: Vec<(f64, f64)> =
-            rows.iter().filter_map(|row| Some((row.realised_cost?, row.expected_cost_stated?))).collect();
-        let count = pairs.len() as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
-        let (realised, expected) = (mean(|pair| pair.0), mean(|pair| pair.1));
-        let deviation = |(real, wanted): &(f64, f64)| real - wanted - realised + expected;
-        let squares: f64 = pairs.iter().map(|pair| deviation(pair) * deviation(pair)).sum();
-        (pairs.len() > 1).then(|| IgnoranceSummary {
-            flights: pairs.len(),
-            fires: rows.iter().filter_map(|row| row.fires).sum(),
-            seen: rows.iter().filter_map(|row| row.fires_seen).sum(),
-            realised,
-            expected,
-            standard_error: (squares / (count - 1.0) / count).sqrt(),
-        })
-    }
-
-    /// Returns the difference of realised and expected in standard errors.
-    pub fn deviation(&self) -> f64 {
-        if self.standard_error > 0.0 { (self.realised - self.expected) / self.standard_error } else { 0.0 }
-    }
+    /// Flights after which the vehicle was not on the ground, or crashed: their number and first seed, and the statement about the first.
+    pub not_landed: Option<(NotCompleted, String)>,
+    /// Flights without an observation of any target.
+    pub without_observation: Option<NotCompleted>,
 }
 
 /// Flights that violated a requirement.
@@ -356,15 +323,27 @@ impl RunSummary {
                 lost.entry(row.reason.clone()).or_insert(none).flights += 1;
             }
         }
+        let pairs = rows.iter().filter_map(|row| row.realised_cost.zip(row.expected_cost_stated));
+        let pairs: Vec<(f64, f64)> = pairs.collect();
+        let sum = |of: fn(&RunRow) -> Option<u64>| rows.iter().filter_map(of).sum();
+        let first = |is_one: &dyn Fn(&&RunRow) -> bool| {
+            let row = rows.iter().find(is_one)?;
+            Some((NotCompleted { flights: rows.iter().filter(is_one).count(), first_seed: row.seed }, row))
+        };
+        let not_landed = first(&|row| row.not_landed.is_some());
+        let without_observation =
+            first(&|row| row.outcome != RunOutcome::Error && row.observed == 0 && row.left_out > 0);
         RunSummary {
             runs: rows.len(),
             completed: rows.iter().filter(|row| row.outcome == RunOutcome::Completed).count(),
             measure,
             quantiles: SHARES.iter().filter_map(|share| values.get(rank(*share)).copied()).collect(),
             mean: (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
-            ignorance: IgnoranceSummary::of(rows),
+            ignorance: IgnoranceSummary::of(&pairs, (sum(|row| row.fires), sum(|row| row.fires_seen))),
             violations,
             lost,
+            not_landed: not_landed.map(|(found, row)| (found, row.not_landed.clone().unwrap_or_default())),
+            without_observation: without_observation.map(|(found, _)| found),
         }
     }
 }
@@ -403,6 +382,12 @@ impl fmt::Display for RunSummary {
         for (reason, NotCompleted { flights, first_seed: seed }) in &self.lost {
             writeln!(out, "Not completed: {flights} because {reason}; --seed {seed} is the first")?;
         }
+        if let Some((NotCompleted { flights, first_seed: seed }, statement)) = &self.not_landed {
+            writeln!(out, "Not landed: {flights}; --seed {seed} is the first: {statement}")?;
+        }
+        if let Some(NotCompleted { flights, first_seed: seed }) = &self.without_observation {
+            writeln!(out, "Without an observation: {flights}; --seed {seed} is the first")?;
+        }
         Ok(())
     }
 }
@@ -436,6 +421,7 @@ mod tests {
         let mut rows =
             vec![row(7, 1.0, RunOutcome::Completed), row(8, 0.0, RunOutcome::Lost), row(9, 0.0, RunOutcome::Lost)];
         (rows[1].inside_zones, rows[2].inside_zones) = (3, 4);
+        rows.iter_mut().for_each(|row| row.left_out = 1);
         let text = RunSummary::of(&rows).to_string();
         assert!(
             text.contains("Violated: inside a restricted zone: 7 positions in 2 flights; --seed 8 is the first"),
@@ -443,5 +429,11 @@ mod tests {
         );
         assert!(text.contains("Not completed: 2 because") && text.contains("--seed 8 is the first"), "{text}");
         assert!(RunSummary::of(&rows[..1]).to_string().contains("Violated: no requirement"));
+        assert!(text.contains("Without an observation: 3; --seed 7 is the first"), "{text}");
+        rows[1].not_landed = Some("the vehicle crashed".to_string());
+        rows.iter_mut().for_each(|row| row.observed = 1);
+        let text = RunSummary::of(&rows).to_string();
+        assert!(text.contains("Not landed: 1; --seed 8 is the first: the vehicle crashed"), "{text}");
+        assert!(!text.contains("Without an observation"), "{text}");
     }
 }

@@ -36,7 +36,8 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
     config.epoch_unix_s = mission.settings.epoch_unix_s;
     config.living = mission.world.as_ref().map(living).transpose()?;
     if let Some(world) = &mission.world {
-        config.check_living().map_err(|reason| {
+        let late = || config.living.as_ref().map_or(Ok(()), |living| begins_in_time(living, mission));
+        config.check_living().and_then(|()| late()).map_err(|reason| {
             MissionError::data(format!("{} is not a world of this mission", world.place))
                 .because(reason)
                 .help("docs/reference/world.md lists the fields with their units")
@@ -44,6 +45,16 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
     }
     SimulatedWorld::new(config)
         .map_err(|reason| MissionError::vehicle("the mission cannot be simulated").because(reason))
+}
+
+/// Checks that each stated failure begins before the mission ends: a later one has no effect.
+fn begins_in_time(living: &LivingWorld, mission: &Mission) -> Result<(), String> {
+    let end_s = mission.settings.duration.seconds();
+    let late = living.faults.iter().enumerate().filter_map(|(index, fault)| Some((index, fault.at_s?)));
+    match late.into_iter().find(|(_, at_s)| *at_s > end_s) {
+        Some((index, at_s)) => Err(format!("faults[{index}]: at_s is {at_s}, and the mission ends at {end_s} s")),
+        None => Ok(()),
+    }
 }
 
 fn living(world: &WorldText) -> MissionResult<LivingWorld> {

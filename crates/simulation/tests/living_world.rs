@@ -136,6 +136,28 @@ fn bad_world_files_are_refused_with_the_field_and_what_would_be_right() {
             "downlink.over",
         ),
         (r#"{"format": "apex-world-1", "wind_error": {"correlation_h": 0}}"#, "wind_error.correlation_h is 0"),
+        (
+            r#"{"format": "apex-world-1", "wind_error": {"sigma_mps": 100}}"#,
+            "sigma_mps is 100; it must be from 0 to 50",
+        ),
+        (
+            r#"{"format": "apex-world-1", "faults": [{"fault": "bias", "of": "location", "by": 3, "at_s": 1}]}"#,
+            "`location` is not a number",
+        ),
+        (
+            r#"{"format": "apex-world-1", "faults": [{"fault": "bias", "of": "flight-phase", "by": 3, "at_s": 1}]}"#,
+            "`flight-phase` is not a number",
+        ),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "leak", "by": 1e9, "at_s": 1}]}"#, "by is 1000000000"),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "engine", "at_s": 1e7}]}"#, "the mission ends at"),
+        (
+            r#"{"format": "apex-world-1", "storms": [{"latitude_deg": 44, "longitude_deg": 0, "radius_m": 1, "edr": 9}]}"#,
+            "storms[0].edr is 9; it must be from 0 to 1",
+        ),
+        (
+            r#"{"format": "apex-world-1", "storms": [{"latitude_deg": 44, "longitude_deg": 0, "radius_m": 1, "east_mps": 1e6}]}"#,
+            "storms[0].east_mps is 1000000",
+        ),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let mission = watch(folder.path(), world);

@@ -390,3 +390,60 @@ fn the_answer_to_a_goal_is_a_front_of_worth_and_time() {
     assert!((2..=8).contains(&front.len()), "{front:#?}");
     assert!(all.iter().all(|other| all[0] >= 0.99 * other), "{front:#?}");
 }
+
+/// Every manoeuvre is checked by the requirements of the flight before it begins: 5 m above the ground none is flown, and the refusal names
+/// the limit and a height that works. The first was flown at 5 m.
+#[test]
+fn a_manoeuvre_too_near_to_the_ground_is_refused() {
+    let camera = "at field with camera-1 every 20m";
+    for (manoeuvre, how) in [
+        ("(orbit :radius 100m :height 5m :turns 1)", camera),
+        ("(spiral :from 20m :to 60m :spacing 20m :height 5m)", camera),
+        ("(expanding-square :spacing 20m :rounds 1 :height 5m)", camera),
+        ("(sector-search :radius 60m :height 5m)", camera),
+        ("(straight-over :track 0 :height 5m :length 100m)", camera),
+        ("(pirouette :height 5m :depression 45)", "look"),
+    ] {
+        let goal = match how {
+            "look" => format!("(look around field by {manoeuvre} with camera-1)"),
+            _ => format!("(perform {manoeuvre} {how})"),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mission = Arc::new(mission(folder.path(), "quadrotor", STILL, 200.0, 50.0, &goal));
+        let flown = fly(mission, &folder.path().join("flight.apex"));
+        let why = flown.report.failed_because.clone().unwrap_or_else(|| panic!("{goal} is flown"));
+        assert!(why.contains("a height of 5 m breaks the limit of 36 m: requirement terrain"), "{why}");
+        assert!(why.contains("39 m works"), "{why}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let goal = format!("(perform (orbit :radius 100m :height 39m :turns 1) {camera})");
+    let mission = Arc::new(mission(folder.path(), "quadrotor", STILL, 200.0, 50.0, &goal));
+    let flown = fly(mission, &folder.path().join("flight.apex"));
+    assert!(flown.end.reason.is_success() && !flown.report.text().contains("at risk"), "{}", flown.report.text());
+}
+
+/// Above a zone, whose top requirement `airspace` keeps 18 m away, a hover 10 m above it was chosen, and the flight turned away from it.
+#[test]
+fn a_synthesised_manoeuvre_keeps_its_distance_from_a_zone_below() {
+    let folder = tempfile::tempdir().unwrap();
+    let goal = "(acquire field :product stills :resolution 2cm)";
+    let first = mission(folder.path(), "quadrotor", STILL, 200.0, 10.0, goal);
+    drop(first);
+    let corners = [(120.0, -80.0), (280.0, -80.0), (280.0, 80.0), (120.0, 80.0), (120.0, -80.0)];
+    let ring: Vec<String> = corners.iter().map(|(east_m, north_m)| place(*east_m, *north_m)).collect();
+    let zone = format!(
+        r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": {{"id": "z", "kind": "restricted",
+"altitude_m_min": 0, "altitude_m_max": 60}}, "geometry": {{"type": "Polygon", "coordinates": [[{}]]}}}}]}}"#,
+        ring.join(", ")
+    );
+    std::fs::write(folder.path().join("zones.geojson"), zone).unwrap();
+    let program = std::fs::read_to_string(folder.path().join("mission.pdl")).unwrap();
+    let program = program.replace(":duration 4h", ":duration 1h :zone-margin 25m :airspace \"zones.geojson\"");
+    let program = program.replace("\"manoeuvres\")", "\"manoeuvres\" \"contingencies\")");
+    std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
+    let mission = Arc::new(Mission::load(folder.path()).unwrap());
+    let flown = fly(mission, &folder.path().join("flight.apex"));
+    let text = flown.report.text();
+    assert!(flown.end.reason.is_success() && !text.contains("at risk"), "{text}");
+    assert!(!flown.report.visits.is_empty(), "{text}");
+}

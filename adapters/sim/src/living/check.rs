@@ -3,12 +3,18 @@
 use super::{CloudField, DownlinkSpec, FaultKind, FaultSpec, LivingWorld, PerimeterSpec, StormCell, WORLD_FORMAT};
 use crate::config::WorldConfig;
 use crate::names::unknown_name;
-use crate::packet::VARIABLES;
+use crate::packet::{VARIABLES, is_number};
 
 /// Maximum number of stated failures.
 const FAULTS_MAX: usize = 1_000;
 /// Rates above one per second are taken for mistakes.
 const RATE_PER_H_MAX: f64 = 3_600.0;
+/// Greatest values that are not taken for mistakes: speed of weather over ground and deviation of the wind, m/s; turbulence, m^(2/3)/s, as
+/// in wind files; loss of energy, kg/h or W.
+const WEATHER_MPS_MAX: f64 = 100.0;
+const WIND_SIGMA_MPS_MAX: f64 = 50.0;
+const EDR_MAX: f64 = 1.0;
+const LEAK_MAX: f64 = 1e6;
 /// Least time between two outlines of a fire.
 const EVERY_H_MIN: f64 = 0.1;
 
@@ -46,7 +52,7 @@ impl LivingWorld {
             storm.check().map_err(|reason| format!("storms[{index}].{reason}"))?;
         }
         if let Some(error) = &self.wind_error {
-            not_negative("wind_error.sigma_mps", error.sigma_mps)?;
+            within("wind_error.sigma_mps", error.sigma_mps, (0.0, WIND_SIGMA_MPS_MAX))?;
             not_negative("wind_error.sigma_share", error.sigma_share)?;
             not_negative("wind_error.edr_log_sigma", error.edr_log_sigma)?;
             positive("wind_error.correlation_h", error.correlation_h)?;
@@ -120,6 +126,15 @@ impl FaultSpec {
             (FaultKind::Bias, None) => {
                 Err("a `bias` fault needs `by`, the amount that is added, in SI units".to_owned())
             }
+            // A word, a place or a truth value has no number to which the amount is added.
+            (FaultKind::Bias, Some(_)) if !is_number(of) => {
+                let numbers: Vec<&str> =
+                    VARIABLES.iter().map(|each| each.name).filter(|name| is_number(name)).collect();
+                Err(format!(
+                    "`{of}` is not a number, so that `bias` has no effect on it; numbers are {}",
+                    listed(&numbers)
+                ))
+            }
             (FaultKind::Bias, Some(_)) | (_, None) => Ok(()),
             (_, Some(_)) => Err(format!("`by` has no effect in a `{word}` fault; leave it out")),
         }
@@ -130,7 +145,7 @@ impl FaultSpec {
             return Err(format!("`of` \"{of}\" has no effect in a `{word}` fault; leave it out"));
         }
         match (self.fault, self.by) {
-            (FaultKind::Leak, Some(by)) => positive("by", by),
+            (FaultKind::Leak, Some(by)) => positive("by", by).and_then(|()| within("by", by, (0.0, LEAK_MAX))),
             (FaultKind::Leak, None) => Err("a `leak` fault needs `by`, in kg/h of fuel or W of charge".to_owned()),
             (FaultKind::Navigation, _) | (_, None) => Ok(()),
             (_, Some(_)) => Err(format!("`by` has no effect in a `{word}` fault; leave it out")),
@@ -143,6 +158,7 @@ impl CloudField {
         place(self.latitude_deg, self.longitude_deg)?;
         positive("radius_m", self.radius_m)?;
         share("cover", self.cover)?;
+        motion(self.east_mps, self.north_mps)?;
         if !(self.base_m.is_finite() && self.top_m > self.base_m) {
             return Err(format!("base_m is {} and top_m {}; the top must be above the base", self.base_m, self.top_m));
         }
@@ -154,7 +170,8 @@ impl StormCell {
     fn check(&self) -> Result<(), String> {
         place(self.latitude_deg, self.longitude_deg)?;
         positive("radius_m", self.radius_m)?;
-        not_negative("edr", self.edr)?;
+        within("edr", self.edr, (0.0, EDR_MAX))?;
+        motion(self.east_mps, self.north_mps)?;
         span(self.from_h, self.until_h)
     }
 }
@@ -184,6 +201,19 @@ fn listed(names: &[&str]) -> String {
 
 fn share(field: &str, number: f64) -> Result<(), String> {
     if (0.0..=1.0).contains(&number) { Ok(()) } else { Err(format!("{field} is {number}; it must be from 0 to 1")) }
+}
+
+fn within(field: &str, number: f64, (least, most): (f64, f64)) -> Result<(), String> {
+    if (least..=most).contains(&number) {
+        return Ok(());
+    }
+    Err(format!("{field} is {number}; it must be from {least} to {most}"))
+}
+
+/// Checks the speed at which weather moves.
+fn motion(east_mps: f64, north_mps: f64) -> Result<(), String> {
+    within("east_mps", east_mps, (-WEATHER_MPS_MAX, WEATHER_MPS_MAX))?;
+    within("north_mps", north_mps, (-WEATHER_MPS_MAX, WEATHER_MPS_MAX))
 }
 
 fn positive(field: &str, number: f64) -> Result<(), String> {

@@ -5,7 +5,7 @@
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::instantiation::{self, Seed};
-use crate::control::tasks::termination;
+use crate::control::tasks::{failure, termination};
 use crate::deliberation::solver_selection;
 use crate::expression::evaluate;
 use crate::state::bindings::Bindings;
@@ -82,7 +82,9 @@ fn ask(
         task.controller = Some(Box::new(Controller::Planning(fresh)));
     }
     let solver_name = named.unwrap_or(declaration.name);
-    cycle.effects.push(Effect::Solve(SolveRequest { request, task: id, goal, solver: solver_name, budget }));
+    let is_failure_handled = failure::is_handled(cycle, id);
+    let solve = SolveRequest { request, task: id, goal, solver: solver_name, budget, is_failure_handled };
+    cycle.effects.push(Effect::Solve(solve));
     if pursue && declaration.meanwhile.is_some() {
         meanwhile(cycle, id, solver);
     }

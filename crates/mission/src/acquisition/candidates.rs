@@ -21,8 +21,10 @@ use apex_observation::target::TargetArea;
 pub(super) const CANDIDATES_MAX: usize = 160;
 /// Least height above ground if the mission requires no other: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 20.0);
-/// Height kept from faces of zones.
+/// Height kept from faces of zones without a requirement.
 const FACE_M: f64 = 30.0;
+/// Height by which a vehicle may leave its altitude.
+const LEVEL_M: f64 = 3.0;
 /// Relative difference below which two heights count as equal.
 const APART_SHARE: f64 = 0.08;
 /// Look angles to try, degrees.
@@ -98,8 +100,9 @@ pub(crate) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
         let edge_rad = scanner.setting.mode.half_field_rad().min(std::f64::consts::FRAC_PI_4);
         found.extend(nadir_m.is_finite().then(|| scanner.setting.mode.height_m_max(goal.resolution_m, edge_rad)));
     }
+    let face_m = mission.requirements.airspace.map_or(FACE_M, |buffer| buffer.vertical_m + LEVEL_M);
     for zone in mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted) {
-        found.extend([zone.altitude_m_max + FACE_M - level_m, zone.altitude_m_min - FACE_M - level_m]);
+        found.extend([zone.altitude_m_max + face_m - level_m, zone.altitude_m_min - face_m - level_m]);
     }
     for layer in &mission.forecast.layers {
         found.push(0.5 * (layer.altitude_m_min + layer.altitude_m_max) - level_m);
@@ -117,9 +120,13 @@ pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
         Airframe::Rotorcraft => HEIGHT_M_MIN.1,
     };
     let required_m = mission.requirements.terrain_clearance_m.map_or(least_m, |clearance_m| clearance_m.max(least_m));
-    let ground_m = mission.targets.iter().find(|target| target.id.eq_ignore_ascii_case(&goal.target.name));
-    let ground_m = ground_m.map_or(goal.target.elevation_m, |target| target.elevation_m);
-    required_m + 3.0 + (ground_m - goal.target.elevation_m).max(0.0)
+    required_m + LEVEL_M + (ground_m(mission, goal) - goal.target.elevation_m).max(0.0)
+}
+
+/// Returns the elevation of the ground at the target.
+pub(super) fn ground_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
+    let target = mission.targets.iter().find(|target| target.id.eq_ignore_ascii_case(&goal.target.name));
+    target.map_or(goal.target.elevation_m, |target| target.elevation_m)
 }
 
 /// Returns all candidates of one sensor at one height.

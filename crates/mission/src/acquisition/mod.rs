@@ -8,6 +8,7 @@ mod candidates;
 mod form;
 mod goal;
 mod paths;
+mod permitted;
 mod predicted;
 mod solve;
 mod vehicle;

@@ -3,10 +3,12 @@
 //! Its result depends only on its arguments and the mission's data, so a replay gets the same result. Bound: O(points).
 
 use super::form::path_of;
+use super::permitted::{PathRequirements, PlacedPath};
 use super::vehicle::{craft_of, instrument_of, scene_of};
 use crate::Mission;
 use crate::observing::carries_scanner;
 use crate::vehicle::VehicleModel;
+use apex_geo::geodesy;
 use apex_geo::location::Location;
 use apex_model::host::HostFunctions;
 use apex_model::problem::{Position, WindField};
@@ -22,8 +24,20 @@ use std::sync::Arc;
 pub(crate) struct Places {
     model: VehicleModel,
     wind: WindField,
-    /// Named targets with the level of their observed part.
-    targets: Vec<(String, Position, f64)>,
+    requirements: PathRequirements,
+    targets: Vec<Place>,
+}
+
+/// A target, or a place.
+#[derive(Clone, Debug)]
+struct Place {
+    /// Name in lower case; empty for a place.
+    name: String,
+    position: Position,
+    /// Level of the observed part.
+    elevation_m: f64,
+    /// Elevation of the ground.
+    ground_m: f64,
 }
 
 /// Returns the manoeuvre that PDL flies: along a path with a camera (or the scanner), at a speed.
@@ -50,8 +64,14 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
     let places = Arc::new(Places {
         model: mission.model.clone(),
         wind: mission.forecast.clone(),
+        requirements: PathRequirements::of(mission),
         targets: targets
-            .map(|target| (target.id.to_lowercase(), target.position, super::vehicle::elevation_m(target)))
+            .map(|target| Place {
+                name: target.id.to_lowercase(),
+                position: target.position,
+                elevation_m: super::vehicle::elevation_m(target),
+                ground_m: target.elevation_m,
+            })
             .collect(),
     });
     let function =
@@ -68,7 +88,7 @@ impl Places {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
         };
         let path = path_of(form)?;
-        let (place, elevation_m) = self.place(target)?;
+        let Place { position: place, elevation_m, ground_m, .. } = self.place(target)?;
         let speed_mps = match speed.as_number() {
             Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Some(speed),
             None if !speed.is_true() => None,
@@ -96,10 +116,18 @@ impl Places {
             Sight::Down => Value::symbol("down"),
             _ => target.clone(),
         };
-        let points = match paced.is_empty() {
-            true => track.points().map(|point| location(&scene, point.point, point.height_m)).collect::<Vec<_>>(),
-            false => paced.iter().map(|point| location(&scene, point.point, point.height_m)).collect(),
+        let placed = |(point, height_m)| (scene.position(point), scene.elevation_m + height_m);
+        let points: Vec<(Position, f64)> = match paced.is_empty() {
+            true => track.points().map(|point| placed((point.point, point.height_m))).collect(),
+            false => paced.iter().map(|point| placed((point.point, point.height_m))).collect(),
         };
+        let legs = points.iter().zip(points.iter().skip(1));
+        let length_m: f64 = legs.map(|((from, _), (to, _))| geodesy::distance_m(*from, *to)).sum();
+        let span_s = (at_s, at_s + length_m / craft.true_airspeed_mps);
+        let (name, points_of) = (manoeuvre.path.name(), points.as_slice());
+        let flown = PlacedPath { name, points: points_of, height_m, target_m: elevation_m, ground_m, span_s };
+        self.requirements.check(&flown).map_err(refused)?;
+        let points: Vec<Value> = points.iter().map(|(position, altitude_m)| value_of(*position, *altitude_m)).collect();
         let begin = Value::symbol(if craft.can_hover { "hover" } else { "line" });
         let speeds = if craft.can_hover { Value::list(speeds) } else { Value::nil() };
         let airspeed = Value::measured(airspeed, Dimension::SPEED);
@@ -112,20 +140,19 @@ impl Places {
         Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell]))
     }
 
-    fn place(&self, value: &Value) -> Result<(Position, f64), String> {
+    fn place(&self, value: &Value) -> Result<Place, String> {
         let name = match value {
             Value::Symbol(symbol) => symbol.folded().to_string(),
             Value::Text(text) => text.to_lowercase(),
             _ => {
-                let place = Location::of(value)?;
-                return Ok((place.position, place.altitude_m.unwrap_or(0.0)));
+                let Location { position, altitude_m } = Location::of(value)?;
+                let elevation_m = altitude_m.unwrap_or(0.0);
+                return Ok(Place { name: String::new(), position, elevation_m, ground_m: elevation_m });
             }
         };
-        let found = self.targets.iter().find(|(id, ..)| *id == name);
-        let known = || self.targets.iter().map(|(id, ..)| id.as_str()).collect::<Vec<_>>().join(", ");
-        found
-            .map(|(_, position, level)| (*position, *level))
-            .ok_or_else(|| format!("the mission has no target `{name}`; it has {}", known()))
+        let found = self.targets.iter().find(|target| target.name == name);
+        let known = || self.targets.iter().map(|target| target.name.as_str()).collect::<Vec<_>>().join(", ");
+        found.cloned().ok_or_else(|| format!("the mission has no target `{name}`; it has {}", known()))
     }
 }
 
@@ -147,8 +174,11 @@ pub(crate) fn height_m(path: &FlightPath) -> f64 {
 }
 
 fn location(scene: &Scene, point: apex_geo::plane::Point, height_m: f64) -> Value {
-    let Position { latitude_deg, longitude_deg } = scene.position(point);
-    Value::list([latitude_deg, longitude_deg, scene.elevation_m + height_m].map(Value::Real))
+    value_of(scene.position(point), scene.elevation_m + height_m)
+}
+
+fn value_of(Position { latitude_deg, longitude_deg }: Position, altitude_m: f64) -> Value {
+    Value::list([latitude_deg, longitude_deg, altitude_m].map(Value::Real))
 }
 
 /// Returns, for each heading of the hovers, the heading and the place that the camera points at; empty unless the nose points the camera.

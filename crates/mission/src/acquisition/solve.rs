@@ -3,8 +3,9 @@
 //!
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
-use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, heights_m, lowest_m, sensors};
+use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, ground_m, heights_m, lowest_m, sensors};
 use super::goal::AcquisitionGoal;
+use super::permitted::{PathRequirements, PlacedPath};
 use super::predicted::forecast_of;
 use super::vehicle::{craft_of, scene_of};
 use crate::Mission;
@@ -12,7 +13,9 @@ use crate::requirements::sun_margin_deg;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, PathPose, Scene, rounded_down, rounded_up};
+use apex_observation::manoeuvres::{
+    FlightPath, Forecast, Instrument, PathPose, Refusal, Scene, rounded_down, rounded_up,
+};
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use apex_observation::timing::sun::solar_position;
@@ -211,6 +214,10 @@ fn judged(
                 zone.name
             ),
         });
+    } else if let Err(refusal) =
+        requirements_kept(mission, goal, &candidate, (&forecast, &scene), start.at_s + travel_s)
+    {
+        misses.push(Miss { by: refusal.excess(), why: refusal.to_string() });
     }
     if let Instrument::Camera(_) = &candidate.instrument
         && let Some((by, why)) = sun_miss(mission, &candidate.sensor, &forecast, &scene)
@@ -245,6 +252,27 @@ fn judged(
         return Err(worst);
     }
     Ok(Predicted { candidate, scene, forecast, travel_s })
+}
+
+/// Checks a candidate that begins at `from_s` by the requirements of the flight on its positions.
+fn requirements_kept(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    candidate: &ManoeuvreCandidate,
+    (forecast, scene): (&Forecast, &Scene),
+    from_s: f64,
+) -> Result<(), Refusal> {
+    let poses = forecast.flown.poses.iter();
+    let points: Vec<(Position, f64)> =
+        poses.map(|pose| (scene.position(pose.point), scene.elevation_m + pose.height_m)).collect();
+    PathRequirements::of(mission).check(&PlacedPath {
+        name: candidate.manoeuvre.path.name(),
+        points: &points,
+        height_m: candidate.height_m,
+        target_m: goal.target.elevation_m,
+        ground_m: ground_m(mission, goal),
+        span_s: (from_s, from_s + forecast.time_s),
+    })
 }
 
 /// Returns the factor that falls short of the goal most.

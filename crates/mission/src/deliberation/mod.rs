@@ -154,6 +154,8 @@ struct Question {
     /// True if the failure of the request would end the flight in the air: no plan is flown yet that could continue, or it is a
     /// surveillance of which no visit can give a picture.
     ends_in_the_air: bool,
+    /// True if the program handles a failure of the request.
+    is_failure_handled: bool,
     /// Looks whose observation has ended.
     observed: Vec<String>,
     /// True if a plan is imposed: if it cannot be flown, planning fails, and the mission does not end.
@@ -244,6 +246,7 @@ impl Question {
             from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
             ends_in_the_air,
+            is_failure_handled: request.is_failure_handled,
             observed: situation.observed().map(|visit| visit.target.clone()).collect(),
             number: situation.posed,
             believed,
@@ -291,14 +294,14 @@ impl Question {
             Err(NoPlan::NothingLeft(reason))
         });
         // In the air a failure would end the flight there; without a visit the aircraft flies home. The failure of a planner that the
-        // program brings is one that the program answers.
+        // program brings is one that the program handles, if it does.
+        let is_unhandled = ends_in_the_air && !self.is_failure_handled;
         let is_shipped = || solver.is_none_or(|name| apex_solvers::shipped().find(name).is_some());
         let flies_home = ends_in_the_air && (!is_posed || without_visits.is_some() || is_shipped());
+        let is_complete = has_observed || flies_home || !believed.weak_targets.is_empty();
         match solved {
-            Err(NoPlan::NothingLeft(reason))
-                if (has_observed || flies_home || !believed.weak_targets.is_empty()) && !is_imposed =>
-            {
-                let nothing = nothing_more(&goal, number, &reason, without_visits);
+            Err(none) if !is_imposed && (is_unhandled || is_complete && matches!(none, NoPlan::NothingLeft(_))) => {
+                let nothing = nothing_more(&goal, number, &none.to_string(), without_visits);
                 SolverAnswer { result: Ok(nothing), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },

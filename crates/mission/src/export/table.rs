@@ -145,8 +145,8 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan, air_changes: boo
     }
 }
 
-/// Condition of a bound in air that changes.
-const EARLIEST_AIR: &str = "in the air forecast for the earliest arrivals; it changes later";
+/// Condition of a bound in air and light that change.
+const EARLIEST_AIR: &str = "in the air and the sun of the earliest arrivals; they change later";
 
 fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
     if !plan.cycle.is_empty() {

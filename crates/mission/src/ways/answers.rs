@@ -7,14 +7,16 @@ use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
 use super::wait::PlannedStart;
 use super::{Broken, Request, Way, time_limits};
+use crate::wind_error::WindError;
 use apex_geo::geodesy;
 use apex_geo::location::Location;
-use apex_geo::wind;
+use apex_geo::wind::{self, Wind};
 use apex_model::host::HostFunctions;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
@@ -27,7 +29,7 @@ const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
     ("way-to-line", 6, 7, to_line),
     ("way-to-landing", 4, 5, to_landing),
     ("way-to-climb", 4, 4, to_climb),
-    ("way-to-segment", 6, 6, to_segment),
+    ("way-to-segment", 6, 8, to_segment),
     ("time-before-line", 6, 6, before_line),
     ("time-on-circle", 7, 7, on_circle),
     ("landing-place-near", 2, 4, landing_places::near),
@@ -54,6 +56,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
             }
             let of_body = match name {
                 "landing-place-near" => least + 1,
+                "way-to-segment" => most,
                 way if way.starts_with("way-to") => least,
                 _ => most,
             };
@@ -75,16 +78,37 @@ fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String>
         return Ok(Value::nil());
     }
     let place = Location::of(location)?;
-    let number = |value: &Value, what: &str| {
-        let number = value.as_number().map(|(si, _)| si).filter(|si| si.is_finite());
-        number.ok_or_else(|| format!("the {what} must be a number; got {value}"))
-    };
-    let (time_s, speed_mps) = (number(time, "time")?, number(speed, "speed")?);
-    let from_rad = number(direction, "direction")?;
+    let time_s = number(time, "time")?;
+    let measured = measured_wind(speed, direction)?;
     let forecast = wind::at(&limits.wind, place.position, place.altitude_m.unwrap_or(0.0), time_s);
-    let east_mps = -speed_mps * libm::sin(from_rad) - forecast.east_mps;
-    let north_mps = -speed_mps * libm::cos(from_rad) - forecast.north_mps;
+    let (east_mps, north_mps) = (measured.east_mps - forecast.east_mps, measured.north_mps - forecast.north_mps);
     Ok(Value::measured(libm::hypot(east_mps, north_mps), Dimension::SPEED))
+}
+
+fn number(value: &Value, what: &str) -> Result<f64, String> {
+    let number = value.as_number().map(|(si, _)| si).filter(|si| si.is_finite());
+    number.ok_or_else(|| format!("the {what} must be a number; got {value}"))
+}
+
+/// Returns a measured wind from its speed and the direction from which it blows.
+fn measured_wind(speed: &Value, direction: &Value) -> Result<Wind, String> {
+    let (speed_mps, from_rad) = (number(speed, "speed")?, number(direction, "direction")?);
+    Ok(Wind { east_mps: -speed_mps * libm::sin(from_rad), north_mps: -speed_mps * libm::cos(from_rad), edr: 0.0 })
+}
+
+/// Returns the limits with the forecast as corrected by the wind that is measured at the beginning of the request; unchanged if none is.
+fn in_measured_wind<'a>(limits: &'a Limits, request: &Request, measured: &[Value]) -> Result<Cow<'a, Limits>, String> {
+    let [speed, direction] = measured else { return Ok(Cow::Borrowed(limits)) };
+    if !speed.is_true() || !direction.is_true() {
+        return Ok(Cow::Borrowed(limits));
+    }
+    let forecast = wind::at(&limits.wind, request.from, request.from_altitude_m, request.at_s);
+    let mut error = WindError::default();
+    error.take(measured_wind(speed, direction)?, forecast, request.at_s);
+    Ok(match error.field(&limits.wind, request.at_s) {
+        Some(wind) => Cow::Owned(limits.in_wind(wind)),
+        None => Cow::Borrowed(limits),
+    })
 }
 
 /// Like [`start_of`]; `None` also if the mission has no limits on paths.
@@ -301,13 +325,16 @@ fn to_climb(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
 /// Evaluates `(way-to-segment HERE TRACK MET FROM TO END)`: returns `(A B OPTIONS)`, the ends of the segment in the order in which it is
 /// flown again fastest, followed by the line to END. If that cannot be computed, returns `(FROM TO)`.
 fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
-    let [.., from, to, end] = arguments else { return Err("an end of the segment is missing".to_string()) };
+    let [_, _, _, from, to, end, measured @ ..] = arguments else {
+        return Err("an end of the segment is missing".to_string());
+    };
     let as_it_is = Value::list([from.clone(), to.clone()]);
     let Some(request) = start_of(arguments)? else { return Ok(as_it_is) };
     let ends = spot(limits, from).ok().zip(spot(limits, to).ok()).zip(spot(limits, end).ok());
     let Some((((begin, begin_m), (until, _)), (line_end, _))) = ends else { return Ok(as_it_is) };
     let altitude_m = begin_m.unwrap_or(request.from_altitude_m);
     let segment = Segment { begin, until, line_end, altitude_m };
+    let limits = in_measured_wind(limits, &request, measured)?;
     let Some(SegmentWay { is_reversed, way, .. }) = limits.segment_again(&request, &segment) else {
         return Ok(as_it_is);
     };

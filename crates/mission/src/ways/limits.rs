@@ -192,6 +192,11 @@ impl Limits {
         !self.weak.is_empty()
     }
 
+    /// Returns the limits in another wind.
+    pub(super) fn in_wind(&self, wind: WindField) -> Limits {
+        Limits { wind, ..self.clone() }
+    }
+
     /// Returns the limits with the areas of weak links and storms that a flight has measured.
     pub(super) fn with_areas(&self, weak: Vec<AirspaceZone>, storms: Vec<AirspaceZone>) -> Cow<'_, Limits> {
         if weak.is_empty() && storms.is_empty() {

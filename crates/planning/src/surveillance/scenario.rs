@@ -346,9 +346,7 @@ impl<'a> Scenario<'a> {
         if best > cost {
             Obstacle::ExpectedCost { without: cost, with: best }.to_string()
         } else {
-            format!(
-                "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"
-            )
+            format!("this plan has no visit of it; one single visit would give {best:.4} instead of {cost:.4}")
         }
     }
 

@@ -137,7 +137,9 @@ impl Writer {
             Entry::Other { kind: "solve", task, subject, .. } => {
                 let (request, task) = (SolveRequestId(1), TaskId(task.unwrap_or(0)));
                 let (goal, solver) = (Value::symbol(subject), Symbol::new("2-Opt"));
-                self.effect(t_ns, Effect::Solve(SolveRequest { request, task, goal, solver, budget: None }));
+                let is_failure_handled = false;
+                let solve = SolveRequest { request, task, goal, solver, budget: None, is_failure_handled };
+                self.effect(t_ns, Effect::Solve(solve));
                 return;
             }
             Entry::Other { kind: "command", task, subject, .. } => {

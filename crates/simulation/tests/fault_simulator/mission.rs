@@ -123,10 +123,14 @@ fn vehicle_faults(draws: &mut Draws, hours: f64, is_far: bool) -> Vec<String> {
     for fault in ["freeze", "silence", "bias"] {
         let of = draws.one(&variables).unwrap_or("altitude");
         let by = if fault == "bias" { format!(", \"by\": {:.3}", draws.between(-0.2, 40.0)) } else { String::new() };
+        let for_s = draws.between(5.0, 600.0);
+        // A location has no number to which a bias is added: such a world is refused.
+        if (fault, of) == ("bias", "location") {
+            continue;
+        }
         faults.push(format!(
-            "{{\"fault\": \"{fault}\", \"of\": \"{of}\"{by}, \"rate_per_h\": {:.4}, \"for_s\": {:.0}}}",
+            "{{\"fault\": \"{fault}\", \"of\": \"{of}\"{by}, \"rate_per_h\": {:.4}, \"for_s\": {for_s:.0}}}",
             2.0 * per_flight,
-            draws.between(5.0, 600.0)
         ));
     }
     faults

@@ -8,6 +8,7 @@ use apex_model::effect::Effect;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_planning::registry::Registry;
 use apex_runtime::record::{RecordReader, RecordedEffect};
 use apex_runtime::target_state::TargetState;
 use std::path::PathBuf;
@@ -39,15 +40,27 @@ pub(crate) fn program(options: &str, cruise: &str) -> String {
 
 /// Flies the mission of a program and its data files.
 pub(crate) fn fly(program: &str, files: &[(&str, &str)]) -> Flown {
+    fly_with(apex_solvers::shipped(), program, files)
+}
+
+/// Loads the mission of a program and its data files, from the folder that is returned.
+pub(crate) fn loaded(program: &str, files: &[(&str, &str)]) -> (TempDir, Mission) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
+    let mission = Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}"));
+    (folder, mission)
+}
+
+/// Like [`fly`], with these planners.
+pub(crate) fn fly_with(planners: Registry, program: &str, files: &[(&str, &str)]) -> Flown {
+    let (folder, mission) = loaded(program, files);
+    let mission = Arc::new(mission);
     let record = folder.path().join("flight.apex");
     let mut recorder = apex_simulation::create_record(&record, &mission, None).unwrap();
-    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let means = PlanningResources::of(&Arc::new(planners));
     let terms = MissionFlight::terms(&mission, None);
     let outcome = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
     Flown { _folder: folder, record, outcome }

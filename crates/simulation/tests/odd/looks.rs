@@ -1,6 +1,6 @@
 //! Several looks of one target, with intervals between them.
 
-use crate::harness::{collection, feature, fly, home, point, program};
+use crate::harness::{collection, feature, fly, home, loaded, point, program};
 use apex_mission::report::MissionValue;
 
 /// The second look is wanted one to two hours after the first one, and must be made. It was planned six minutes after it, for its full value,
@@ -91,4 +91,19 @@ fn a_fire_that_was_seen_in_passing_is_not_planned_again() {
     assert!(flown.left_out(passed).contains("in passing"), "{}", flown.text());
     let MissionValue::Score(score) = &flown.outcome.report.value else { panic!("the mission has no score") };
     assert!(score.benefits > 59.9, "{}", flown.text());
+}
+
+/// The sun that water mirrors moves, so that a look later in the mission has another worth than the one that is planned for the earliest
+/// arrival. A plan was proven to be the best, and a later window of a target gave a better one.
+#[test]
+fn a_bound_over_water_in_the_sun_is_that_of_the_earliest_arrivals() {
+    let changes = |more: &str, options: &str| {
+        let fire = format!(r#""id": "a", "kind": "fire", "acres": 4000, "value": 20{more}"#);
+        let targets = collection(&[home(), feature(&fire, &point(-120.5, 37.8))]);
+        loaded(&program(options, "4000m"), &[("t.geojson", &targets)]).1.air_changes()
+    };
+    assert!(!changes("", OPTIONS));
+    assert!(changes(r#", "water": true"#, OPTIONS));
+    let without_sun = OPTIONS.replace(":start \"2026-05-12T18:30:00Z\" ", "");
+    assert!(!changes(r#", "water": true"#, &without_sun));
 }

@@ -101,3 +101,44 @@ fn a_segment_is_weighed_in_the_wind_that_is_measured() {
     let (blind_s, told_s) = (weighed_s(2), weighed_s(28));
     assert!((blind_s - told_s).abs() < 0.08 * told_s, "{blind_s} and {told_s}");
 }
+
+/// A segment is flown again by a path for the wind that blows, and takes the time that was stated. By the forecast the turns were too tight,
+/// and the aircraft flew a second pattern: three times as long.
+#[test]
+fn a_segment_is_flown_again_in_the_time_that_is_stated() {
+    let fire = r#""id": "fire", "kind": "fire", "acres": 9000, "value": 40, "resolution_m": 10"#;
+    let targets = collection(&[home(), feature(fire, &point(-120.4, 37.6))]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 4h :targets \"t.geojson\" \
+                   :forecast \"w.csv\" :weather \"a.csv\"";
+    let wind = |from_deg: u32, speed_mps: u32| format!("{HEADER}\n0,20000,{from_deg},{speed_mps},0.01,0,9\n");
+    for (from_deg, begin, until) in [(245, "37.6 -120.42", "37.6 -120.38"), (335, "37.6 -120.42", "37.6 -120.38")] {
+        let (begin, until, end) = (format!("({begin} 5700)"), format!("({until} 5700)"), "(37.6 -120.3 5700)");
+        let steps = format!(
+            "(step line (fly line from (37.6 -120.6 5700) to {until}) (waitfor (end ?up)))\n\
+             (step lost (inform (segment-lost fire {begin} {until} {end})) (waitfor (end ?line)))\n\
+             (step refly (refly segment visited from {begin} to {until} before {end}) (waitfor (end ?lost)))\n\
+             (step home (return to home at 5700m) (waitfor (end ?refly)))"
+        );
+        let program = "(defapplication \"Again\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\") OPTIONS \
+                       :agents ((agent uav-1 :initial-task (fly the mission))))\n\
+                       (procedure (index (fly the mission))\n (step up (take off to 5700m))\nSTEPS\n\
+                       (step finish (terminate) (waitfor (end ?home))))\n";
+        let program = program.replace("OPTIONS", options).replace("STEPS", &steps);
+        let flown = fly(
+            &program,
+            &[("t.geojson", targets.as_str()), ("w.csv", &wind(from_deg, 21)), ("a.csv", &wind(from_deg, 43))],
+        );
+        let text = flown.said("segment-weighed").last().unwrap_or_else(|| panic!("{}", flown.text())).1.clone();
+        let stated_s = text.split("its ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        let stated_s = stated_s.unwrap_or_else(|| panic!("{text}"));
+        let commands = flown.commands();
+        let again = commands.iter().rposition(|(_, form)| form.starts_with("(fly-line")).unwrap();
+        let flown_s = commands[again + 1].0 - commands[again].0;
+        println!("{from_deg}: {stated_s} s stated, {flown_s} s flown");
+        assert!(
+            (flown_s - stated_s).abs() < 0.2 * stated_s,
+            "{stated_s} s stated, {flown_s} s flown\n{}",
+            flown.text()
+        );
+    }
+}

@@ -1,6 +1,9 @@
 //! Reports of flights that do not end as planned.
 
-use crate::harness::{area, collection, feature, fly, home, point, program};
+use crate::harness::{area, collection, feature, fly, fly_with, home, point, program};
+use apex_model::problem::{Plan, Problem};
+use apex_planning::solver::{Environment, Solver};
+use std::sync::Arc;
 
 fn fire(id: &str, longitude: f64, latitude: f64, more: &str) -> String {
     let properties = format!(r#""id": "{id}", "kind": "fire", "acres": 4000, "value": 20{more}"#);
@@ -39,6 +42,53 @@ fn an_aircraft_without_a_plan_flies_home() {
         let text = flown.text();
         assert!(flown.outcome.end.reason.is_success() && text.contains(why), "{text}");
         assert!(flown.said("landed").len() == 1 && !text.contains("has not landed"), "{text}");
+    }
+}
+
+/// A planner that no mission ships with, and that has no plan.
+struct Helpless;
+
+impl Solver for Helpless {
+    fn name(&self) -> &str {
+        "helpless"
+    }
+
+    fn serves(&self, _: &Problem) -> bool {
+        true
+    }
+
+    fn solve(&self, _: &Problem, _: &mut Environment<'_>) -> Result<Plan, String> {
+        Err("it has no idea".to_string())
+    }
+}
+
+/// The program brings a planner that fails. What the program does about that comes first; a failure that nothing handles leads home.
+#[test]
+fn an_aircraft_whose_own_planner_fails_flies_home() {
+    let targets = collection(&[home(), fire("near", -120.5, 37.4, "")]);
+    let named = program(OPTIONS, "4000m").replace("(solver auto ", "(solver helpless ");
+    let fly = |program: &str| {
+        let mut planners = apex_solvers::shipped();
+        planners.add(Arc::new(Helpless)).unwrap();
+        fly_with(planners, program, &[("t.geojson", &targets)])
+    };
+    let flown = fly(&named);
+    let text = flown.text();
+    assert!(flown.outcome.end.reason.is_success() && text.contains("it has no idea"), "{text}");
+    assert!(flown.said("landed").len() == 1 && !text.contains("has not landed"), "{text}");
+    // Handled by the step itself, and by the step of the procedure around it: the aircraft climbs first.
+    let climb = "(on-failure (fly to home at 5000m))";
+    let own = named.replace("(step survey (see them) ", &format!("(step survey (see them) {climb} "));
+    let around = named.replace("(step survey (see them) ", &format!("(step survey (work) {climb} "));
+    let around = format!(
+        "{around}(procedure (index (work)) (step see (see them)) (step finish (terminate) (waitfor (end ?see))))\n"
+    );
+    for program in [own, around] {
+        let flown = fly(&program);
+        let text = flown.text();
+        assert!(flown.outcome.end.reason.is_success() && flown.said("landed").len() == 1, "{text}");
+        let highest_m = flown.track().into_iter().map(|(.., altitude_m)| altitude_m).fold(0.0, f64::max);
+        assert!(highest_m > 4_500.0, "{highest_m}\n{text}");
     }
 }
 

@@ -6,7 +6,7 @@
 use crate::control::conflicts::{competition, resources};
 use crate::control::cycle::Cycle;
 use crate::control::tasks::instantiation::{self, Seed};
-use crate::control::tasks::{interruption, primitive, reasons, termination};
+use crate::control::tasks::{interruption, outcomes, primitive, reasons, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, HandlingController};
@@ -22,8 +22,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     if task.is_terminated() || matches!(task.controller.as_deref(), Some(Controller::Handling(_))) {
         return false;
     }
-    let handled = cycle.step_of(id).is_some_and(|handle| handle.get().is_some_and(|step| step.on_failure.is_some()));
-    if !handled {
+    if !has_handler(cycle, id) {
         return false;
     }
     let cut = Because::new(Cause::ParentFailed { parent: id }, because.place);
@@ -70,6 +69,27 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     }
     instantiation::arm(cycle, handler);
     true
+}
+
+/// Returns true if the step of the task has an `on-failure` goal.
+fn has_handler(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    cycle.step_of(id).is_some_and(|handle| handle.get().is_some_and(|step| step.on_failure.is_some()))
+}
+
+/// Returns true if a failure of the task does not reach the root task: its step or a step above it has an `on-failure` goal that is not
+/// pursued yet, or a clause names the failure of one of these tasks. Bound: O(depth of the task).
+pub(crate) fn is_handled(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let mut next = Some(id);
+    while let Some((id, task)) = next.and_then(|id| Some((id, cycle.task(id)?))) {
+        let is_handling = matches!(task.controller.as_deref(), Some(Controller::Handling(_)));
+        let is_probe = matches!(task.origin, Origin::Probe(_));
+        let has_handler = matches!(task.origin, Origin::Step(_)) && !is_handling && has_handler(cycle, id);
+        if is_probe || has_handler || outcomes::is_awaited(cycle, id) {
+            return true;
+        }
+        next = task.parent;
+    }
+    false
 }
 
 /// Releases all holdings and needs of failed work; the handler claims for itself.

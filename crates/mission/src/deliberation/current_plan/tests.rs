@@ -62,7 +62,8 @@ fn planners_begin_from_the_adopted_plan_only() {
     let ask = |deliberator: &mut MissionDeliberator, number: u64, at_s: f64| {
         let budget = Some(Duration::from_seconds(0.005));
         let (request, solver) = (SolveRequestId(number), Symbol::new("spy"));
-        let request = SolveRequest { request, task: TaskId(1), goal: goal.clone(), solver, budget };
+        let (task, is_failure_handled) = (TaskId(1), false);
+        let request = SolveRequest { request, task, goal: goal.clone(), solver, budget, is_failure_handled };
         step(deliberator, at_s, Vec::new(), &[Effect::Solve(request.clone())]);
         let answer = deliberator.pose(&request, Time::from_seconds(at_s)).job.run(&CancelToken::new());
         EventKind::SolverReported(SolveRequestId(number), SolverReport::Plan(answer.result.unwrap()))

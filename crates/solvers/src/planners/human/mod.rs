@@ -109,6 +109,9 @@ mod tests {
         let (round, once) = (of(&names, true), of(&names, false));
         assert_eq!((round.solver.as_str(), round.cycle.len(), once.visits.len()), ("human", 4, 4));
         assert!(round.visits.len() > 4 && round.expected_cost < once.expected_cost);
+        // The reasons are those of a list of visits: no planner made a cycle.
+        let reasons = of(&names[..1], false).left_out;
+        assert!(reasons.len() == 3 && !reasons.iter().any(|left_out| left_out.reason.contains("cycle")), "{reasons:?}");
         let unknown = solve(&human(&["atlantis"], false), &asked).unwrap_err();
         assert!(unknown.starts_with("there is no target `atlantis`; there are "), "{unknown}");
         let long: Vec<&str> = names.iter().copied().cycle().take(1_000).collect();
