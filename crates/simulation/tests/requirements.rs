@@ -194,7 +194,7 @@ fn a_hovering_helicopter_returns_and_lands_with_its_reserve() {
     });
     let reserve_s = flown.mission.requirements.energy_reserve_s.unwrap();
     assert!(left.unwrap() > 0.9 * reserve_s, "{left:?} s are left of a reserve of {reserve_s} s");
-    assert!(flown.end.contains("end"), "{}", flown.end);
+    assert_eq!(flown.end, "the aircraft landed early at home: energy");
     flown.assert_replays();
 }
 
