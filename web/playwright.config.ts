@@ -5,8 +5,8 @@ export default defineConfig({
   testDir: 'tests',
   testMatch: '**/*.spec.ts',
   outputDir: 'test-results',
-  // The files run three at a time on two processors; a test mostly waits for the browser to draw or for the server to answer.
-  workers: 3,
+  // The files run two at a time; a test mostly waits for the browser to draw or for the server to answer.
+  workers: 2,
   timeout: 120_000,
   expect: { timeout: 15_000 },
   reporter: [['list']],
