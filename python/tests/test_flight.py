@@ -25,6 +25,14 @@ class Rounds(Planner):
         return [target["name"] for target in problem["targets"]] * 3
 
 
+@pytest.fixture(autouse=True)
+def interrupts():
+    """Hear interrupts: Python ignores them in a job that a shell starts in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def altered(folder: Path, before: str, after: str) -> Path:
     """Copy the mission with a change of its program."""
     folder.mkdir()
