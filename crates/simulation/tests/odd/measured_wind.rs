@@ -134,7 +134,6 @@ fn a_segment_is_flown_again_in_the_time_that_is_stated() {
         let commands = flown.commands();
         let again = commands.iter().rposition(|(_, form)| form.starts_with("(fly-line")).unwrap();
         let flown_s = commands[again + 1].0 - commands[again].0;
-        println!("{from_deg}: {stated_s} s stated, {flown_s} s flown");
         assert!(
             (flown_s - stated_s).abs() < 0.2 * stated_s,
             "{stated_s} s stated, {flown_s} s flown\n{}",

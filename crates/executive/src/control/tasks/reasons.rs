@@ -101,7 +101,8 @@ fn latest_end(cycle: &Cycle<'_>, parent: TaskId) -> Option<String> {
 fn ended(cycle: &Cycle<'_>, id: TaskId, outcome: Option<&Outcome>) -> String {
     let goal = goal_text(cycle, id);
     match outcome {
-        Some(Outcome::Success(_)) | None => format!("{goal} is done"),
+        Some(Outcome::Success(_)) => format!("{goal} is done"),
+        None => format!("{goal} has ended"),
         Some(outcome) if outcome.is_failure() => format!("{goal} failed"),
         Some(outcome) => format!("{goal} has ended ({})", outcome.word()),
     }
