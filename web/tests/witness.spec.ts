@@ -44,11 +44,14 @@ const FAILING = `
   (step ask (ask operator "Continue?" :options (yes no) :by 30s :default no) (waitfor (go)))
   (step again (ask operator "Again?" :options (yes no) :by 10s :default no) (waitfor (end ?ask)))
   (step late (hold late) (waitfor (go)) (skip-when (end ?ask)))
-  (step short (hold short) (waitfor (end ?low)) (exit-when (stop)))
-  (step unready (hold unready) (waitfor (end ?ask)) (precondition (gear main = down)) (on-failure (hold spare)))
+  (step short (watch short) (exit-when (altitude uav < 250)))
+  (step unready (watch unready) (waitfor (end ?ask)) (precondition (gear main = down)))
+  (step kept (watch kept) (invariant (altitude uav > 300)))
+  (step noted (hold spare) (waitfor (precondition-failed ?unready) (invariant-violated ?kept)))
   (step end (order) (waitfor (stop))))
 (procedure (index (order)) (step no (terminate failure)))
 (primitive (index (hold ?how)) (profile voice) (duration 25s))
+(primitive (index (watch ?what)) (duration 50s))
 `;
 
 function failedRun(): string {
@@ -57,7 +60,13 @@ function failedRun(): string {
     writeFileSync(program, FAILING);
     writeFileSync(
       inputs,
-      '{"t": 5, "event": "(go)"}\n{"t": 20, "answer": 0, "value": "yes"}\n{"t": 60, "event": "(stop)"}\n',
+      [
+        '{"t": 2, "measurement": "(altitude uav)", "value": 310}',
+        '{"t": 5, "event": "(go)"}',
+        '{"t": 20, "answer": 0, "value": "yes"}',
+        '{"t": 22, "measurement": "(altitude uav)", "value": 200}',
+        '{"t": 60, "event": "(stop)"}\n',
+      ].join('\n'),
     );
     return ['run', program, '--inputs', inputs, '--record', record];
   });
