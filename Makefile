@@ -82,7 +82,8 @@ check: rust-lints web-checks python-checks ## Format, lints, house rules; nothin
 
 test: ## Everything that CI runs: check, tests, spec pages, the Python package, flights with replay, the page in a browser.
 	$(MAKE) --jobs=2 --output-sync=target web rust-rules
-	$(MAKE) --jobs=2 --output-sync=target rust-build web-checks web-tests
+	# The browser and the tools of Python are fetched while the workspace is compiled.
+	$(MAKE) --jobs=2 --output-sync=target rust-build web-checks web-tests chromium .venv/.tools
 	$(MAKE) rust-tests
 	$(MAKE) flights
 	# The page's tests mostly wait for the browser; the checks of Python need one processor.

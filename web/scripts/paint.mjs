@@ -2,7 +2,7 @@
 // node scripts/paint.mjs APEX RECORD [PRESSES]
 // Makes the record first if it does not exist: western-states with 200 targets and 1,000 steps that work at the same time, eight hours
 // long. The page plays it at 600 times and at 60 times the speed of the flight, 10 moves of its cursor a second or more, with Chromium's
-// software rendering. Times are those of the browser's own event timing; the machine should have nothing else to do.
+// software rendering; then keys move the cursor of the paused page, ten a second, with the map's drawing of each instant. Times are those of the browser's own event timing; the machine should have nothing else to do.
 
 import { spawn, spawnSync } from 'node:child_process';
 import { cpSync, existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
@@ -42,36 +42,55 @@ async function measure() {
   console.log(`${targets.length} targets; tasks at 3 h: ${JSON.stringify(counts)}`);
   const browser = await chromium.launch(launchOptions);
   for (const speed of [60, 600]) {
-    const page = await browser.newPage({ viewport });
-    await page.goto(`${url}/?t=7200`);
-    await page.waitForTimeout(LOAD_MS);
+    const page = await open(browser);
     await chooseSpeed(page, speed);
-    await page.evaluate(() => {
-      window.paints = [];
-      new PerformanceObserver(list => {
-        for (const entry of list.getEntries())
-          if (entry.name === 'keydown') window.paints.push(entry.duration);
-      }).observe({ type: 'event', durationThreshold: 16, buffered: false });
-    });
     const before = await shownS(page);
     await page.getByTestId('play').click();
-    for (let press = 0; press < Number(presses); press += 1) {
-      await page.keyboard.press(press % 2 === 0 ? '+' : '-');
-      await page.waitForTimeout(EVERY_MS);
-    }
-    // The browser does not report events below 16 ms: they are counted as 16 ms.
-    const reported = await page.evaluate(() => window.paints);
-    const paints = [...reported, ...Array(Math.max(Number(presses) - reported.length, 0)).fill(16)].sort(
-      (a, b) => a - b,
-    );
-    const share = part => paints[Math.min(Math.floor(paints.length * part), paints.length - 1)];
+    const paints = await paintsAfter(page, ['+', '-']);
     const played = (await shownS(page)) - before;
-    console.log(
-      `${speed} times the speed: ${presses} keys while ${played.toFixed(0)} s played: median ${share(0.5)} ms, p95 ${share(0.95)} ms, longest ${paints.at(-1)} ms (bar ${BAR_MS} ms at p95)`,
-    );
+    report(`${speed} times the speed: ${presses} keys while ${played.toFixed(0)} s played`, paints);
     await page.close();
   }
+  const page = await open(browser);
+  report(
+    `paused: ${presses} keys that move the cursor`,
+    await paintsAfter(page, ['ArrowRight', 'ArrowLeft']),
+  );
   await browser.close();
+}
+
+/** Opens the page at two hours; it notes the times from keys to paints. */
+async function open(browser) {
+  const page = await browser.newPage({ viewport });
+  await page.goto(`${url}/?t=7200`);
+  await page.waitForTimeout(LOAD_MS);
+  await page.evaluate(() => {
+    window.paints = [];
+    new PerformanceObserver(list => {
+      for (const entry of list.getEntries()) if (entry.name === 'keydown') window.paints.push(entry.duration);
+    }).observe({ type: 'event', durationThreshold: 16, buffered: false });
+  });
+  return page;
+}
+
+/** Presses the keys in turn, ten a second, and returns the sorted times until the next paint, in milliseconds. */
+async function paintsAfter(page, keys) {
+  for (let press = 0; press < Number(presses); press += 1) {
+    await page.keyboard.press(keys[press % keys.length]);
+    await page.waitForTimeout(EVERY_MS);
+  }
+  // The browser does not report events below 16 ms: they are counted as 16 ms.
+  const reported = await page.evaluate(() => window.paints);
+  return [...reported, ...Array(Math.max(Number(presses) - reported.length, 0)).fill(16)].sort(
+    (a, b) => a - b,
+  );
+}
+
+function report(what, paints) {
+  const share = part => paints[Math.min(Math.floor(paints.length * part), paints.length - 1)];
+  console.log(
+    `${what}: median ${share(0.5)} ms, p95 ${share(0.95)} ms, longest ${paints.at(-1)} ms (bar ${BAR_MS} ms at p95)`,
+  );
 }
 
 /** The instant that the page shows, in seconds of mission time. */
