@@ -31,6 +31,7 @@ pub mod monitor_report;
 pub mod names;
 mod observing;
 pub mod plan;
+mod position;
 mod predicted;
 pub mod problem;
 pub mod program;

@@ -301,6 +301,10 @@ fn every_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<Sur
     })
 }
 
+/// Plans state the bends of ways to about a metre, and a vehicle reaches them within about a metre. Planned ways keep this much more
+/// from obstacles, so that a vehicle at a stated bend may fly the next leg.
+const STATED_M: f64 = 2.0;
+
 /// Returns the ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///
 /// # Errors
@@ -322,7 +326,7 @@ pub fn survey(
         time_s: now_s,
         until_s: mission.settings.duration.seconds(),
         zones: &mission.zones,
-        margin_m: mission.requirements.obstacle_margin_m,
+        margin_m: mission.requirements.obstacle_margin_m + STATED_M,
         altitudes_m: (low_m, high_m),
     };
     SurveillanceTravel::new(start, positions, mission.start, &transit)

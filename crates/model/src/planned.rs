@@ -39,6 +39,10 @@ pub struct PlannedStep {
     pub line: u32,
 }
 
+/// Altitude above which no aircraft flies, and depth below which no place lies.
+const ALTITUDE_M_MAX: f64 = 100_000.0;
+const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
+
 /// A point above the WGS84 ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Location {
@@ -55,12 +59,21 @@ impl Location {
         Value::list([latitude_deg, longitude_deg, self.altitude_m].map(Value::Real))
     }
 
-    /// Reads `(LATITUDE LONGITUDE)` or `(LATITUDE LONGITUDE ALTITUDE)`; a missing altitude is 0. `None` for other values.
+    /// Reads `(LATITUDE LONGITUDE)` or `(LATITUDE LONGITUDE ALTITUDE)`; a missing altitude is 0. Numbers are degrees and metres;
+    /// quantities are angles and a length. `None` for other values, and for places that are not on the Earth or near it.
     pub fn from_value(value: &Value) -> Option<Location> {
         let items = value.as_list()?;
-        let number = |index: usize| items.get(index).and_then(Value::as_number).map(|(number, _)| number);
-        let position = Position::new(number(0)?, number(1)?);
-        Some(Location { position, altitude_m: number(2).unwrap_or(0.0) })
+        let in_unit = |index: usize, unit: Dimension, per_si: f64| match items.get(index)?.as_number()? {
+            (number, Dimension::NONE) => Some(number),
+            (si, dimension) if dimension == unit => Some(si * per_si),
+            _ => None,
+        };
+        let degrees = |index: usize| in_unit(index, Dimension::ANGLE, DEGREES_PER_RADIAN);
+        let (latitude_deg, longitude_deg) = (degrees(0)?, degrees(1)?);
+        let is_given = items.get(2).is_some_and(Value::is_true);
+        let altitude_m = if is_given { in_unit(2, Dimension::LENGTH, 1.0)? } else { 0.0 };
+        let is_near = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 && altitude_m.abs() <= ALTITUDE_M_MAX;
+        is_near.then(|| Location { position: Position::new(latitude_deg, longitude_deg), altitude_m })
     }
 }
 

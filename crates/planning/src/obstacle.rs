@@ -52,7 +52,7 @@ pub enum TimeLimit {
 }
 
 const WINDOW: &str = "its last time window closes before the vehicle can be there";
-const WORTHLESS: &str = "is worth nothing: its value or every manoeuvre's quality is 0";
+const WORTHLESS: &str = "is worth nothing: its value, every manoeuvre's quality or its timing is 0";
 const SCORE: (&str, &str) = ("would lower the score by ", ": the time it takes costs more than it is worth");
 const COST: (&str, &str) =
     ("one visit on the way would raise the expected cost from ", ": the others would wait longer");

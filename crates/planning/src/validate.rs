@@ -120,6 +120,16 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
         if target.timing.iter().any(|(time_s, factor)| !time_s.is_finite() || !(0.0..=1.0).contains(factor)) {
             return Err(format!("the timing of target {} has a factor outside 0..1", target.name));
         }
+        let rises = target.timing.windows(2).all(|pair| matches!(pair, [(one_s, _), (next_s, _)] if one_s <= next_s));
+        if !rises {
+            return Err(format!("the timing of target {} is not in the order of its times", target.name));
+        }
+        if let Some(window) = target.windows.iter().find(|window| window.from_s > window.until_s) {
+            return Err(format!(
+                "a window of target {} ends at {} s, before it begins at {} s",
+                target.name, window.until_s, window.from_s
+            ));
+        }
     }
     problem.travel.as_ref().map_or(Ok(()), |travel| given_times(problem, travel))?;
     precedence(problem)

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
+use apex_geo::geodesy;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
@@ -10,7 +11,8 @@ use apex_mission::report::MissionValue;
 use apex_mission::situation::Situation;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind};
-use apex_model::problem::Problem;
+use apex_model::planned::Location;
+use apex_model::problem::{Position, Problem};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
@@ -76,6 +78,50 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
         assert!(pixel_m > 0.02 && pixel_m <= 0.05, "{site:?}");
         assert!(site.look_angle_deg.unwrap() < 5.0 && site.quality > 0.99, "{site:?}");
     }
+}
+
+/// Commanded ways that are much longer than the distance to their end, in metres: `(distance, way)`.
+#[derive(Default)]
+struct Detours {
+    here: Option<Position>,
+    found: Vec<(f64, f64)>,
+}
+
+impl Observer for Detours {
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        for event in &batch.events {
+            if let EventKind::Measurement(variable, value) = &event.kind
+                && variable.attribute.is("location")
+            {
+                self.here = Location::from_value(value).map(|at| at.position).or(self.here);
+            }
+        }
+        for effect in effects {
+            if let Effect::Command { form, .. } = effect
+                && let Some([Value::Symbol(head), to, Value::Symbol(via), Value::List(points), ..]) = form.as_list()
+                && head.is("fly-to")
+                && via.is(":via")
+                && let (Some(here), Some(to)) = (self.here, Location::from_value(to))
+            {
+                let points = points.iter().filter_map(Location::from_value).map(|at| at.position);
+                let way: Vec<Position> = std::iter::once(here).chain(points).chain([to.position]).collect();
+                let way_m = way.iter().zip(way.iter().skip(1)).map(|(a, b)| geodesy::distance_m(*a, *b)).sum::<f64>();
+                let distance_m = geodesy::distance_m(here, to.position);
+                if way_m > 3.0 * distance_m + 300.0 {
+                    self.found.push((distance_m, way_m));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Bends of planned ways are stated to about a metre: a leg between them must not be a little too near to a corner to be flown.
+#[test]
+fn planned_ways_around_obstacles_are_flown_without_detours() {
+    let mut detours = Detours::default();
+    fly_in(Mission::load(&shipped()).unwrap(), None, &mut [&mut detours]);
+    assert_eq!(detours.found, Vec::new());
 }
 
 /// Sites of fires that pictures showed, with the instants.

@@ -9,6 +9,7 @@ use super::avoid;
 use super::belief::Beliefs;
 use super::learned::{Cells, Learned};
 use crate::Mission;
+use crate::position::PositionFilter;
 use apex_geo::geodesy;
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{Batch, EventKind, StateVariable};
@@ -35,6 +36,7 @@ const FLIGHTS: [&str; 6] = ["fly-to", "fly-line", "join-line", "loiter", "hover"
 pub struct LinkMemory {
     links: BTreeMap<String, Link>,
     here: Option<Location>,
+    positions: PositionFilter,
     is_on_ground: bool,
     /// The last flight command, and its goal.
     goal: Option<(CommandId, Position)>,
@@ -83,7 +85,9 @@ impl LinkMemory {
         (variable, value): (&StateVariable, &Value),
         inputs: &mut Vec<Input>,
     ) {
-        if variable.object.as_symbol() == Some(&mission.agent.name) {
+        if variable.object.as_symbol() == Some(&mission.agent.name)
+            && self.positions.admits(&mission.model, at.seconds(), variable.attribute.folded(), value)
+        {
             match variable.attribute.folded() {
                 "location" => self.here = Location::from_value(value).or(self.here),
                 "on-ground" => self.is_on_ground = value.is_true(),

@@ -267,6 +267,9 @@ pub(super) struct Flown {
     pub(super) true_airspeed_mps: Option<f64>,
     pub(super) ground_speed_mps: Option<f64>,
     pub(super) endurance_s: Option<f64>,
+    /// Fuel left, and the charge of the battery as a share of its capacity.
+    pub(super) fuel_kg: Option<f64>,
+    pub(super) charge: Option<f64>,
     pub(super) edr: Option<f64>,
     pub(super) wind_mps: Option<f64>,
     wind_from_deg: Option<f64>,
@@ -313,6 +316,8 @@ impl Flown {
             "heading" => self.heading_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "track" => self.track_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "endurance-remaining" => self.endurance_s = of(Dimension::TIME),
+            "fuel" => self.fuel_kg = of(Dimension::MASS),
+            "battery-charge" => self.charge = of(Dimension::NONE),
             "on-ground" => self.is_on_ground = value.is_true(),
             "outside-temperature" => self.outside_k = of(Dimension::TEMPERATURE),
             "ice-exposure" => self.ice_s = of(Dimension::TIME),

@@ -10,6 +10,7 @@ use apex_geo::wind::triangle;
 use apex_model::quantity::Dimension;
 use apex_requirements::Concern;
 use apex_requirements::margin::energy;
+use apex_vehicle::EnergyModel;
 
 /// Detour of the way home, as a factor of the distance.
 const DETOUR: f64 = 1.1;
@@ -17,9 +18,19 @@ const DETOUR: f64 = 1.1;
 const NO_WAY_S: f64 = 86_400.0;
 
 impl<'a> Scene<'a> {
+    /// Returns the flight time left: as reported or, for a vehicle that reports fuel or charge instead, what these allow at cruise.
+    fn endurance_s(&self) -> Option<f64> {
+        let full = self.mission.model.stored_full();
+        let share = || match self.mission.model.energy {
+            EnergyModel::Fuel(_) => self.flown.fuel_kg.map(|fuel_kg| fuel_kg / full),
+            EnergyModel::Battery(_) => self.flown.charge,
+        };
+        self.flown.endurance_s.or_else(|| share().map(|share| share * self.mission.model.endurance_cruise_s()))
+    }
+
     pub(super) fn energy(&self) -> Option<Reading> {
         let reserve_s = self.requirements().energy_reserve_s?;
-        let endurance_s = self.flown.endurance_s?;
+        let endurance_s = self.endurance_s()?;
         let left_s = |position: Position, altitude_m: f64, after_s: f64| {
             let (site, way) = self.way_to_site(position);
             self.energy_left_s((endurance_s - after_s, reserve_s), way, (altitude_m, &site))
@@ -123,7 +134,7 @@ impl<'a> Scene<'a> {
     pub(super) fn site_for_energy(&self) -> LandingSite<'a> {
         let reserve_s = self.requirements().energy_reserve_s.unwrap_or(0.0);
         let nearest = self.nearest_open_site(false);
-        let Some(endurance_s) = self.flown.endurance_s else { return nearest };
+        let Some(endurance_s) = self.endurance_s() else { return nearest };
         let near_s = self.site_left_s((endurance_s, reserve_s), &nearest);
         let better = self.site_of_most_energy((endurance_s, reserve_s)).filter(|_| near_s < 0.0);
         better.map_or(nearest, |(site, _)| site)

@@ -229,7 +229,7 @@ impl Scene<'_> {
             .find(|altitude_m| limit(*altitude_m))?;
         let response = if found > self.flown.altitude_m { Response::Climb } else { Response::Descend };
         // A climb into a zone is no way out.
-        let buffer = requirements.airspace?;
+        let buffer = self.zone_buffer();
         let (zones, _) = self.near_zones();
         let climb =
             Route::begin(Point::default(), Point::default(), (self.flown.altitude_m, found), self.motion).stop(60.0);

@@ -9,6 +9,7 @@ use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use super::surface_wind::too_much_wind_at_start;
+use crate::position::PositionFilter;
 use crate::ways::STRAIGHT_CLIMB_M;
 use crate::wind_error::WindError;
 use apex_geo::wind;
@@ -54,6 +55,7 @@ static KEPT: LazyLock<Value> = LazyLock::new(|| Value::symbol("kept"));
 pub struct Watch {
     commanded: Commanded,
     flown: Flown,
+    positions: PositionFilter,
     read_s: Option<f64>,
     /// The number of changes of the command that was read last.
     read_changes: u32,
@@ -116,7 +118,10 @@ impl Watch {
         for event in &batch.events {
             match &event.kind {
                 EventKind::Measurement(variable, value) if variable.object.as_symbol() == Some(vehicle) => {
-                    moved |= self.flown.measure(variable.attribute.folded(), value);
+                    let attribute = variable.attribute.folded();
+                    if self.positions.admits(&mission.model, event.at.seconds(), attribute, value) {
+                        moved |= self.flown.measure(attribute, value);
+                    }
                 }
                 EventKind::Measurement(variable, value) => {
                     self.flown.measure_part(mission, event.at.seconds(), variable, value);

@@ -24,6 +24,7 @@ pub use visit::{VehicleState, Visit};
 use crate::Mission;
 use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
+use crate::position::PositionFilter;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use crate::storm::StormMemory;
@@ -54,6 +55,7 @@ pub struct Situation {
     pub notes: Vec<Note>,
     /// The vehicle.
     pub vehicle: VehicleState,
+    positions: PositionFilter,
     /// New data of targets and weather.
     pub updates: MissionUpdates,
     /// Instant from which the visits of an imposed plan count.
@@ -110,8 +112,14 @@ impl Situation {
         for event in &batch.events {
             match &event.kind {
                 EventKind::Measurement(variable, value) => {
-                    moved |= variable.attribute.is("location");
-                    self.vehicle.measure(variable.attribute.folded(), value);
+                    let attribute = variable.attribute.folded();
+                    let is_own = variable.object.as_symbol() == Some(&mission.agent.name);
+                    if (is_own || attribute != "location")
+                        && self.positions.admits(&mission.model, event.at.seconds(), attribute, value)
+                    {
+                        moved |= attribute == "location";
+                        self.vehicle.measure(attribute, value);
+                    }
                 }
                 EventKind::Occurrence(form) => self.take_message(mission, event.at, form),
                 EventKind::SolverReported(request, report) => self.take_answer(event.at, *request, report),

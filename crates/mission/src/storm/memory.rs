@@ -7,6 +7,7 @@
 use super::areas;
 use super::cell::{AHEAD_S, StormTrack};
 use crate::Mission;
+use crate::position::PositionFilter;
 use crate::vehicle::turn_radius_m;
 use apex_geo::geodesy;
 use apex_model::effect::Effect;
@@ -41,6 +42,7 @@ const STEP_S: f64 = 60.0;
 pub struct StormMemory {
     cells: Vec<StormTrack>,
     here: Option<Position>,
+    positions: PositionFilter,
     /// True once the program has said that it avoids storms.
     is_avoiding: bool,
     /// The cells that were published last, and the instant.
@@ -59,7 +61,7 @@ impl StormMemory {
             }
             let number = |unit: Dimension| value.as_number().filter(|(_, found)| *found == unit).map(|(si, _)| si);
             match variable.attribute.folded() {
-                "location" => {
+                "location" if self.positions.admits(&mission.model, event.at.seconds(), "location", value) => {
                     self.here = Location::from_value(value).map(|at| at.position).or(self.here);
                     moved = true;
                 }

@@ -15,6 +15,11 @@ use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 /// Greatest detour around weak links: as a multiple of the straight path's time, and in additional seconds.
 const WEAK_DETOUR: f64 = 3.0;
 const WEAK_DETOUR_S: f64 = 120.0;
+/// A way is long if it takes more than this multiple of the straight path's time and these seconds.
+const LONG_DETOUR: f64 = 3.0;
+const LONG_DETOUR_S: f64 = 30.0;
+/// Share of the margins that is nearly the whole: the rest is for errors of the position.
+const NEARLY: f64 = 0.9;
 /// Distances at which a permitted place is searched: the first, the factor between successive ones, the last.
 const LOOK_M_FIRST: f64 = 200.0;
 const LOOK_GROWTH: f64 = 1.08;
@@ -71,6 +76,7 @@ impl Limits {
                     let broken = (!names.is_empty()).then(|| Broken { name: names.join("; "), why });
                     return Way { broken, ..way };
                 }
+                Ok(way) if margins == 1.0 => return self.or_nearer(request, way),
                 Ok(way) => return way,
                 Err(reason) => first = first.or(Some(reason)),
             }
@@ -91,6 +97,18 @@ impl Limits {
         let way = way.or_else(|| self.way_between_permitted_ends(request));
         let way = way.or_else(|| self.through_zones(request, &why));
         way.unwrap_or_else(|| self.straight_anyway(request, why))
+    }
+
+    /// Returns the way with nearly the whole margins if `way`, which keeps them, is long and takes more than twice as long: a vehicle
+    /// that is a few metres nearer to a corner than planned would fly around another one.
+    fn or_nearer(&self, request: &Request, way: Way) -> Way {
+        let straight_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
+        let takes_s = |way: &Way| way.hold_s + way.time_s;
+        if takes_s(&way) <= LONG_DETOUR * straight_s + LONG_DETOUR_S {
+            return way;
+        }
+        let nearer = self.way(request, &Strictness::all(NEARLY)).ok();
+        nearer.filter(|nearer| 2.0 * takes_s(nearer) < takes_s(&way)).unwrap_or(way)
     }
 
     /// Returns the path of a vehicle that changes its altitude on circles at its end for which there is no space, with the obstacle.

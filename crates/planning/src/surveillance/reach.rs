@@ -28,9 +28,13 @@ pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
         travel.between_s_min(here, next) + dwells_s.get(next).copied().unwrap_or(0.0) + home_s
     };
     let direct_s: Vec<f64> = (0..count).map(|target| travel.to_base_s_min(target)).collect();
-    // If no detour over one other target is shorter than a direct way home, no longer detour is.
+    // If no detour over one other target is shorter than a direct way home, at any departure, no longer detour is.
+    let longest_s = |here: usize| {
+        let home_s = |to_base_s: &Vec<f64>| to_base_s.get(here).copied().unwrap_or(UNREACHABLE_S);
+        travel.later.iter().map(|later| home_s(&later.to_base_s)).fold(home_s(&travel.to_base_s), f64::max)
+    };
     let shorter = |here: usize| {
-        let home_s = direct_s.get(here).copied().unwrap_or(UNREACHABLE_S);
+        let home_s = longest_s(here);
         direct_s.iter().enumerate().any(|(next, rest_s)| next != here && over_s(next, *rest_s, here) < home_s - SAME_S)
     };
     if !(0..count).any(shorter) {

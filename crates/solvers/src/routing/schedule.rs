@@ -143,7 +143,7 @@ impl<'a> Schedule<'a> {
         self.judge_visits((known, order), false, budget)
     }
 
-    /// Like [`Schedule::judge_after`], for the first visits of a plan: if a zone closes the way to the base at the end of the last one,
+    /// Like [`Schedule::judge_after`], for the first visits of a plan: if there is no way to the base in time at the end of the last one,
     /// the flight ends there, because later visits may have a way.
     ///
     /// # Errors
@@ -181,6 +181,7 @@ impl<'a> Schedule<'a> {
         budget.charge(UNITS_PER_LEG + self.travel.take_work());
         let end_s = match self.home_at_s(node, time_s) {
             Err(Infeasibility::Impossible(_)) if is_part => time_s,
+            Ok(home_s) if is_part && self.is_late(home_s) => time_s,
             home => home?,
         };
         if end_s > self.limit_s + SAME_S {
@@ -296,6 +297,16 @@ impl<'a> Schedule<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Returns true if a flight that ends at `end_s` ends too late.
+    pub(crate) fn is_late(&self, end_s: f64) -> bool {
+        end_s > self.limit_s + SAME_S
+    }
+
+    /// Returns the cost of a flight that ends at `end_s`.
+    pub(crate) fn flight_cost(&self, end_s: f64) -> f64 {
+        self.costs.of_flight(end_s - self.problem.start_s)
     }
 
     /// Returns the cost of flying until `later_s` instead of `end_s`.

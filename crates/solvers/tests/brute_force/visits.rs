@@ -10,6 +10,8 @@ use apex_solvers::planners::single_visit::SingleVisit;
 
 /// Margin with which times must be kept, negative: a tolerance, because `apex_planning::checker` allows a microsecond.
 const LENIENT_S: f64 = -1e-5;
+/// Work that suffices to enumerate the orders of seven targets.
+const ENOUGH: u64 = 1_000_000;
 /// Share within which sums of worths are equal.
 const SAME: f64 = 1e-9;
 
@@ -34,6 +36,17 @@ pub(crate) fn of_problem(chance: &mut Chance, problem: &SingleVisitProblem) -> V
         Ok(plan) => found.extend(claims(problem, plan, (reached, most), "planned")),
         Err(why) if reached > 0.0 => found.push(format!("no plan, and {reached} is possible: {why}")),
         Err(_) => {}
+    }
+    // All orders of few targets are compared; without costs the best one has the greatest benefits.
+    let is_enumerated = problem.targets.len() <= 7 && problem.targets.iter().all(|target| target.timing.is_empty());
+    let is_free = problem.crew.is_empty() && problem.failure.probability_per_hour <= 0.0;
+    if problem.travel.is_some() && is_enumerated && is_free {
+        match solved(&SingleVisit, &posed, ENOUGH) {
+            Ok(plan) if plan.benefits < reached - SAME * reached.max(1.0) => {
+                found.push(format!("planned {} with enough budget, and {reached} is possible", plan.benefits));
+            }
+            Ok(_) | Err(_) => {}
+        }
     }
     let poor = Human { visits: order(chance, problem), repeat: false };
     if let Ok(plan) = solved(&poor, &posed, units) {

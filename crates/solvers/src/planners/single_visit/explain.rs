@@ -4,7 +4,7 @@ use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
 use crate::routing::travel::PointKey;
 use apex_geo::sun;
-use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
+use apex_model::problem::{LeftOut, Light, SingleVisitProblem, SingleVisitTarget, TimeWindow};
 use apex_planning::obstacle::Obstacle;
 use apex_planning::solver::{Budget, WorkBudget};
 
@@ -27,8 +27,21 @@ impl Troubles {
     pub(super) fn new(schedule: &mut Schedule<'_>) -> Troubles {
         let count = schedule.problem.targets.len();
         let mut alone: Vec<Option<String>> = Vec::with_capacity(count);
+        let mut late: Vec<usize> = Vec::new();
         for target in 0..count {
-            alone.push(trouble_alone(schedule, target));
+            alone.push(match trouble_alone(schedule, target) {
+                Some(AloneTrouble::Late(over_s)) => {
+                    late.push(target);
+                    Some(late_text(schedule, over_s, true))
+                }
+                Some(AloneTrouble::Other(trouble)) => Some(trouble),
+                None => None,
+            });
+        }
+        for (target, over_s) in over_alone(schedule, &late) {
+            if let Some(slot) = alone.get_mut(target) {
+                *slot = Some(late_text(schedule, over_s, true));
+            }
         }
         let suspects: Vec<usize> =
             (0..count).filter(|target| alone.get(*target).is_some_and(Option::is_some)).collect();
@@ -73,8 +86,13 @@ impl Troubles {
         self.possible().into_iter().filter(is_in_trouble).collect()
     }
 
+    /// Returns the reason for which no plan visits the target; `None` if one may.
+    pub(super) fn of_impossible(&self, target: usize) -> Option<&String> {
+        self.alone(target).filter(|_| !self.is_possible(target))
+    }
+
     /// Returns the reason for which the target cannot be the only visit; `None` if it can.
-    pub(super) fn alone(&self, target: usize) -> Option<&String> {
+    fn alone(&self, target: usize) -> Option<&String> {
         self.alone.get(target).and_then(Option::as_ref)
     }
 }
@@ -83,10 +101,52 @@ impl Troubles {
 fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<String> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-    (data.value * best_quality <= 0.0).then(|| Obstacle::Worthless.to_string())
+    (data.value * best_quality * best_timing(data) <= 0.0).then(|| Obstacle::Worthless.to_string())
 }
 
-fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
+/// Returns the greatest timing factor in the windows of a target: between its corners the factor changes linearly.
+fn best_timing(target: &SingleVisitTarget) -> f64 {
+    if target.windows.is_empty() {
+        return target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
+    }
+    let of_window = |window: &TimeWindow| {
+        let corners = target.timing.iter().map(|(time_s, _)| *time_s).filter(|time_s| window.contains(*time_s));
+        let ends = [window.from_s, window.until_s];
+        corners.chain(ends).map(|time_s| target.timing_at(time_s)).fold(0.0, f64::max)
+    };
+    target.windows.iter().map(of_window).fold(0.0, f64::max)
+}
+
+/// Reason for which a target cannot be the only visit.
+enum AloneTrouble {
+    /// The flight would end this many seconds too late, at least.
+    Late(f64),
+    /// Another reason.
+    Other(String),
+}
+
+/// Returns, for those of the `late` targets that can be visited alone in a longer flight, the time by which it exceeds the limit of this
+/// one: with the wait for windows and the way home.
+fn over_alone(schedule: &Schedule<'_>, late: &[usize]) -> Vec<(usize, f64)> {
+    if late.is_empty() {
+        return Vec::new();
+    }
+    let problem = without_limits(schedule);
+    let Ok(mut endless) = Schedule::new(&problem) else { return Vec::new() };
+    let mut free = WorkBudget::new(u64::MAX);
+    let over_s = |target: &usize| {
+        let manoeuvres = problem.targets.get(*target).map_or(0, |data| data.manoeuvres.len());
+        let ends = (0..manoeuvres).filter_map(|manoeuvre| {
+            let choice = Choice { target: *target, manoeuvre, not_before_s: f64::NEG_INFINITY };
+            endless.judge(&[choice], &mut free).ok().map(|judged| judged.end_s)
+        });
+        let over_s = ends.fold(f64::INFINITY, f64::min) - schedule.limit_s;
+        (over_s.is_finite() && over_s > 0.0).then_some((*target, over_s))
+    };
+    late.iter().filter_map(over_s).collect()
+}
+
+fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrouble> {
     let data = schedule.problem.targets.get(target)?;
     // A way that is closed now may be open after other visits, when a zone is no longer active.
     let openings: Vec<f64> = schedule
@@ -114,14 +174,15 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
         }
     }
     if least_over_s.is_finite() {
-        return Some(late(schedule, least_over_s, true));
+        return Some(AloneTrouble::Late(least_over_s));
     }
     first_trouble
         .map(|trouble| if trouble.contains("window") { window_trouble(schedule, target, trouble) } else { trouble })
+        .map(AloneTrouble::Other)
 }
 
 /// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
-fn late(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
+fn late_text(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
     Obstacle::Late { over_s, limit: schedule.limit.of_visit(), alone }.to_string()
 }
 
@@ -201,7 +262,7 @@ pub(super) fn left_out(
         .iter_mut()
         .filter_map(|left_out| {
             let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target)?;
-            let is_known = troubles.alone(target).is_some() || worthless(schedule.problem, target).is_some();
+            let is_known = troubles.of_impossible(target).is_some() || worthless(schedule.problem, target).is_some();
             (!is_known).then_some((target, left_out))
         })
         .collect();
@@ -243,7 +304,7 @@ pub(super) fn left_out_quickly(
     let missing = problem.targets.iter().enumerate().filter(|(target, _)| seen.get(*target) == Some(&false));
     missing
         .map(|(target, data)| {
-            let known = troubles.alone(target).cloned().or_else(|| worthless(problem, target));
+            let known = worthless(problem, target).or_else(|| troubles.of_impossible(target).cloned());
             let reason = known.unwrap_or_else(|| "is not in the best plan so far".to_string());
             LeftOut { target: data.name.clone(), reason }
         })
@@ -276,7 +337,7 @@ fn reason_beside(
     match endless.and_then(|endless| inserted_somewhere(endless, order, target).best) {
         // More time would not make the visit pay.
         Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.to_string(),
-        Some((_, end_s)) if end_s > limit_s => late(schedule, end_s - limit_s, false),
+        Some((_, end_s)) if end_s > limit_s => late_text(schedule, end_s - limit_s, false),
         _ => within.trouble.unwrap_or_else(|| "does not fit between the others".to_string()),
     }
 }

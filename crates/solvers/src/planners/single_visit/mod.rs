@@ -9,6 +9,7 @@
 
 mod companions;
 mod construct;
+mod exhaust;
 mod explain;
 mod in_order;
 mod moves;
@@ -94,6 +95,13 @@ fn solve(
             (environment.report)(&Plan::SingleVisit(plan));
         }
     };
+    if let Some((best, bound)) = search::enumerated(&mut schedule, &usable, environment) {
+        let best = search::or_idle(&mut schedule, best)?;
+        let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out)?;
+        plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
+        plan.summary = plan::summary(problem, &plan);
+        return Ok(Plan::SingleVisit(plan));
+    }
     let Some(found) = time_independent::run(&mut schedule, &usable, previous, environment, &mut tell) else {
         let best = search::run(&mut schedule, &troubles, previous, environment);
         let best = search::or_idle(&mut schedule, best)?;

@@ -1,9 +1,10 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
 use super::companions;
+use super::exhaust::{self, EXHAUSTED_TARGETS_MAX, Effort};
 use super::explain::Troubles;
-use crate::routing::schedule::{Choice, Judged, Schedule};
-use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
+use crate::routing::schedule::{Choice, Judged, Schedule, UNITS_PER_LEG};
+use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 use apex_planning::random::Generator;
 use apex_planning::solver::{Budget, Environment, WorkBudget};
 
@@ -17,10 +18,10 @@ const RETURN_ROUNDS: usize = 60;
 /// Share by which a random number may lower the merit of an insertion after a ruin.
 const REFILL_NOISE: f64 = 0.3;
 
-/// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
-const EXACT_TARGETS_MAX: usize = 6;
-/// Maximum number of orders that the exact search tries: a tenth of a second.
-const EXACT_NODES_MAX: u32 = 50_000;
+/// Missions of up to this many targets are searched exactly, if [`EXACT_VISITS_MAX`] allows; with given times a few more.
+const FLOWN_TARGETS_MAX: usize = 6;
+/// Maximum number of visits that the enumeration of few targets examines in a flight: a tenth of a second.
+const EXACT_VISITS_MAX: u32 = 50_000;
 
 /// An order with its judgement.
 #[derive(Clone, Debug)]
@@ -81,7 +82,7 @@ pub(super) fn run(
     tell(&mut search, &best, report);
     search.descend(&mut best);
     tell(&mut search, &best, report);
-    if search.usable.len() <= EXACT_TARGETS_MAX && search.exact(&mut best) {
+    if search.exact(&mut best) {
         tell(&mut search, &best, report);
         return best;
     }
@@ -110,7 +111,33 @@ pub(super) fn run(
     best
 }
 
-/// Returns `order` with its evaluation, without its last visits if these are too late.
+/// Returns the best of all orders of few targets with given travel times, and the highest benefits of a plan; `None` for other problems,
+/// or if half of the budget does not suffice. Observations begin at once, so a timing excludes a problem: waiting may pay at any instant.
+pub(super) fn enumerated(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    environment: &mut Environment<'_>,
+) -> Option<(Candidate, f64)> {
+    let problem = schedule.problem;
+    let is_timed = problem.targets.iter().any(|target| !target.timing.is_empty());
+    if problem.travel.is_none() || is_timed || usable.len() > EXHAUSTED_TARGETS_MAX {
+        return None;
+    }
+    let effort = Effort { visits_max: half_of(environment.budget), budget: &mut *environment.budget, score_min: None };
+    let end_s = problem.start_s;
+    let idle = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
+    let mut best = Candidate { order: Vec::new(), judged: idle };
+    let bound = exhaust::improve(schedule, usable, &|target| choices(problem, target), effort, &mut best)?;
+    Some((best, bound))
+}
+
+/// Returns the number of visits, with given times, whose examination takes half of what is left of a budget.
+fn half_of(budget: &dyn Budget) -> u32 {
+    let share = |left: u64| u32::try_from(left / (2 * UNITS_PER_LEG)).unwrap_or(u32::MAX);
+    budget.left().map_or(u32::MAX, share)
+}
+
+/// Returns `order` with its evaluation, without visits that cannot be made: those without a way, and the last ones if these are too late.
 pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
     let mut free = WorkBudget::new(u64::MAX);
     loop {
@@ -121,7 +148,14 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
                 let judged = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
                 return Candidate { order, judged };
             }
-            Err(_) => drop(order.pop()),
+            Err(_) => {
+                let made = |length: &usize| {
+                    let part = order.get(..*length).unwrap_or_default();
+                    schedule.judge_part(&[], part, &mut free).is_ok()
+                };
+                let made = (1..=order.len()).take_while(made).count();
+                order.remove(made.min(order.len() - 1));
+            }
         }
     }
 }
@@ -171,44 +205,23 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// Enumerates all orders, pruning those that cannot exceed the best even if all missing targets had their full value. Returns true if
-    /// the enumeration is complete: `best` is then optimal, provided that a later departure never arrives earlier.
+    /// Improves `best` by all orders of few targets. Returns true if the enumeration is complete: `best` is then optimal, provided that
+    /// a later departure never arrives earlier, and that observations begin at once or at a corner of their timing.
     fn exact(&mut self, best: &mut Candidate) -> bool {
-        let end_s = self.schedule.problem.start_s;
-        let root =
-            Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } };
-        let mut open = vec![root];
-        let mut nodes = 0;
-        while let Some(node) = open.pop() {
-            let gained: f64 = node.judged.visits.iter().map(|visit| visit.worth).sum();
-            let missing = self.missing(&node.order);
-            let hoped: f64 = missing.iter().map(|target| self.worth_max(*target)).sum();
-            if gained + hoped < best.judged.score {
-                continue;
-            }
-            let choices: Vec<Choice> = missing.into_iter().flat_map(|target| self.choices(target)).collect();
-            for choice in choices {
-                nodes += 1;
-                if nodes > EXACT_NODES_MAX || self.budget.exhausted() {
-                    return false;
-                }
-                let order = inserted(&node.order, node.order.len(), choice);
-                let Some(judged) = self.judge(&node, node.order.len(), &order) else { continue };
-                let child = Candidate { order, judged };
-                if child.judged.beats(&best.judged) {
-                    *best = child.clone();
-                }
-                open.push(child);
-            }
-        }
-        true
+        let (usable, problem) = (self.usable.clone(), self.schedule.problem);
+        // With given times a visit takes little work; half of the budget remains for the search.
+        let visits_max = match &problem.travel {
+            Some(_) => half_of(self.budget),
+            None if usable.len() > FLOWN_TARGETS_MAX => return false,
+            None => EXACT_VISITS_MAX,
+        };
+        let effort = Effort { visits_max, budget: &mut *self.budget, score_min: Some(best.judged.score) };
+        exhaust::improve(self.schedule, &usable, &|target| choices(problem, target), effort, best).is_some()
     }
 
     /// Returns the most that a target can be worth.
     pub(super) fn worth_max(&self, target: usize) -> f64 {
-        let Some(target) = self.schedule.problem.targets.get(target) else { return 0.0 };
-        let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-        target.value * quality
+        worth_max(self.schedule.problem, target)
     }
 
     /// Adds at least one visit, however small the budget is.
@@ -259,14 +272,9 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// Returns all ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
+    /// Returns all ways to observe `target`: see [`choices`].
     pub(super) fn choices(&self, target: usize) -> Vec<Choice> {
-        let Some(data) = self.schedule.problem.targets.get(target) else { return Vec::new() };
-        let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
-        let starts: Vec<f64> = starts.collect();
-        (0..data.manoeuvres.len())
-            .flat_map(|manoeuvre| starts.iter().map(move |start| Choice { target, manoeuvre, not_before_s: *start }))
-            .collect()
+        choices(self.schedule.problem, target)
     }
 
     /// Returns `best` without a few visits, consecutive or random ones; sometimes instead a plan of a single random visit, so that plans
@@ -303,6 +311,22 @@ impl LocalSearch<'_, '_, '_> {
             }
         }
     }
+}
+
+/// Returns the most that a target can be worth.
+pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
+    let Some(target) = problem.targets.get(target) else { return 0.0 };
+    target.value * target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max)
+}
+
+/// Returns all ways to observe a target: each manoeuvre at once, or from each corner of its timing on.
+pub(super) fn choices(problem: &SingleVisitProblem, target: usize) -> Vec<Choice> {
+    let Some(data) = problem.targets.get(target) else { return Vec::new() };
+    let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+    let starts: Vec<f64> = starts.collect();
+    (0..data.manoeuvres.len())
+        .flat_map(|manoeuvre| starts.iter().map(move |start| Choice { target, manoeuvre, not_before_s: *start }))
+        .collect()
 }
 
 pub(super) fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
