@@ -133,7 +133,7 @@ impl PartialEq for Command {
 impl Drop for Command {
     fn drop(&mut self) {
         // Commands that the run has not received when it ends are rejected.
-        self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
+        self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it received the command".into() });
     }
 }
 

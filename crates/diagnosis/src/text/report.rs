@@ -30,7 +30,7 @@ impl Testability {
 
     fn matrix(&self, model: &Model, text: &mut String) {
         if model.tests.len() > COLUMNS_MAX {
-            let _ = writeln!(text, "D-matrix: too wide to print; `--json` has it\n");
+            let _ = writeln!(text, "D-matrix: too wide to print; `--json` prints it\n");
             return;
         }
         let width = model.modes.iter().map(|mode| mode.name.len()).max().unwrap_or(0);

@@ -87,7 +87,7 @@ pub(super) fn useful(fire: &Fire, lines: Vec<(Position, Position)>, swath_m: f64
     (lines, if total > 0.0 { covered / total } else { 0.0 })
 }
 
-/// The middles of the cells that are still wanted, with their weights.
+/// Returns the middles of the cells that are still wanted, with their weights.
 fn cells(grid: &TargetGrid) -> impl Iterator<Item = (Point, f64)> + '_ {
     let all = grid.centres().zip(grid.weights()).filter(|(_, weight)| **weight > 0.0);
     all.map(|((x, y), weight)| (Point { x, y }, *weight))

@@ -174,7 +174,7 @@ fn length(value: &Value) -> Result<Option<f64>, String> {
     match value.as_number() {
         _ if !value.is_true() => Ok(None),
         Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres.is_finite() => Ok(Some(metres)),
-        _ => Err(format!("the altitude must be a length; got {value}")),
+        _ => Err(format!("expected a length for the altitude, found {value}")),
     }
 }
 

@@ -72,7 +72,7 @@ impl AccessToken {
         };
         let role = ActorRole::of_word(role).ok_or_else(|| {
             let words: Vec<&str> = ActorRole::ALL.into_iter().map(ActorRole::word).collect();
-            format!("the role `{}` is none of {}", role.escape_debug(), words.join(", "))
+            format!("unknown role `{}`: expected one of {}", role.escape_debug(), words.join(", "))
         })?;
         AccessToken::new(Actor { name: (*name).into(), role }, secret)
     }
