@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 type Body = fn(&[Value]) -> Result<Value, String>;
 
-/// Name, least and greatest number of arguments, body; one row per function, in the order of the manual.
+/// Name, least and greatest number of arguments, body; one row per function.
 const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("distance", 2, 2, |a| Ok(length(geodesy::distance_m(at(a, 0)?.position, at(a, 1)?.position)))),
     ("slant-distance", 2, 2, slant_distance),
