@@ -116,7 +116,7 @@ fn why_not_answers_also_about_what_never_was() {
     let desk = Desk::with_flight();
     let why_not = |what: &str, more: &[&str]| desk.apex(&[&["why-not", "flight.apex", what], more].concat());
     why_not("take-picture ?x", &["--at", "5"]).well().told(&[
-        "No task pursues (take-picture camera-1) at 5s: all waits for T2 (get hires image hangar-1)",
+        "No task pursues (take-picture camera-1) at 5s: T2 (get hires image hangar-1), which leads to",
         "step `s4` at ",
         "waitfor (end ?up): T1 is ongoing",
     ]);

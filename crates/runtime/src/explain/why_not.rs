@@ -122,7 +122,7 @@ fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Opt
         (Some(task), Some(TaskState::Ongoing)) => {
             format!("{task} {} is ongoing, and does not lead to it now", snapshot.goal(task))
         }
-        (Some(task), Some(state)) => format!("all waits for {task} {}, which is {state}", snapshot.goal(task)),
+        (Some(task), Some(state)) => format!("{task} {}, which leads to it, is {state}", snapshot.goal(task)),
     };
     answer.answer = format!("No task pursues {goal} at {}: {reason}.", snapshot.at);
     Ok(Some(Draft { answer, task }))
