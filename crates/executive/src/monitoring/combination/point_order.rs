@@ -1,6 +1,6 @@
 //! Orders of points (M&I)
 //! What: finds the first chain of samples and messages that follow one another, and drops those that no chain needs.
-//! Runs: whenever the verdict of a monitor is asked whose whole condition is such an order.
+//! Runs: whenever the verdict of a monitor is requested whose whole condition is such an order.
 //! Reads: the parts' results, evaluation context.
 //! Writes: removes results from the parts of the order.
 //! Bound: O(log n) per sample for parts that bind no variable; a sweep over all n kept results each time they have doubled.
