@@ -167,8 +167,8 @@ impl MonitorSession {
         self
     }
 
-    /// Watches `condition` with a window from `created_at` on (rule 2). If that instant is in the future, the watch begins then; if it is in
-    /// the past, the retained history is searched first, and results found there are recognised now.
+    /// Watches `condition` with a window from `created_at` on (rule 2). If that instant is in the future, the watch begins then; if it is
+    /// in the past, the retained history is searched first, and results found there are recognised now.
     ///
     /// # Errors
     /// A message with its place if an expression that must be known now (a duration, a gap) has no value.

@@ -7,8 +7,8 @@
 //! PDL: `:and`.
 //! Paper: Table 1, row 11.
 //!
-//! Of the combinations with equal bindings, only the first is required. Without constraints, its parts are the first results of the parts: any
-//! other result could be exchanged for the first one with equal bindings, and the combination would be recognised no later.
+//! Of the combinations with equal bindings, only the first is required. Without constraints, its parts are the first results of the parts:
+//! any other result could be exchanged for the first one with equal bindings, and the combination would be recognised no later.
 
 use crate::expression::EvalContext;
 use crate::monitoring::basic::measurement::variable_of;

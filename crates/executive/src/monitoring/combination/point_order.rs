@@ -139,9 +139,9 @@ struct ChainSearch<'a> {
     extents: &'a [(Time, Time)],
     order: &'a PointOrder,
     looks: u64,
-    /// For each step, the latest instant of a point that no chain to the end contains, if no part binds a variable and no limit reaches over
-    /// the step. Points that are tried later are not earlier than those tried before, because the spans in which points may follow move with
-    /// the preceding points.
+    /// For each step, the latest instant of a point that no chain to the end contains, if no part binds a variable and no limit reaches
+    /// over the step. Points that are tried later are not earlier than those tried before, because the spans in which points may follow
+    /// move with the preceding points.
     failed: Vec<Time>,
     chain: Vec<&'a Satisfaction>,
     found: Vec<Satisfaction>,
