@@ -85,7 +85,7 @@ pub fn host_functions() -> HostFunctions {
     functions
 }
 
-/// Returns name, least and greatest number of arguments of every geometry function (`None`: any number), for the checker.
+/// Returns name, least and greatest number of arguments of every geometry function, for the checker, where `None` would mean any number.
 pub fn host_signatures() -> Vec<(&'static str, usize, Option<usize>)> {
     FUNCTIONS.iter().map(|(name, least, most, _)| (*name, *least, Some(*most))).collect()
 }

@@ -92,7 +92,7 @@ pub struct MonitorSession {
     touched: Vec<MonitorId>,
     /// Updates that episode indexes have reported for the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
-    /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is evaluated.
+    /// Instants at which a condition begins or is judged, or at which the episode index of its leaf with this number is evaluated.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
     /// Spacings for the gaps of results, if requested.
