@@ -115,7 +115,7 @@ pub fn duration_episodes(count: usize) -> Vec<String> {
 /// Variables that the mixed monitors watch.
 pub const MIXED_VARIABLES: usize = 10;
 
-/// Returns all kinds of conditions, with the variables that each watches: half plain episodes, a quarter single samples, a quarter
+/// Returns all kinds of conditions, with the variables that each watches: half threshold episodes, a quarter single samples, a quarter
 /// combinations of two variables.
 pub fn mixed(count: usize) -> (Vec<String>, usize) {
     let mut numbers = Numbers::new(3);

@@ -40,7 +40,7 @@ class Target:
     latitude_deg, longitude_deg, elevation_m : float
         Position, and elevation above mean sea level.
     worth : float
-        Worth of its observation; 0 for bases and places.
+        Value of a fire in points, or greatest cost of an event at a site; 0 for bases and places.
     """
 
     id: str
@@ -179,7 +179,7 @@ class Mission:
 
     @staticmethod
     def load(path: str | Path) -> Mission:
-        """Load the mission in a folder, or of a ``mission.pdl``.
+        """Load the mission of a folder, or of a program file such as ``mission.pdl``.
 
         Raises
         ------

@@ -18,7 +18,7 @@ __all__ = ["Environment", "Planner", "plan", "problem"]
 
 
 class PlannerStopped(BaseException):
-    """Raised in a planner that did not stop when it should; not an ``Exception``, which many planners catch."""
+    """Raised in a planner that works on with an exhausted budget; not an ``Exception``, which many planners catch."""
 
 
 class Environment:
@@ -34,7 +34,7 @@ class Environment:
 
     @property
     def previous(self) -> dict[str, Any] | None:
-        """The plan flown at present, or the best plan before the problem changed, as a starting point."""
+        """The plan that is flown, or the best plan before the problem changed, to start from; None without one."""
         text = self._surroundings.previous_json
         return None if text is None else json.loads(text)
 
@@ -87,7 +87,7 @@ class Planner(abc.ABC):
         Raises
         ------
         Exception
-            There is no plan; the text is the reason.
+            No plan was found; the text is the reason.
         """
 
     def serve(self) -> None:
@@ -158,7 +158,7 @@ class _Program:
 
 
 def _interrupt(identity: int) -> None:
-    """Throw `PlannerStopped` into the thread with this identity, at its next step of Python."""
+    """Raise `PlannerStopped` in the thread with this identity, at its next bytecode instruction."""
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(identity), ctypes.py_object(PlannerStopped))
 
 

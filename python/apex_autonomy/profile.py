@@ -69,12 +69,12 @@ class Profile:
         missions : int
             Test missions of each cell.
         budgets_s : sequence of float
-            Times for deliberation, rising.
+            Times for deliberation, in increasing order.
 
         Raises
         ------
         MissionError
-            An unknown cell or planner, budgets that do not rise, a planner that finds no plan or an invalid one.
+            An unknown cell or planner, budgets that do not increase, a planner that finds no plan or an invalid one.
         """
         names, own = _names_and_own(planners)
         return Profile(measured(None, (list(cells), missions, list(budgets_s)), names, means(own)))

@@ -24,13 +24,13 @@ class Swaps(Planner):
             # Apex cuts off the visits beyond the horizon.
             return [targets[index]["name"] for index in order] * laps
 
-        dice = random.Random(environment.seed)
+        rng = random.Random(environment.seed)
         best = list(range(len(targets)))
         environment.report(flown(best))
         # Charges ten microseconds for each leg of the cycle.
         while len(best) > 1 and environment.charge(10 * len(best)):
             tried = best.copy()
-            one, other = dice.sample(range(len(best)), 2)
+            one, other = rng.sample(range(len(best)), 2)
             tried[one], tried[other] = tried[other], tried[one]
             if lap_s(tried) < lap_s(best):
                 best = tried

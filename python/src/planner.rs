@@ -1,7 +1,7 @@
 //! Planners written in Python: problems and plans are passed as the JSON of `docs/reference/planning-problems.md`.
 //!
-//! A planner works on a separate thread. Its requests are sent to the solver's thread, which serves them under the limits of every
-//! solver; so a planner that does not stop is interrupted there.
+//! A planner works on a separate thread. It sends its requests to the thread of the solver, for which the limits of all solvers hold, and
+//! which interrupts a planner that does not stop.
 
 use crate::errors::input;
 use apex_model::problem::{Plan, Problem};
@@ -77,7 +77,7 @@ impl PlannerContext {
     }
 }
 
-/// A planner whose work is done by Python: `call(problem_json, surroundings) -> plan_json`, `serves(kind) -> bool`.
+/// A planner whose work is done by Python: `call(problem_json, context) -> plan_json`, `serves(kind) -> bool`.
 struct PythonSolver {
     name: String,
     kinds: Vec<String>,
@@ -142,7 +142,7 @@ fn serve(
         match asked.recv_timeout(LOOK) {
             Ok(PlannerRequest::Charge(units)) => environment.budget.charge(units),
             Ok(PlannerRequest::Report(text)) => {
-                // A report that is not a plan is the planner's mistake, so the planner gets the error at that call and ends there.
+                // A report that is not a plan ends the request with this error. The planner's call raises that the planner was stopped.
                 let plan = read(&solver.name, problem, &text)?;
                 (environment.report)(&plan);
             }
@@ -152,11 +152,13 @@ fn serve(
             }
             Err(RecvTimeoutError::Timeout) => {
                 if environment.budget.exhausted() && exhausted_at.get_or_insert_with(Instant::now).elapsed() > GRACE {
-                    return Err(format!("the planner {} did not stop when it should", solver.name));
+                    return Err(format!("the planner {} did not stop after its budget was exhausted", solver.name));
                 }
                 continue;
             }
-            Err(RecvTimeoutError::Disconnected) => return Err("its thread ended".to_string()),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err("the thread of the planner ended without an answer".to_string());
+            }
         }
         let told = PlannerReply { exhausted: environment.budget.exhausted(), used: environment.budget.used() };
         // If nothing waits for the answer, the planner has been interrupted.
@@ -186,7 +188,7 @@ fn thread_identity(python: Python<'_>) -> Option<u64> {
     python.import("threading").ok()?.call_method0("get_ident").ok()?.extract().ok()
 }
 
-/// Returns a plan as JSON, or of surveillance a list of targets' names in the order of visits.
+/// Reads a plan from JSON, or for a surveillance problem from a JSON list of the names of targets in the order of visits.
 fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
     let wrong = |why: String| format!("the planner {name} answered without a valid plan: {why}");
     if let (Problem::Surveillance(problem), Ok(order)) = (problem, serde_json::from_str::<Vec<String>>(text)) {
@@ -195,16 +197,17 @@ fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
             let found = problem.targets.iter().position(|known| known.name == *target);
             found.ok_or_else(|| wrong(format!("it visits {target}, which is not a target")))
         };
-        let word = order.iter().map(index).collect::<Result<Vec<usize>, String>>()?;
-        return Ok(Plan::Surveillance(scenario.plan(name, word)));
+        let tour = order.iter().map(index).collect::<Result<Vec<usize>, String>>()?;
+        return Ok(Plan::Surveillance(scenario.plan(name, tour)));
     }
     serde_json::from_str(text).map_err(|error| wrong(error.to_string()))
 }
 
-/// Name, kinds of problems served, the function that calls the planner, and the function that interrupts its thread.
+/// For each planner: its name, the kinds of problems that it serves, the function that calls it, and the function that interrupts its
+/// thread.
 pub(crate) type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
 
-/// Returns the planners that ship, and these.
+/// Returns a registry of the planners that ship and of these.
 pub(crate) fn registry(planners: Planners) -> PyResult<Registry> {
     let mut registry = apex_solvers::shipped();
     for (name, kinds, call, interrupt) in planners {

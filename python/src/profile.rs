@@ -75,7 +75,7 @@ pub(crate) fn merged_profile(python: Python<'_>, parts: Vec<String>) -> PyResult
         };
         let parts = parts.iter().enumerate().map(part).collect::<MissionResult<Vec<(String, Profile)>>>()?;
         let whole = merge::merged(&parts).map_err(|why| {
-            MissionError::data("these profiles are not parts of one")
+            MissionError::data("these profiles are not parts of one profile")
                 .because(why)
                 .help("measure all parts with the same version, missions and budgets, and each planner in all cells")
         })?;

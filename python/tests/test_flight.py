@@ -173,7 +173,7 @@ def test_failures_name_place_and_help(tmp_path):
         Mission.load(folder)
     assert caught.value.message and caught.value.help
     folder = altered(tmp_path / "outside", ":type native-sim", ":type foreign-sim")
-    with pytest.raises(MissionError, match="an outside simulator owns the clock") as caught:
+    with pytest.raises(MissionError, match="an external simulator owns the clock") as caught:
         fly(Mission.load(folder), record=tmp_path / "no.apex")
     assert caught.value.place and not (tmp_path / "no.apex").exists()
     with pytest.raises(MissionError, match="there is no flight record"):

@@ -144,7 +144,12 @@ fn waiting(told: &mut Vec<String>, data: &Value, text: &str, sections: &[Section
         needs(told, line, &[is]);
     }
     if let Some(lost) = data.get("blocked").filter(|lost| lost.is_object()) {
-        let by = format!("It lost {} to {} {}", word(lost, "resource"), word(lost, "by"), word(lost, "goal"));
+        let by = format!(
+            "It lost the conflict over {} to {} {}",
+            word(lost, "resource"),
+            word(lost, "by"),
+            word(lost, "goal")
+        );
         needs(told, text, &[by, instant(lost, "since"), word(lost, "strengths")]);
     }
 }

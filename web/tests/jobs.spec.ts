@@ -45,7 +45,7 @@ async function open(page: Page, address = ''): Promise<void> {
 
 const western = () => test.skip(mission.mission !== 'Western States Fire Mission', 'needs western-states');
 
-test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
+test('at T+0 nothing is shown that was known later', async ({ page }) => {
   western();
   await open(page);
   await expect(page.getByTestId('time')).toContainText('T+0:00:00');
@@ -92,7 +92,7 @@ test('a target is skipped since the first plan that left it out', async ({ page 
   await expect(page.getByTestId('target-card')).toContainText(shown);
 });
 
-test('P2: the timeline counts what it merges, and zooming shows it', async ({ page }) => {
+test('the timeline counts what it merges, and zooming shows it', async ({ page }) => {
   western();
   const end = mission.end_ns;
   const whole = await ask<Timeline>(`timeline?from=0&to=${end}&at=${end}&lanes=60&px=700`);
@@ -210,7 +210,7 @@ async function withFlight(name: string, use: (url: string) => Promise<void>): Pr
   }
 }
 
-test('P1: the axis has the planned length of the mission, not that of the flight', async ({ page }) => {
+test('the axis has the planned length of the mission, not that of the flight', async ({ page }) => {
   await withFlight('diagnosis', async url => {
     const { end_ns } = (await (await fetch(`${url}/api/mission`)).json()) as Mission;
     const { duration_ns } = (await (await fetch(`${url}/api/facts`)).json()) as { duration_ns: number };
@@ -272,7 +272,7 @@ test('narrow screens show one part at a time', async ({ page }) => {
   await expect(page.getByTestId('part-map')).toBeHidden();
 });
 
-test('G3: all targets, three strips and nine lanes are visible at 1280x720', async ({ page }) => {
+test('all targets, three strips and nine lanes are visible at 1280x720', async ({ page }) => {
   western();
   await page.setViewportSize({ width: 1280, height: 720 });
   await open(page, '?t=33432');
@@ -288,9 +288,7 @@ test('G3: all targets, three strips and nine lanes are visible at 1280x720', asy
 
 for (const theme of ['dark', 'light']) {
   for (const [width, height] of SCREENS) {
-    test(`G1: no panels and no parts of the header overlap at ${width}x${height}, ${theme}`, async ({
-      page,
-    }) => {
+    test(`no panels and no parts of the header overlap at ${width}x${height}, ${theme}`, async ({ page }) => {
       await page.setViewportSize({ width, height });
       await open(page, `?t=40000&theme=${theme}`);
       const faults = await page.evaluate(() => {

@@ -9,7 +9,7 @@ test.beforeAll(async () => {
 });
 test.afterAll(() => server?.stop());
 
-test('K2: the keys of the agenda act on the tree, and leave the time cursor alone', async ({ page }) => {
+test('the keys of the agenda act on the tree, and leave the time cursor alone', async ({ page }) => {
   await page.goto(`${server.url}/?t=33432`);
   const tree = page.getByTestId('agenda');
   await expect(tree.getByRole('treeitem').first()).toBeVisible();
@@ -35,7 +35,7 @@ test('K2: the keys of the agenda act on the tree, and leave the time cursor alon
   await expect(page.getByTestId('time')).toHaveText(time ?? '');
 });
 
-test('K1: rows of targets and lines of the trace are one tab stop each', async ({ page }) => {
+test('rows of targets and lines of the trace are one tab stop each', async ({ page }) => {
   await page.goto(`${server.url}/?t=33432`);
   const grid = page.getByTestId('target-rows');
   await expect(grid.getByRole('row').nth(2)).toBeVisible();
@@ -64,7 +64,7 @@ test('K1: rows of targets and lines of the trace are one tab stop each', async (
   expect(presses, 'tab stops before the playback bar').toBeLessThan(55);
 });
 
-test('K3: the help holds the focus and returns it', async ({ page }) => {
+test('the help holds the focus and returns it', async ({ page }) => {
   await page.goto(`${server.url}/?t=33432`);
   const opener = page.getByTestId('copy-link');
   await opener.focus();

@@ -304,7 +304,7 @@ test('plans are compared, and panels are exported', async ({ page }) => {
     text[5]?.split(',').slice(0, 4).join(','),
   );
   await page.getByTestId('tab-log').click();
-  await page.getByLabel('Find in the log').fill('zaca');
+  await page.getByLabel('Find in the trace').fill('zaca');
   await expect(page.getByTestId('log')).toContainText('Zaca');
   const csv = (await saved(page, 'export-trace')).toString();
   expect(csv.split('\r\n')[0]).toBe('t_s,kind,task,before,after,outcome,subject,text,place');

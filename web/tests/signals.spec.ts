@@ -73,7 +73,7 @@ test('a signal shows its limit, the answered excursion, the value and the statis
   expect(seen[COLOURS.band], 'the limit as a band').toBeGreaterThan(200);
 });
 
-test('P1: nothing later than the cursor is drawn, counted or listed', async ({ page }) => {
+test('nothing later than the cursor is drawn, counted or listed', async ({ page }) => {
   const times = answered();
   test.skip(times.length === 0, 'needs a flight with an answered roll');
   const at = Math.floor(times[0] ?? 0) - 30;

@@ -189,7 +189,7 @@ const RECORDS: [string, () => string, number][] = [
 ];
 
 for (const [name, recordOf, targets] of RECORDS) {
-  test(`P1: random instants of ${name} are as the trace tells them`, async ({ page }) => {
+  test(`random instants of ${name} are as the trace tells them`, async ({ page }) => {
     test.setTimeout(240_000);
     const record = recordOf();
     const lines = traceOf(record);
@@ -231,7 +231,7 @@ function instantsWithoutScanning(record: string, count: number): number[] {
   });
 }
 
-test('P1: the score so far is that of a flight which ends at the instant', async ({ page }) => {
+test('the score so far is that of a flight which ends at the instant', async ({ page }) => {
   test.setTimeout(240_000);
   const record = flight('day-and-night');
   const missions = new URL('../../missions/', import.meta.url).pathname;

@@ -1,5 +1,5 @@
-//! Samples in order of time: logs write topics in blocks, so adjacent samples may be out of order. A sample that comes later than that is
-//! passed on where it was read, whatever follows in the log.
+//! Samples in order of time: logs write topics in blocks, so adjacent samples may be out of order. A sample that is more
+//! than a second late is passed on where it was read, whatever follows in the log.
 
 use crate::Sampled;
 use apex_model::time::{Duration, Time};

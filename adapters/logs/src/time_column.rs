@@ -78,7 +78,8 @@ impl TimeColumn {
     }
 
     /// Returns the instant of `text`: a number in the column's unit, a date with a time (ISO 8601; UTC without a zone), or a time of
-    /// day, which is of the next day if it is over twelve hours before the last one. `None` if it is none of these or lies beyond 292 years.
+    /// day, which is of the next day if it is over twelve hours before the last one. `None` if it is none of these or lies beyond 292
+    /// years.
     pub(crate) fn instant(&mut self, text: &str) -> Option<Time> {
         if let Some(decimal) = Decimal::parse(text) {
             let unit_ns = *self.unit_ns.get_or_insert_with(|| {

@@ -99,7 +99,7 @@ impl WorldConfig {
         self.check_living()
     }
 
-    /// Checks the living world against the vehicle, the radios and the structures.
+    /// Checks the dynamic world against the vehicle, the radios and the structures.
     ///
     /// # Errors
     /// An error message with the field and a valid value.

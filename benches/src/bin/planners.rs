@@ -1,11 +1,13 @@
 //! Comparison of surveillance planners on test missions: mean log ratio of expected costs at equal CPU time.
 //!
-//! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner with the same time, and the gap of
-//! the anytime planner to its best result from other seeds in the longer time (0: not measured), and to the proven bound. MISSIONS is a
-//! number, counted from 0, or FROM..TO; `all` means all cells. `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets, flown
-//! without end, against the bound by ages on a grid with this number of points. `planners pairs FROM TO OURS_MILLISECONDS
-//! THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV for each, with expected costs and CPU seconds.
-//! `planners tally FILE ..`: summary of the rows of all files, for each cell and for all.
+//! - `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner with the same CPU time; the gap of
+//!   the anytime planner to its best result from other seeds in the longer time (0: not measured), and to the proven bound. MISSIONS is a
+//!   range FROM..TO of mission numbers, or N for 0..N; the cell `all` means all cells.
+//! - `planners cycles MISSIONS POINTS [CELL ..]`: gap of the best endlessly repeated cycle of four targets to the lower bound that a grid
+//!   of POINTS target ages gives, for the missions 0..MISSIONS.
+//! - `planners pairs FROM TO OURS_MILLISECONDS THEIRS_MILLISECONDS [CELL ..]`: one CSV row for each of the missions FROM..TO, with
+//!   expected costs and CPU seconds. OURS is the time of the anytime planner, THEIRS that of 2-Opt and WAM.
+//! - `planners tally FILE ..`: summary of the rows of all files, for each cell and for all.
 
 use apex_model::problem::{Plan, Problem};
 use apex_planning::meter::Meter;
@@ -24,7 +26,7 @@ fn cpu_ns() -> u64 {
     text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
 }
 
-/// A budget of CPU time, checked every few thousand units.
+/// A budget of CPU time. The clock is read after every 2,000 units of work.
 struct CpuBudget {
     until_ns: u64,
     used: u64,
@@ -69,14 +71,14 @@ fn best_of(problem: &Problem, milliseconds: u64) -> f64 {
     while left_ms > 0.0 {
         let (found, _, took_ms) = cost("anytime", problem, left_ms as u64, seed);
         best = best.min(found);
-        // A clock that stands still must not prevent the end.
+        // At least 1 ms counts, so that the loop ends if the system has no CPU clock.
         left_ms -= took_ms.max(1.0);
         seed += 1;
     }
     best
 }
 
-/// Gaps of cycles of four targets, by cells.
+/// Prints the mean gap of the best cycle of four targets to its lower bound, in percent of the cost, for each cell.
 fn cycles(missions: u64, points: usize, names: &[String]) {
     let cells = Cell::all().into_iter().filter(|cell| match names {
         [] => cell.to_string().contains("-4-"),
@@ -116,7 +118,8 @@ fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[
     }
 }
 
-/// Prints the mean log ratio of the anytime planner to the better of the others, for each cell in which it is above -0.1 %, and totals.
+/// Prints the mean logarithm of the anytime planner's cost over the lesser cost of the others, in percent: for each cell in which it is
+/// above -0.1 %, and in total.
 fn tally(rows: &str) {
     let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut spent_s = [0.0; 3];
@@ -150,11 +153,11 @@ fn tally(rows: &str) {
 }
 
 fn no_rows(file: &str, why: &std::io::Error) -> String {
-    eprintln!("{file}: {why}; its rows do not count");
+    eprintln!("{file}: {why}; its rows are skipped");
     String::new()
 }
 
-/// Reads `FROM..TO`, or a number, which means so many from 0.
+/// Reads `FROM..TO`; a number `N` means `0..N`.
 fn range(text: &str) -> Option<Range<u64>> {
     let (from, to) = text.split_once("..").unwrap_or(("0", text));
     Some(from.parse().ok()?..to.parse().ok()?)
@@ -229,5 +232,5 @@ fn main() {
     }
     let cells = cells.len() as f64;
     println!("mean gap {:.3} %, worst cell {worst:.3} %; 1 % better than both in {better} cells", all / cells);
-    println!("mean proven gap {:.2} %, {:.0} ms a bound", all_proven / cells, bound_ms / cells);
+    println!("mean proven gap {:.2} %, {:.0} ms per bound", all_proven / cells, bound_ms / cells);
 }

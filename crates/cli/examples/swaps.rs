@@ -24,7 +24,7 @@ impl Solver for Swaps {
             return Err("the solver `swaps` accepts surveillance problems only".to_string());
         };
         let scenario = Scenario::new(problem)?;
-        let mut dice = Generator::new(environment.seed);
+        let mut rng = Generator::new(environment.seed);
         let mut best = scenario.usable().to_vec();
         let mut least = f64::INFINITY;
         let mut tried = best.clone();
@@ -39,7 +39,7 @@ impl Solver for Swaps {
                 return Ok(Plan::Surveillance(scenario.cycle_plan(self.name(), &best)));
             }
             tried = best.clone();
-            tried.swap(dice.below(best.len()), dice.below(best.len()));
+            tried.swap(rng.below(best.len()), rng.below(best.len()));
         }
     }
 }

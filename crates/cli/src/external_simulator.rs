@@ -1,4 +1,4 @@
-//! `apex run` of a `:type foreign-sim` application: an outside simulator owns the clock, over standard input and output or
+//! `apex run` of a `:type foreign-sim` application: an external simulator owns the clock, over standard input and output or
 //! over a port of this machine.
 
 use crate::console;

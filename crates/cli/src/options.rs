@@ -110,7 +110,7 @@ pub struct CheckOptions {
     /// PDL files, or mission folders; with `--fix`, `-` fixes standard input to standard output.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Apply the safe fixes, in the files and in the files that they require next to them, and check the result.
+    /// Apply the safe fixes to the files and to the files next to them that they require, and check the result.
     #[arg(long)]
     pub fix: bool,
     /// Change no file: print what `--fix` would change, as a unified difference.
@@ -267,10 +267,10 @@ pub struct TraceOptions {
     /// Only lines about this task (`T12`, `pilot/T12`), goal text or state variable.
     #[arg(long, value_name = "TEXT")]
     pub object: Option<String>,
-    /// Not before this mission time.
+    /// Only lines from this mission time on.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub from: Option<String>,
-    /// Not after this mission time.
+    /// Only lines up to this mission time.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub to: Option<String>,
     /// Only tasks of the procedure at this place, `file.pdl` or `file.pdl:14`.
@@ -325,10 +325,10 @@ pub struct MonitorOptions {
     /// Print the mapping in use as PDL, and watch nothing.
     #[arg(long)]
     pub show_mapping: bool,
-    /// Keep the log's own clock instead of counting from its beginning.
+    /// Use the clock of the log for all instants; default is the time since the beginning of the log.
     #[arg(long)]
     pub log_time: bool,
-    /// List the fields of the log, with counts, rates and ranges, and what they are mapped to.
+    /// List the fields of the log, with counts, rates and ranges, and the state variables to which they are mapped.
     #[arg(long)]
     pub fields: bool,
     /// End with exit code 1 unless this is the verdict of every condition.
@@ -356,7 +356,7 @@ pub struct ExportOptions {
     /// Assignment of the fields of a log to state variables; default is the mapping that ships for the log's format.
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
-    /// Keep the log's own clock instead of counting from its beginning.
+    /// Use the clock of the log for all instants; default is the time since the beginning of the log.
     #[arg(long)]
     pub log_time: bool,
 }
@@ -400,7 +400,7 @@ pub struct ServeOptions {
     /// The private key of the certificate (PEM).
     #[arg(long, value_name = "FILE", requires = "tls_cert")]
     pub tls_key: Option<PathBuf>,
-    /// A name under which browsers may ask for this server; can be given several times.
+    /// Another host name by which browsers may address this server; can be given several times.
     #[arg(long, value_name = "NAME")]
     pub host_name: Vec<String>,
     /// The agent to show, if several run; default is the first.

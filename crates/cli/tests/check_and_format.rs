@@ -160,7 +160,7 @@ fn a_code_is_explained_and_all_are_listed() {
     desk.apex(&["explain", "E0701", "W0504"]).well().told(&["# E0701", "# W0504"]);
     desk.apex(&["explain"]).well().told(&["E0001  ", "E0701  Steps wait for each other in a circle.", "N0601  "]);
     desk.apex(&["explain", "E9999"])
-        .complained(2, &["`E9999` is neither the code of a message nor a word of PDL", "lists all codes"]);
+        .complained(2, &["`E9999` is neither a code of the checker nor a word of PDL", "lists all codes"]);
     desk.write("a.pdl", UNKNOWN_GOAL);
     desk.apex(&["check", "a.pdl"]).complained(2, &[]).told(&["`apex explain E0208` tells more"]);
 }

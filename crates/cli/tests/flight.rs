@@ -98,8 +98,8 @@ fn why_explains_an_interruption() {
 fn why_goes_back_to_what_came_from_outside() {
     let desk = Desk::with_flight();
     let why = |what: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", what], more].concat());
-    why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) came from outside"]);
-    why("camera-1", &["--at", "50"]).well().told(&["camera-1 belongs to T4 (calibrate camera-1) at 50s", "Who waits"]);
+    why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) was received as an input"]);
+    why("camera-1", &["--at", "50"]).well().told(&["camera-1 is held by T4 (calibrate camera-1) at 50s", "Who waits"]);
     why("command 0", &[]).well().told(&["(take-off 40m)", "because a form of its on-start caused", "vehicle.pdl:"]);
     let deep = why("command 0", &["--depth", "20", "--json"]).well();
     let deep: serde_json::Value = serde_json::from_str(&deep.out).unwrap();
@@ -116,7 +116,7 @@ fn why_not_answers_also_about_what_never_was() {
     let desk = Desk::with_flight();
     let why_not = |what: &str, more: &[&str]| desk.apex(&[&["why-not", "flight.apex", what], more].concat());
     why_not("take-picture ?x", &["--at", "5"]).well().told(&[
-        "No task pursues (take-picture camera-1) at 5s: all waits for T2 (get hires image hangar-1)",
+        "No task pursues (take-picture camera-1) at 5s: T2 (get hires image hangar-1), which leads to",
         "step `s4` at ",
         "waitfor (end ?up): T1 is ongoing",
     ]);

@@ -116,7 +116,10 @@ fn the_guide_to_asking_why_shows_what_is_answered() {
         fs::write(&guide, &real).unwrap();
     }
     assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
-    assert!(real.contains("(calibration-due camera-1) came from outside") && real.contains("Near it are"), "{real}");
+    assert!(
+        real.contains("(calibration-due camera-1) was received as an input") && real.contains("Near it are"),
+        "{real}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Runs with input from outside: scripted and typed answers, wall-clock time, an outside simulator.
+//! Runs with input from outside: scripted and typed answers, wall-clock time, an external simulator.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot start its program has failed")]
 

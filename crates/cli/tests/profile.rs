@@ -56,12 +56,12 @@ fn parts_that_were_measured_apart_make_the_profile_of_one_machine() {
     let text = desk.read("c.txt");
     let cost = text.lines().find(|line| line.starts_with("wam 1000 ")).and_then(|line| line.split(' ').nth(2)).unwrap();
     desk.write("f.txt", &text.replacen(cost, "1.0", 1));
-    refused(&["c.txt", "f.txt"], &["f.txt: wam has other costs in", "than in an earlier part"]);
+    refused(&["c.txt", "f.txt"], &["f.txt: the costs of wam in", "differ from those in an earlier part"]);
     desk.write("g.txt", &text.replacen("generator 1", "generator 2", 1));
     refused(&["c.txt", "g.txt"], &["g.txt has other missions (by version"]);
     let hash = text.lines().find(|line| line.starts_with("cell ")).and_then(|line| line.split(' ').nth(2)).unwrap();
     desk.write("h.txt", &text.replacen(hash, &"0".repeat(hash.len()), 1));
-    refused(&["c.txt", "h.txt"], &[&format!("h.txt: {first} has other missions here than in an earlier part")]);
+    refused(&["c.txt", "h.txt"], &[&format!("h.txt: the missions of {first} differ from those in an earlier part")]);
     part("i.txt", first, "wam", &[&six[..], &["--budgets", "1ms,20ms"]].concat());
     refused(&["a.txt", "i.txt"], &["i.txt has other budgets than a.txt"]);
     desk.write("mine.txt", "my notes");
@@ -135,13 +135,13 @@ fn mistakes_are_told_before_anything_is_measured() {
     let desk = Desk::new();
     let build = |more: &[&str]| desk.apex(&[&["profile", "build", "new.txt"], more].concat());
     build(&["--planners", "three-opt"])
-        .complained(2, &["no planner of surveillance `three-opt`", "known are nearest-neighbour"]);
-    build(&["--planners", "single-visit"]).complained(2, &["no planner of surveillance `single-visit`"]);
+        .complained(2, &["surveillance planner `three-opt` not found", "known planners: nearest-neighbour"]);
+    build(&["--planners", "single-visit"]).complained(2, &["surveillance planner `single-visit` not found"]);
     build(&["--planners", "wam,wam"]).complained(2, &["wam is named twice"]);
     build(&["--cells", "huge-fixed-fixed-4-uniform"])
         .complained(2, &["no cell huge-fixed", "large, medium or small", "test-missions.md"]);
     build(&["--cells", "subset,subset"]).complained(2, &["is named twice"]);
-    build(&["--budgets", "10ms,1ms"]).complained(2, &["do not rise"]);
+    build(&["--budgets", "10ms,1ms"]).complained(2, &["invalid budgets `10ms, 1ms`", "the shortest first"]);
     build(&["--budgets", "0s"]).complained(2, &["expected a duration greater than zero"]);
     build(&["--budgets", "soon"]).complained(2, &["is not a time"]);
     build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);

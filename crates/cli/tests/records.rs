@@ -116,7 +116,7 @@ fn what_can_be_trusted_is_recovered_into_a_new_record() {
     assert_eq!(fs::read(&path).unwrap(), forged, "the old record stays as it is");
     let said = desk.apex(&["replay", "flight-recovered.apex"]);
     said.complained(0, &["flight-recovered.apex is incomplete"]).told(&["The record is confirmed"]);
-    desk.apex(&["recover", "flight.apex"]).complained(2, &["flight-recovered.apex is there already", "`--out`"]);
+    desk.apex(&["recover", "flight.apex"]).complained(2, &["flight-recovered.apex already exists", "`--out`"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Sets of small numbers as bits.
+//! Sets of small numbers as bit sets. An operation on two sets expects sets of equal bounds.
 
 /// A set of numbers below a bound that is fixed when the set is made.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,7 +19,7 @@ impl Bits {
         bits
     }
 
-    /// Adds a number; a number beyond the bound is ignored.
+    /// Adds a number, which must be below the bound. A number beyond the last word of the set is ignored.
     pub fn insert(&mut self, number: usize) {
         if let Some(word) = self.0.get_mut(number / WORD) {
             *word |= 1 << (number % WORD);
@@ -63,7 +63,7 @@ impl Bits {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & theirs).count_ones() as usize).sum()
     }
 
-    /// Returns how many numbers of this set are not in `other`.
+    /// Returns the number of members that are not in `other`.
     pub fn beyond(&self, other: &Bits) -> usize {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & !theirs).count_ones() as usize).sum()
     }
@@ -83,7 +83,7 @@ impl Bits {
         self.0.iter_mut().zip(&other.0).for_each(|(mine, theirs)| *mine &= !theirs);
     }
 
-    /// Returns the numbers of both.
+    /// Returns the union of both sets.
     pub fn union(&self, other: &Bits) -> Bits {
         let mut both = self.clone();
         both.extend(other);
@@ -97,7 +97,7 @@ impl Bits {
         rest
     }
 
-    /// Returns the least number.
+    /// Returns the least number; `None` if the set is empty.
     pub fn first(&self) -> Option<usize> {
         self.iter().next()
     }
@@ -126,7 +126,7 @@ impl Bits {
     }
 }
 
-/// Returns, in order, the sets that contain no other set as a part; of equal sets, one.
+/// Returns the sets of which no other set is a subset, ordered by their size; of equal sets, one.
 pub(crate) fn minimal(mut sets: Vec<Bits>) -> Vec<Bits> {
     sets.sort_by_cached_key(|set| (set.len(), set.clone()));
     sets.dedup();

@@ -112,7 +112,7 @@ impl<'a> ModelReader<'a> {
         if count <= most {
             return Ok(());
         }
-        let reason = format!("{count} are more than {most}");
+        let reason = format!("found {count}, expected at most {most}");
         Err(self.file.error(place, reason, "split the system into several models"))
     }
 

@@ -42,7 +42,7 @@ pub struct Testability {
     pub silent_tests: Vec<usize>,
     /// Pairs of failure modes: the first makes every test fail that detects the second, and so hides the second.
     pub hidden: Vec<(usize, usize)>,
-    /// Pairs of failures that together look like a third one.
+    /// Masking pairs of failures: together they make the same tests fail as a third failure alone.
     pub masks: Vec<Mask>,
     /// Number of all such pairs; `masks` holds at most [`crate::limits::MASKS_MAX`] of them.
     pub masks_count: usize,

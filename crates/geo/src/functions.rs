@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 type Body = fn(&[Value]) -> Result<Value, String>;
 
-/// Name, least and greatest number of arguments, body; one row per function, in the order of the manual.
+/// Name, least and greatest number of arguments, body; one row per function.
 const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("distance", 2, 2, |a| Ok(length(geodesy::distance_m(at(a, 0)?.position, at(a, 1)?.position)))),
     ("slant-distance", 2, 2, slant_distance),
@@ -85,7 +85,7 @@ pub fn host_functions() -> HostFunctions {
     functions
 }
 
-/// Returns name, least and greatest number of arguments of every geometry function (`None`: any number), for the checker.
+/// Returns name, least and greatest number of arguments of every geometry function, for the checker, where `None` would mean any number.
 pub fn host_signatures() -> Vec<(&'static str, usize, Option<usize>)> {
     FUNCTIONS.iter().map(|(name, least, most, _)| (*name, *least, Some(*most))).collect()
 }

@@ -153,7 +153,7 @@ impl Source {
             let found = recording::utc_of_zero_ns(reader)?;
             return found.ok_or_else(|| unknown("the mission of the record states no `:start`".to_string()));
         }
-        let Source::Log(log) = self else { return Err(unknown("lines state mission times".to_string())) };
+        let Source::Log(log) = self else { return Err(unknown("lines of JSON have mission times only".to_string())) };
         let found = log.utc_of_zero().map_err(|error| unread(log.path(), log.format(), error))?;
         let why = format!("{} has no time of GPS, and its clock does not count from 1970", log.path().display());
         found.ok_or_else(|| unknown(why))

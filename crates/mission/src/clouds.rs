@@ -27,7 +27,7 @@ pub struct CloudDeck {
 }
 
 impl CloudDeck {
-    /// True if a place in the air may be inside of the deck.
+    /// Returns true if a place in the air may be inside of the deck.
     pub(crate) fn contains(&self, position: Position, altitude_m: f64, time_s: f64) -> bool {
         (self.base_m..=self.top_m).contains(&altitude_m)
             && self.cover > 0.0

@@ -1,4 +1,5 @@
-//! The descent over a landing place, from an altitude to the ground. Plans, requirements and predicted landings count it by this definition.
+//! The descent over a landing place, from an altitude to the ground. Plans, requirements and predicted landings count it by this
+//! definition.
 
 use crate::Mission;
 use crate::vehicle::{Airframe, VehicleModel};

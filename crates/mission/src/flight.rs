@@ -58,7 +58,7 @@ impl MissionFlight {
         })
     }
 
-    /// Like [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an outside simulator.
+    /// Like [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an external simulator.
     ///
     /// # Errors
     /// Like [`MissionFlight::fly`].

@@ -147,19 +147,19 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// Loads the mission in a folder, or of a `mission.pdl`. Warnings of the program are left out.
+    /// Loads the mission of a folder or of a program file, for example `mission.pdl`. Warnings of the program are dropped.
     ///
     /// # Errors
-    /// Everything that can be wrong with the program or the data.
+    /// An error in the program, the settings or the data.
     pub fn load(path: &Path) -> MissionResult<Mission> {
         let checked = program::load_program(path)?;
         Mission::of_program(path, Arc::new(checked.library))
     }
 
-    /// Reads the data of a checked program, which lies in a folder or is a `mission.pdl`.
+    /// Reads the data of a checked program that was loaded from `path`, a folder or a program file.
     ///
     /// # Errors
-    /// Everything that can be wrong with the settings or the data.
+    /// An error in the settings or the data.
     pub fn of_program(path: &Path, library: Arc<Library>) -> MissionResult<Mission> {
         let folder = program::program_path(path).parent().map(Path::to_path_buf).unwrap_or_default();
         Mission::read(library, &Sources::Folder(folder))
@@ -374,7 +374,7 @@ impl Mission {
         self.weak_targets.iter().find(|(known, _)| known == target).map(|(_, reason)| reason.as_str())
     }
 
-    /// Returns a short name for files: the folder's, or the program's.
+    /// Returns a short name for files: that of the folder of a `mission.pdl`, or the name of another program file without its extension.
     pub fn short_name(path: &Path) -> String {
         let program = program::program_path(path);
         let absolute = std::fs::canonicalize(&program).unwrap_or(program);
@@ -388,10 +388,10 @@ impl Mission {
     }
 }
 
-/// Reads a file of winds, in the form of a mission's `:weather`.
+/// Reads a file of winds, in the format of a mission's `:weather`.
 ///
 /// # Errors
-/// A file that cannot be read, or has another content.
+/// If the file cannot be read, or does not describe winds.
 pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     let bytes = files::read_bytes(path)?;
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
@@ -408,7 +408,7 @@ fn possible(position: Position) -> bool {
 /// Reads the data files that the application names, and keeps their bytes for the record.
 struct Files<'a> {
     sources: &'a Sources,
-    /// Place of an option of the application.
+    /// Returns the place of an option of the application in the program.
     place_of: &'a dyn Fn(&str) -> String,
     data: Vec<(String, Vec<u8>)>,
 }

@@ -138,9 +138,7 @@ pub(crate) fn read((items, at): (&[Value], &str), place_of: Option<PlaceOf<'_>>)
     figures.good = good.unwrap_or_else(|| (figures.nominal + 0.1).min(1.0));
     if figures.good <= figures.nominal {
         let (good, nominal) = (figures.good, figures.nominal);
-        return Err(
-            form.wrong(format!("the link is good from {good} on, which is not above the nominal level of {nominal}"))
-        );
+        return Err(form.wrong(format!("`:good {good}` is not above the nominal level {nominal}")));
     }
     Ok(figures)
 }

@@ -73,10 +73,10 @@ pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
 
 /// Exposure of a video camera, which its file does not state: a usual electronic shutter in daylight, s.
 const VIDEO_EXPOSURE_S: f64 = 0.002;
-/// Least elevation of the sun for a camera without a band for the night.
+/// Least elevation of the sun, in degrees, for a camera whose bands all need daylight.
 const SUN_DEG_MIN: f64 = 0.0;
 
-/// Returns names of the cameras that a vehicle carries.
+/// Returns the names of the cameras that a vehicle carries.
 pub(crate) fn camera_names(model: &VehicleModel) -> Vec<&str> {
     model.cameras.iter().map(|camera| camera.name.as_str()).collect()
 }
@@ -151,12 +151,12 @@ pub(crate) struct ForecastAir<'a> {
 }
 
 impl<'a> ForecastAir<'a> {
-    /// Returns air by the forecasts that the mission assumes.
+    /// Returns the air of the forecasts that the mission assumes.
     pub(crate) fn new(mission: &'a Mission) -> ForecastAir<'a> {
         ForecastAir { field: &mission.forecast, clouds: &mission.clouds }
     }
 
-    /// Returns the eddy dissipation rate, m^(2/3)/s.
+    /// Returns the forecast eddy dissipation rate, m^(2/3)/s.
     pub(crate) fn edr(&self, position: Position, altitude_m: f64, time_s: f64) -> f64 {
         wind::at(self.field, position, altitude_m, time_s).edr
     }

@@ -25,12 +25,13 @@ use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 use apex_portfolio::parallel::on_all_processors;
 
-/// Reason for a missing plan. Only the first kind ends a mission in progress.
+/// Reason for a missing plan. `NothingLeft` ends a mission in progress; a `Fault` does so only in the air, and only if the program does
+/// not handle it (decision 0240).
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoPlan {
     /// No remaining target can be visited.
     NothingLeft(String),
-    /// The planning itself went wrong: a refused plan, an unknown solver, invalid data.
+    /// Planning failed: a refused plan, an unknown solver, invalid data.
     Fault(String),
 }
 
@@ -56,7 +57,8 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
     }
 }
 
-/// Returns the surveillance problem of a mission without fires from its start, in which every visit counts: by its costs flights are valued.
+/// Returns the surveillance problem of a mission without fires, posed at its start, with all visits, even those that cannot give a valid
+/// picture. The cost of a flight is computed from it.
 ///
 /// # Errors
 /// If the data are invalid.
@@ -72,7 +74,7 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
 /// Selection of looks by their names in plans, and whether the causes of their losses are requested.
 pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
 
-/// Knowledge, observations until now, and the instant.
+/// The situation, the observations so far, and the instant of the request.
 pub(crate) type PlanningKnowledge<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 
 /// Returns the single-visit problem of the selected looks.
@@ -144,7 +146,7 @@ fn wanted(
         _ => None,
     });
     let open = open.flat_map(|(target, fire)| {
-        // Not before the vehicle can be there.
+        // A look cannot begin before the vehicle can arrive.
         let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
         fire.looks().filter(|(name, _)| is_open(name)).map(move |(name, look)| {
             let from_s = timing::first_s(look, at.seconds() + way_s);
@@ -305,7 +307,7 @@ fn every_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<Sur
 /// from obstacles, so that a vehicle at a stated bend may fly the next leg.
 const STATED_M: f64 = 2.0;
 
-/// Returns the ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
+/// Returns the ways between the sites at `positions`, around zones, for a plan that begins at `now_s` of mission time.
 ///
 /// # Errors
 /// A message that names the invalid zone, start or base.

@@ -2,7 +2,8 @@
 //!
 //! The cost of a fire is that of its structure's cost function for its age at the end of the visit that saw it; for its age at the
 //! horizon if it was never seen. The expected cost is that of the same visits at the rates that the mission states. Both count visits in
-//! which a picture was taken, and both end at the horizon of the mission or, if that is earlier, at the end of the flight. Over many seeds the means are equal if every look detects (`detection` 1). Bound: O(fires x visits).
+//! which a picture was taken, and both end at the horizon of the mission or, if that is earlier, at the end of the flight. Over many seeds
+//! the means are equal if every look detects (`detection` 1). Bound: O(fires x visits).
 
 use crate::Mission;
 use crate::problem::watched;

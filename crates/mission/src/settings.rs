@@ -78,7 +78,7 @@ pub struct Settings {
     pub lost_link: Vec<Value>,
     /// The dependency model of components and tests.
     pub diagnosis: Option<String>,
-    /// The living world of the simulation.
+    /// The dynamic world of the simulation.
     pub world: Option<String>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,

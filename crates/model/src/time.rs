@@ -97,7 +97,7 @@ impl Neg for Duration {
 }
 
 impl fmt::Display for Duration {
-    /// Writes ISO 8601 with the manual's short spelling: `P1H3M4.5S`, `P0S`, `-P2S`.
+    /// Writes ISO 8601 with the short spelling of the original language: `P1H3M4.5S`, `P0S`, `-P2S`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.0.unsigned_abs();
         if self.0 < 0 {

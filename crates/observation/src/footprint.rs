@@ -92,7 +92,7 @@ pub fn offset_position(from: Position, north_m: f64, east_m: f64) -> Position {
 }
 
 /// Returns the point at which a ray (north, east, down) from a vehicle meets level ground `height_m` below it; `None` if the ray does not
-/// descend.
+/// descend or the vehicle is not above the ground.
 pub fn hit_flat(ray: Vector, height_m: f64) -> Option<GroundHit> {
     (ray.z > 0.0 && height_m > 0.0).then(|| GroundHit::along(ray, height_m))
 }

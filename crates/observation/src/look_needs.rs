@@ -23,7 +23,8 @@ pub struct LookNeeds<'a> {
 
 impl LookNeeds<'_> {
     /// Returns true if a look of a cell is worth at least as much as another one for every wanted look, judged by angle and, as flown, by
-    /// time. A look is the cosine of its angle off the vertical, and its instant in seconds. Predicted looks of one pass succeed or fail together, so only their angles differ.
+    /// time. A look is the cosine of its angle off the vertical, and its instant in seconds. Predicted looks of one pass succeed or fail
+    /// together, so only their angles differ.
     pub fn covers(&self, kept: (f32, f64), other: (f32, f64), is_flown: bool) -> bool {
         let apart_s = (kept.1 - other.1).abs();
         let wanted = &self.target.looks;

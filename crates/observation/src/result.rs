@@ -111,7 +111,7 @@ impl LossCause {
             LossCause::WrongTime => "wrong time",
             LossCause::ValueFallen => "value fallen with time",
             LossCause::NoLight => "wrong light",
-            LossCause::NoOverpass => "no satellite pass near",
+            LossCause::NoOverpass => "no satellite pass near in time",
             LossCause::LateOnGround => "late on ground",
             LossCause::Order => "order",
             LossCause::Interval => "interval between looks",

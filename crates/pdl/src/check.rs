@@ -422,7 +422,7 @@ fn unknown_form(lowering: &mut Lowering, form: &Datum) {
             let span = form.head_span();
             diagnostic.fixes_or_help(renames(span, head.printed(), FORMS.iter().copied()), || {
                 if head.is("step") {
-                    "a step must be inside a procedure; perhaps a `)` before it is too many".to_string()
+                    "a step must be inside a procedure; perhaps a `)` before it is superfluous".to_string()
                 } else {
                     format!("top-level forms are {}", FORMS.join(" "))
                 }

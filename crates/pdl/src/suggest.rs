@@ -60,7 +60,8 @@ pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
 }
 
 /// Returns true if two names are probably those of different things, although they are alike: they differ in digits (`bridge-1`,
-/// `bridge-2`), or in a part of one or two letters whose letters the other does not have in another order (`line-a`, `line-b`; `gate-n`, `gate-s`).
+/// `bridge-2`), or in a part of one or two letters whose letters the other does not have in another order (`line-a`, `line-b`; `gate-n`,
+/// `gate-s`).
 pub(crate) fn are_distinct(name: &str, other: &str) -> bool {
     let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
     if digits(name) != digits(other) {

@@ -132,6 +132,6 @@ fn the_misprint_of_the_trend_row_is_named_and_the_row_loads() {
         condition("(:episode (temperature engine-1) :quality :no-constraints :trend (:rate :non-decreasing)))");
     assert!(parsed.condition.is_some());
     let flaw = parsed.diagnostics.iter().find(|each| each.code == "E0001").unwrap();
-    assert_eq!((flaw.message.as_str(), flaw.severity), ("this `)` is too many", Severity::Warning));
+    assert_eq!((flaw.message.as_str(), flaw.severity), ("superfluous `)`", Severity::Warning));
     assert_eq!((flaw.span.line, flaw.span.column), (1, 90));
 }

@@ -2,9 +2,9 @@
 
 use crate::route::{Route, RouteState};
 
-/// Least step of the search: an excursion shorter than this may be missed.
+/// Least step of the search, in seconds: a violation that is shorter may be missed.
 pub const STEP_S_MIN: f64 = 1.0;
-/// Exactness of the instant that is found.
+/// Tolerance in seconds of the instant that is found.
 pub const EXACT_S: f64 = 0.01;
 
 /// The first violation along a route.
@@ -25,11 +25,11 @@ pub struct RouteSpan {
     pub until_s: f64,
 }
 
-/// Returns the first instant in `span` at which `margin` is negative; `None` if there is none before the route ends.
+/// Returns the first instant in `span` at which `margin` is negative; `None` if there is none before the span or the route ends.
 ///
-/// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time that the margin lasts, and by at
-/// least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. With an infinite bound the steps are
-/// [`STEP_S_MIN`].
+/// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time in which the margin cannot become
+/// negative, and by at least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. With an infinite bound the
+/// steps are [`STEP_S_MIN`].
 pub fn first_violation(
     route: &Route,
     span: RouteSpan,

@@ -48,7 +48,7 @@ impl ActorRole {
     }
 }
 
-/// An operator or program that speaks to a run.
+/// An operator or program that sends commands to a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actor {
     /// Name of the actor; an actor is identified by its name.

@@ -66,7 +66,7 @@ pub struct Ticket {
 }
 
 impl Ticket {
-    /// Returns the ticket of a command that the run may accept before this instant only. A process that stands still for a while finds
+    /// Returns the ticket of a command that the run may accept before this instant only. A process that was stopped for a while finds
     /// old commands when it continues, and the run may see them before the sender has ended them.
     pub fn valid_until(instant: Instant) -> Ticket {
         Ticket { valid_until: Some(instant), ..Ticket::default() }
@@ -133,7 +133,7 @@ impl PartialEq for Command {
 impl Drop for Command {
     fn drop(&mut self) {
         // Commands that the run has not received when it ends are rejected.
-        self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
+        self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it received the command".into() });
     }
 }
 

@@ -1,4 +1,4 @@
-//! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for outside
+//! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for external
 //! simulators advance it.
 
 mod ordered;

@@ -1,4 +1,4 @@
-//! Protocol for an outside simulator that owns the clock (`:type foreign-sim`), as JSON lines. A line of the simulator states the new
+//! Protocol for an external simulator that owns the clock (`:type foreign-sim`), as JSON lines. A line of the simulator states the new
 //! time and its observations; the answer contains the effects of the agents and the next instant at which they request a step.
 //!
 //! `docs/reference/foreign-simulators.md` is the protocol for its users. A line that cannot be understood is answered by
@@ -85,7 +85,7 @@ pub struct ForeignEnd {
     pub reset: bool,
 }
 
-/// Runs `agents` by the clock of an outside simulator until it sends `stop`, its lines end, or the application ends.
+/// Runs `agents` by the clock of an external simulator until it sends `stop`, its lines end, or the application ends.
 ///
 /// # Errors
 /// Like [`crate::fly_all`]; and when an answer cannot be written.

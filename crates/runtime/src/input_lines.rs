@@ -3,8 +3,9 @@
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
 //! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
 //! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: outcome of command 3, or in a file of the next command
-//! `"(take-picture camera-1)"`; `"progress": "accepted"` or `"in-progress"` says how far it is. A value is a number, a string, true or false, a list of values, or
-//! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
+//! `"(take-picture camera-1)"`; `"progress": "accepted"` or `"in-progress"` states its progress. A value is a number, a string, true or
+//! false, a list of values, or `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of
+//! time.
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;

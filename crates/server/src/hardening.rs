@@ -65,7 +65,7 @@ pub(crate) async fn whole_body(request: Request, next: Next) -> Response {
         .into_response(),
         Err(_) => ApiError {
             status: StatusCode::REQUEST_TIMEOUT,
-            error: format!("the body did not come within {} s", BODY_PATIENCE.as_secs()),
+            error: format!("the body did not arrive within {} s", BODY_PATIENCE.as_secs()),
             help: "send the whole body at once".into(),
         }
         .into_response(),

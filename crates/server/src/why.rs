@@ -51,7 +51,7 @@ pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) ->
     let reader = state.reader()?;
     let program = state.program().ok_or_else(|| {
         ApiError::bad_request(
-            "the record's program cannot be loaded, so no instant can be restored",
+            "the record's program cannot be loaded, so its state at an instant cannot be restored",
             "read the record with the version of Apex that wrote it; `/api/mission` names it",
         )
     })?;

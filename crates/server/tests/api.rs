@@ -333,7 +333,10 @@ fn a_port_in_use_and_files_that_are_no_records_are_named() {
     let other = folder.path().join("other.apex");
     rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE a (b)").unwrap();
     let foreign = serve(options(&other)).unwrap_err().to_string();
-    assert!(foreign.contains("is not a flight record of Apex (it is a database of something else)"), "{foreign}");
+    assert!(
+        foreign.contains("is not a flight record of Apex (it is an SQLite database of another program)"),
+        "{foreign}"
+    );
 }
 
 #[test]

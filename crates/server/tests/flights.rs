@@ -311,7 +311,7 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     ends(&json!({"do": "add-target", "target": "camp"}), "accepted", "");
     ends(&json!({"do": "step"}), "accepted", "");
     assert_eq!(camp(&get(server, &at("operation")).1), json!(true));
-    ends(&json!({"do": "add-target", "target": "camp"}), "rejected", "already to be observed");
+    ends(&json!({"do": "add-target", "target": "camp"}), "rejected", "is a target of the flight already");
     ends(&json!({"do": "value-target", "target": "moon", "value": 1.0}), "rejected", "has no target `moon`");
     ends(&json!({"do": "value-target", "target": "camp", "value": -1.0}), "rejected", "is not from 0");
     ends(&json!({"do": "message", "form": "(unbalanced"}), "rejected", "cannot be read");

@@ -45,10 +45,10 @@ pub fn create_record_with(
 /// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished. `None`: as fast as possible.
 ///
 /// # Errors
-/// The clock of the mission belongs to an outside simulator.
+/// The clock of the mission belongs to an external simulator.
 pub fn pace_of(mission: &Mission, wished: Option<f64>) -> MissionResult<Option<f64>> {
     match kind_of(mission).as_deref() {
-        Some("foreign-sim") => Err(MissionError::setting("an outside simulator owns the clock")
+        Some("foreign-sim") => Err(MissionError::setting("an external simulator owns the clock")
             .at(&mission.settings.place)
             .because("the application is of type foreign-sim, and `apex fly` flies the built-in simulator")
             .help("connect the simulator to `apex run`, or write `:type native-sim`")),

@@ -1,4 +1,4 @@
-//! The living world in whole flights: the realised cost of ignorance against the expected one, bad world files, and two failures that a
+//! The dynamic world in whole flights: the realised cost of ignorance against the expected one, bad world files, and two failures that a
 //! fault model distinguishes.
 //!
 //! `APEX_IGNORANCE_SEEDS` sets the number of seeds.

@@ -1,5 +1,5 @@
-//! Whole flights of missions that no shipped one resembles: other vehicles, zones and winds in odd places, updates while the aircraft waits.
-//! Tracks are compared with zones and grounds here, from the recorded locations alone.
+//! Whole flights of missions that no shipped one resembles: other vehicles, zones and winds in odd places, updates while the aircraft
+//! waits. Tracks are compared with zones and grounds here, from the recorded locations alone.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]

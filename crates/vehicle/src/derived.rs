@@ -64,7 +64,7 @@ impl VehicleModel {
         ANGLE_OF_ATTACK_RAD.0 * slowness * slowness - ANGLE_OF_ATTACK_RAD.1
     }
 
-    /// Returns the fastest climb by the altitude.
+    /// Returns the greatest climb rate as a function of the altitude.
     pub fn climb(&self) -> Climb {
         Climb { rate_m_s_max: self.climb_rate_m_s_max, ceiling_m: self.ceiling_m }
     }

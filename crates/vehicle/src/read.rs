@@ -200,7 +200,7 @@ fn energy(root: &Section<'_>) -> Read<EnergyModel> {
         (_, None) => Ok(EnergyModel::Fuel(fuel(&section(root, "fuel", FUEL)?)?)),
         (None, Some(_)) => Ok(EnergyModel::Battery(battery(&section(root, "battery", BATTERY)?)?)),
         (Some(_), Some(node)) => {
-            let help = "describe the one that the vehicle flies on";
+            let help = "keep the section of the vehicle's energy source";
             Err(root.wrong("battery", "no battery in addition to `fuel`", node.describe(), help))
         }
     }

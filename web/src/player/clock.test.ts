@@ -48,7 +48,7 @@ describe('the visible range', () => {
 describe('the time axis', () => {
   const record = { fromNs: 0, toNs: 50 };
 
-  it('P1: is as long as the mission is planned, and longer only as far as the cursor', () => {
+  it('is as long as the mission is planned, and longer only as far as the cursor', () => {
     expect(axisOf(record, 30, 10)).toEqual({ fromNs: 0, toNs: 30 });
     expect(axisOf(record, 30, 40)).toEqual({ fromNs: 0, toNs: 40 });
     expect(axisOf(record, 90, 50)).toEqual({ fromNs: 0, toNs: 90 });

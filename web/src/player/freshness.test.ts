@@ -5,7 +5,7 @@ describe('answers of another instant', () => {
   beforeEach(() => void vi.useFakeTimers());
   afterEach(() => void vi.useRealTimers());
 
-  it('P1: are named with their instant until the last of them has been replaced', () => {
+  it('are named with their instant until the last of them has been replaced', () => {
     const freshness = new Freshness();
     freshness.answer('targets', 80);
     freshness.answer('tasks', 80);

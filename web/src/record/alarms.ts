@@ -117,7 +117,7 @@ export function alarmsOf(
 function waiting(asked: AskedQuestion, atNs: number): Raised {
   const { text, options, by_ns, closed_ns, withdrawn } = asked;
   const open = closed_ns === null || closed_ns > atNs;
-  const choices = options.length > 0 ? `one of ${options.join(', ')}` : 'any form is an answer';
+  const choices = options.length > 0 ? `one of ${options.join(', ')}` : 'the answer is any PDL form';
   const end =
     by_ns === null
       ? ''

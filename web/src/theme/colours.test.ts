@@ -35,7 +35,7 @@ const HUED = new Set<string>(['danger', 'att', 'failed', 'user']);
 describe.each(['dark', 'light'] as const)('the colours of the %s theme', theme => {
   const colours = palette(theme);
 
-  it('P3: have one hue for attention, and none for states', () => {
+  it('have one hue for attention, and none for states', () => {
     for (const [name, colour] of Object.entries(colours)) {
       const values = channels(colour);
       const chroma = Math.max(...values) - Math.min(...values);
@@ -45,21 +45,21 @@ describe.each(['dark', 'light'] as const)('the colours of the %s theme', theme =
     expect(new Set([colours.danger, colours.att, colours.failed]).size).toBe(1);
   });
 
-  it('C1: give words a contrast of 4.5 on every ground', () => {
+  it('give text a contrast of 4.5 on every background', () => {
     const words: ColourName[] = ['text', 'dim', 'faint', 'accent', 'att', 'failed', ...STATES, ...TARGETS];
     for (const word of words)
       for (const ground of ['ground', 'panel', 'raised', 'chosen'] as const)
         expect(contrast(colours[word], colours[ground]), `${word} on ${ground}`).toBeGreaterThanOrEqual(4.5);
   });
 
-  it('C2: give drawings with information a contrast of 3', () => {
+  it('give drawings that carry information a contrast of 3 on every background', () => {
     for (const mark of ['track', 'flown', 'other', 'strip', 'ghost', 'craft', ...TARGETS] as const)
       for (const ground of ['sea', 'land', 'panel'] as const)
         expect(contrast(colours[mark], colours[ground]), `${mark} on ${ground}`).toBeGreaterThanOrEqual(3);
   });
 });
 
-it('an unknown state has the quiet colour', () => {
+it('an unknown state has the colour of faint text', () => {
   expect(stateColour('unheard of')).toBe(COLOURS.faint);
   expect(stateColour('failed')).toBe(COLOURS.failed);
 });

@@ -1,4 +1,4 @@
-//! State of the living world during a flight: failures, moving weather, fires, detectors, ice and the downlink.
+//! State of the dynamic world during a flight: failures, moving weather, fires, detectors, ice and the downlink.
 
 use super::disturbances::Disturbances;
 use super::downlink::Downlink;
@@ -28,7 +28,7 @@ const ICE_S_DOUBLING: f64 = 1_200.0;
 /// Ratio of the rates at which ice disappears and forms.
 const THAW: f64 = 2.0;
 
-/// State of the living world.
+/// State of the dynamic world.
 #[derive(Clone, Debug)]
 pub(crate) struct Living {
     pub(crate) spec: LivingWorld,
@@ -103,7 +103,7 @@ impl Living {
     }
 }
 
-/// Returns the next instant at which the living world changes, without any command.
+/// Returns the next instant at which the dynamic world changes, without any command.
 pub(crate) fn next_due(living: Option<&Living>, now: Time) -> Option<Time> {
     living.and_then(|living| living.next_due(now))
 }

@@ -1,4 +1,4 @@
-//! Readings of subsystems and of the weather radar, as reported by a vehicle in a living world.
+//! Readings of subsystems and of the weather radar, as reported by a vehicle in a dynamic world.
 
 use super::FaultKind;
 use crate::geodesic::bearing;

@@ -1,4 +1,4 @@
-//! Effects of the living world on the vehicle: beginning and end of failures, fires, pictures in clouds, detectors, ice.
+//! Effects of the dynamic world on the vehicle: beginning and end of failures, fires, pictures in clouds, detectors, ice.
 
 use super::FaultKind;
 use super::disturbances::Disturbances;
@@ -25,7 +25,7 @@ use libm::{atan2, hypot};
 const OPEN_WIND_M: f64 = 10.0;
 
 impl Living {
-    /// Builds the living world and draws its random parts from the seed; `None` without a world file.
+    /// Builds the dynamic world and draws its random parts from the seed; `None` without a world file.
     pub(crate) fn of(config: &WorldConfig) -> Option<Living> {
         let spec = config.living.clone()?;
         let (seed, altitude_m) = (config.seed, config.ground.elevation_m + OPEN_WIND_M);

@@ -1,4 +1,4 @@
-//! `apex explain`: explains a code of the checker, with an example and the remedy.
+//! `apex explain`: explains codes of the checker, with an example and the remedy, and keywords of PDL.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ExplainOptions;
@@ -16,7 +16,7 @@ pub fn run(options: &ExplainOptions) -> CliResult {
         let page = error_code(text).map(|code| code.page.to_string()).or_else(|| explain_word(text));
         let Some(page) = page else {
             let near = nearest_word(text).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            return Err(CliError::user(format!("`{text}` is neither the code of a message nor a word of PDL{near}"))
+            return Err(CliError::user(format!("`{text}` is neither a code of the checker nor a word of PDL{near}"))
                 .because("codes are a letter and four digits, as `apex check` prints them in brackets")
                 .help("`apex explain` alone lists all codes"));
         };

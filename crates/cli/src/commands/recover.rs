@@ -14,7 +14,7 @@ pub fn run(options: &RecoverOptions) -> CliResult {
     }
     let out = options.out.clone().unwrap_or_else(|| beside(&options.record));
     if out.exists() {
-        return Err(CliError::user(format!("{} is there already", out.display()))
+        return Err(CliError::user(format!("{} already exists", out.display()))
             .help("name another file with `--out`; a recovery never overwrites one"));
     }
     let recovered = recover(&options.record, &out).map_err(apex_mission::recording::read)?;

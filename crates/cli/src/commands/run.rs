@@ -1,4 +1,4 @@
-//! `apex run`: runs any PDL program without a vehicle, in simulated time, by the wall clock or by the clock of an outside simulator, with
+//! `apex run`: runs any PDL program without a vehicle, in simulated time, by the wall clock or by the clock of an external simulator, with
 //! a trace.
 
 use crate::console;
@@ -30,7 +30,7 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Runs a program to its end. A mission that uses the wall clock or the clock of an outside simulator is flown: it plans, records its
+/// Runs a program to its end. A mission that uses the wall clock or the clock of an external simulator is flown: it plans, records its
 /// visits, and reports.
 pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let library = sources::load_program(&options.program)?;
@@ -234,7 +234,7 @@ enum ClockSource {
     Simulated,
     /// Wall time, at this pace.
     Wall(f64),
-    /// The clock of an outside simulator.
+    /// The clock of an external simulator.
     Simulator,
 }
 
@@ -248,7 +248,7 @@ impl ClockSource {
             return match stray {
                 None => Ok(ClockSource::Simulator),
                 Some(option) => Err(CliError::user(format!("`{option}` has no meaning for this application"))
-                    .because("it is of type foreign-sim: an outside simulator owns the clock")
+                    .because("it is of type foreign-sim: an external simulator owns the clock")
                     .help("leave the option out")),
             };
         }

@@ -11,7 +11,7 @@ pub struct ForkOptions {
     /// The instant from which the flight differs, for example `9h`.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: String,
-    /// Further inputs after the instant, as JSON lines like a scenario.
+    /// Further inputs after the instant, as JSON lines in the format of a scenario.
     #[arg(long, value_name = "FILE")]
     pub inputs: Option<PathBuf>,
     /// Visit these targets in this order instead of planning: `zaca,lick,butler-2`.

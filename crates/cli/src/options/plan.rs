@@ -45,7 +45,8 @@ pub struct PlanOptions {
     /// For surveillance: the visits are a cycle that the vehicle repeats.
     #[arg(long, requires = "visits")]
     pub repeat: bool,
-    /// For surveillance: also print the cost of the plan if only the first event after an observation counts, as where events are not rare.
+    /// For surveillance: also print the cost of the plan if only the first event after an observation counts, which suits events that are
+    /// not rare.
     #[arg(long)]
     pub survival: bool,
     /// Do not plan: print the problem as JSON.
@@ -76,7 +77,7 @@ pub enum PlanFormat {
     Pdl,
     /// The path, the targets and the airspace for maps.
     Geojson,
-    /// The same for globes.
+    /// The same for virtual globes.
     Kml,
     /// Mission items and a fence for QGroundControl.
     Qgc,

@@ -1,4 +1,4 @@
-//! Failures hidden by other failures, and pairs of failures that look like a third one.
+//! Failures hidden by other failures, and masking pairs of failures, which together make the same tests fail as a third failure alone.
 
 use crate::bits::Bits;
 use crate::limits::MASKS_MAX;
@@ -32,8 +32,8 @@ pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Returns the pairs in which neither mode hides the other and the two together look like a third mode: the first such pairs, and the
-/// number of all.
+/// Returns the pairs in which neither mode hides the other and the two together make the same tests fail as a third mode: the first such
+/// pairs, and the number of all.
 pub(super) fn masks(rows: &[Bits], detected: &[usize]) -> (Vec<Mask>, usize) {
     let mut by_row: BTreeMap<&Bits, Vec<usize>> = BTreeMap::new();
     for mode in detected {

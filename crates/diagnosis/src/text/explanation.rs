@@ -32,7 +32,8 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
 /// Returns the facts of [`explain`] as JSON: `component`, `title`, `health`, and for each failure mode: its `name` and `health`; the
 /// passed tests that clear it (`cleared_by`); the `failed` tests that give evidence against it, with the other possible causes (`open`)
 /// and the excluded ones (`cleared`); the tests `not_run` that would give evidence; the `doubted` tests, which passed `seconds` before
-/// another one `failed` that contradicts them; and its `candidates` (`count`, `of`, `share`; null if it is in none). `text` is the explanation as text. `None` if the model has no such component.
+/// another one `failed` that contradicts them; and its `candidates` (`count`, `of`, `share`; null if it is in none). `text` is the
+/// explanation as text. `None` if the model has no such component.
 pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
     let text = explain(diagnoser, component)?;
     let model = diagnoser.model();

@@ -30,7 +30,7 @@ impl Testability {
 
     fn matrix(&self, model: &Model, text: &mut String) {
         if model.tests.len() > COLUMNS_MAX {
-            let _ = writeln!(text, "D-matrix: too wide to print; `--json` has it\n");
+            let _ = writeln!(text, "D-matrix: too wide to print; `--json` prints it\n");
             return;
         }
         let width = model.modes.iter().map(|mode| mode.name.len()).max().unwrap_or(0);
@@ -83,12 +83,12 @@ impl Testability {
         figures.extend([
             ("undetected failures".to_string(), modes(&self.undetected)),
             ("ambiguity groups".to_string(), groups(&self.ambiguity_groups, &modes)),
-            ("tests that say the same".to_string(), groups(&self.equal_tests, &tests)),
+            ("equivalent tests".to_string(), groups(&self.equal_tests, &tests)),
             ("tests that no single failure makes fail".to_string(), tests(&self.silent_tests)),
             (format!("{smallest} ({})", self.test_set.tests.len()), tests(&self.test_set.tests)),
             ("redundant given them".to_string(), test_names(model, beyond)),
             ("hidden failures".to_string(), unless_none(&hidden)),
-            (format!("two failures like a third ({})", self.masks_count), unless_none(&masks)),
+            (format!("masking pairs of failures ({})", self.masks_count), unless_none(&masks)),
         ]);
         if !model.unused_signals.is_empty() {
             figures.push(("signals that no test depends on".to_string(), model.unused_signals.join(", ")));

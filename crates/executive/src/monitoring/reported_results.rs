@@ -66,8 +66,8 @@ impl Used {
 pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
 impl ReportedResults {
-    /// Returns the state after a bank has reported the monitor's run: the result of the run before the newest sample, and the open
-    /// result.
+    /// Returns the state after an episode index has reported the monitor's run: the result of the run before the newest sample, and the
+    /// open result.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
         let key = |result: &Satisfaction| Key::of(part.place, result);
         let open: Vec<Key> = open.map(key).into_iter().collect();

@@ -1,6 +1,6 @@
 //! Time bounds (M&I)
 //! What: computes the closed interval of instants that satisfy constraints on a time stamp, for values that hold between samples.
-//! Runs: when an estimator is asked for a value.
+//! Runs: when a value of an estimator is requested.
 //! Reads: evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the constraints.

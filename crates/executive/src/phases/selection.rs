@@ -144,7 +144,7 @@ fn activity_goal(cycle: &Cycle<'_>, id: TaskId, activity: &Activity) -> Result<R
 fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<MethodChoice, Because> {
     let value = evaluate(list, &cycle.view(id, Level::Step)).map_err(failed)?;
     let Some(items) = value.as_list() else {
-        let message = format!("forall needs a list, and got {value}");
+        let message = format!("forall expects a list, found {value}");
         return Err(Because::new(Cause::ExpressionFailed { message }, Some(list.place)));
     };
     if items.len() > cycle.agent.limits.count(Limit::ForallItems) {

@@ -1,4 +1,4 @@
-//! Episode indexes of a session. They watch plain episodes and combinations of them while no result is to be reported, so that most
+//! Episode indexes of a session. They watch threshold episodes and combinations of them while no result is to be reported, so that most
 //! samples are compared in one pass and reach no monitor.
 
 use super::scene::SessionState;
@@ -325,7 +325,7 @@ impl MonitorSession {
     }
 }
 
-/// Returns the wake that a bank has requested, in the form of the session's queue.
+/// Returns the wake that an episode index has requested, in the form of the session's queue.
 fn wake_of(at: Time, leaf: LeafId) -> (Time, MonitorId, Option<u32>) {
     (at, leaf.monitor, Some(leaf.leaf))
 }

@@ -92,7 +92,7 @@ pub struct MonitorSession {
     touched: Vec<MonitorId>,
     /// Updates that episode indexes have reported for the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
-    /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is evaluated.
+    /// Instants at which a condition begins or is judged, or at which the episode index of its leaf with this number is evaluated.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
     /// Spacings for the gaps of results, if requested.
@@ -167,8 +167,8 @@ impl MonitorSession {
         self
     }
 
-    /// Watches `condition` with a window from `created_at` on (rule 2). If that instant is in the future, the watch begins then; if it is in
-    /// the past, the retained history is searched first, and results found there are recognised now.
+    /// Watches `condition` with a window from `created_at` on (rule 2). If that instant is in the future, the watch begins then; if it is
+    /// in the past, the retained history is searched first, and results found there are recognised now.
     ///
     /// # Errors
     /// A message with its place if an expression that must be known now (a duration, a gap) has no value.

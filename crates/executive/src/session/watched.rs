@@ -34,7 +34,7 @@ pub(super) struct WatchedCondition {
     /// The first result as it was when it was recognised.
     pub(super) first: Option<Satisfaction>,
     pub(super) results: u64,
-    /// The leaves of a combination that banks watch.
+    /// The leaves of a combination that episode indexes watch.
     pub(super) leaves: Option<Leaves>,
     /// Maximum lateness of its samples.
     pub(super) lateness: Duration,
@@ -93,7 +93,7 @@ impl WatchedCondition {
         self.told = threshold_episode::told(monitor, open_at);
     }
 
-    /// Returns the variable whose samples decide leaf number `leaf`, if a bank may watch that leaf.
+    /// Returns the variable whose samples decide leaf number `leaf`, if an episode index may watch that leaf.
     pub(super) fn variable_in_bank(&self, leaf: u32) -> Option<&StateVariable> {
         match &self.leaves {
             Some(leaves) => leaves.variables().nth(leaf as usize),

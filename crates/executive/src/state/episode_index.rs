@@ -1,10 +1,10 @@
-//! Episode index, also called bank: the undecided plain episodes of one state variable, in arrays, so that a sample costs each of them one
+//! Episode index: the undecided threshold episodes of one state variable, in arrays, so that a sample costs each of them one
 //! comparison.
 //!
-//! A plain episode compares a number with fixed bounds, and has at most a greatest gap and a least duration. Until it is decided a sample
-//! can change its truth, end its run by a gap, or complete its duration. The bank watches for these in arrays; the monitor itself is
-//! touched only when its episode is decided or queried. An unusual sample (late, replacing, of another kind) first returns every episode
-//! to its monitor, which then processes the sample.
+//! A threshold episode compares a number with fixed bounds, and has at most a greatest gap and a least duration. Until it is decided a
+//! sample can change its truth, end its run by a gap, or complete its duration. The episode index watches for these in arrays; the monitor
+//! itself is touched only when its episode is decided or queried. An unusual sample (late, replacing, of another kind) first returns every
+//! episode to its monitor, which then processes the sample.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{ObjectRun, Run, RunSample};
@@ -45,7 +45,7 @@ pub struct EpisodeIndex {
     window_latest: Time,
     /// First instant at which time alone decides an episode unless a sample arrives before, with the episode.
     due: Option<(Time, LeafId)>,
-    /// The requested wake with its monitor; maintained by the caller that feeds the bank.
+    /// The requested wake with its monitor; maintained by the caller that feeds the episode index.
     pub wake: Option<(WakeKey, LeafId)>,
 }
 
@@ -94,7 +94,7 @@ impl LeafState {
         (self.start, self.first) = (at, sample);
     }
 
-    /// Returns true if it has received one of the first `samples` samples of the bank, or one before it was added.
+    /// Returns true if it has received one of the first `samples` samples of the episode index, or one before it was added.
     fn has_seen_any(&self, samples: i64) -> bool {
         self.seen || samples > self.came_at
     }
@@ -117,7 +117,7 @@ pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
 }
 
 impl EpisodeIndex {
-    /// Returns a bank without episodes, for numbers of `dimension`.
+    /// Returns an episode index without episodes, for numbers of `dimension`.
     pub fn new(dimension: Dimension) -> EpisodeIndex {
         EpisodeIndex {
             dimension,
@@ -250,7 +250,7 @@ impl EpisodeIndex {
     }
 
     /// Processes a sample that [`EpisodeIndex::takes`] accepts, and returns its effects: runs with a result that are over, and runs that
-    /// have a result from now on. The latter stay in the bank, as open ones.
+    /// have a result from now on. The latter stay in the episode index, as open ones.
     pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<EpisodeUpdate>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
         let gaps = gap > self.gap_least;

@@ -214,8 +214,8 @@ impl Interests {
         self.any_task.collect_into(found);
     }
 
-    /// Moves the undecided episode `leaf` into the bank of its variable; its monitor then no longer receives stimuli that the bank can
-    /// handle. Returns false, and changes nothing, if the bank cannot watch it.
+    /// Moves the undecided episode `leaf` into the episode index of its variable; its monitor then no longer receives stimuli that the
+    /// episode index can handle. Returns false, and changes nothing, if the episode index cannot watch it.
     pub fn bank(
         &mut self,
         variable: &StateVariable,
@@ -235,7 +235,7 @@ impl Interests {
         taken
     }
 
-    /// Returns the undecided plain episodes of a variable.
+    /// Returns the undecided threshold episodes of a variable.
     pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeIndex> {
         self.variables.get(variable)?.episodes.as_deref()
     }
@@ -245,7 +245,7 @@ impl Interests {
         self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
 
-    /// Returns the bank of a variable, mutably.
+    /// Returns the episode index of a variable, mutably.
     pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeIndex> {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
@@ -263,7 +263,7 @@ impl Interests {
         watchers.every.is_empty().then_some((watchers.thresholds.as_deref(), watchers.episodes.as_deref_mut()))
     }
 
-    /// Drops the bank of a variable if it is empty.
+    /// Drops the episode index of a variable if it is empty.
     pub fn drop_empty_bank(&mut self, variable: &StateVariable) {
         let Some(watchers) = self.variables.get_mut(variable) else { return };
         watchers.episodes.take_if(|bank| bank.is_empty());

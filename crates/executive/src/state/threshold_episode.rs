@@ -1,4 +1,4 @@
-//! Plain episodes in banks: their bounds, their runs and their updates.
+//! Threshold episodes in episode indexes: their bounds, their runs and their updates.
 
 use crate::state::clause::MonitorId;
 use crate::state::monitors::monitor::ObjectRun;
@@ -31,7 +31,7 @@ pub struct ThresholdBounds {
     pub most: f64,
 }
 
-/// The fixed properties of a plain episode in a bank.
+/// The fixed properties of a threshold episode in an episode index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThresholdEpisode {
     /// Values that satisfy it.
@@ -59,7 +59,7 @@ pub struct OpenResult {
     pub newest: Time,
 }
 
-/// Run of an episode in a bank.
+/// Run of an episode in an episode index.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedRun {
     /// The run in the form of its monitor, without the result.
@@ -98,5 +98,5 @@ pub struct EpisodeUpdate {
     pub recognised_at: Time,
 }
 
-/// Episodes that left a bank, with their state; `None` for one that has received no sample.
+/// Episodes that left an episode index, with their state; `None` for one that has received no sample.
 pub type Taken = Vec<(LeafId, Option<IndexedRun>)>;

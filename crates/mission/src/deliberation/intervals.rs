@@ -1,8 +1,9 @@
 //! Looks that are wanted some time after, or before, another look of the same target.
 //!
-//! Planners know windows, not intervals. The looks without an interval are planned first; then the others, round by round, with windows that
-//! follow from the looks planned so far, which keep their instants within a tolerance. If a look is missing then, its target is planned
-//! from this look on, and the others follow in its windows: the earliest look of a target may leave no time for a valuable later one.
+//! Planners know windows, not intervals. The looks without an interval are planned first; then the others, round by round, with windows
+//! that follow from the looks planned so far, which keep their instants within a tolerance. If a look is missing then, its target is
+//! planned from this look on, and the others follow in its windows: the earliest look of a target may leave no time for a valuable later
+//! one.
 
 use super::operator_plan::HUMAN;
 use super::solve::{Deliberation, SolveOptions, solve};

@@ -1,10 +1,10 @@
 //! Decision about a segment of a line whose data were lost: fly it again, or keep its time for other targets (paper, section IV, example
 //! 1).
 //!
-//! Runs: once for each `(segment-lost TARGET FROM TO END)` that the flying agent says. The gain is what the segment adds to what has
-//! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the difference between
-//! the values of the rest of the plan, begun now and begun after the segment. The answer `(segment-weighed TARGET FROM TO again|leave
-//! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
+//! Runs: once for each `(segment-lost TARGET FROM TO END)` that the flying agent sends. The gain is what the segment adds to what has
+//! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the opportunity cost: the
+//! difference between the values of the rest of the plan, begun now and begun after the segment. The answer
+//! `(segment-weighed TARGET FROM TO again|leave GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
 //! Bound: one planning problem with the n remaining visits of the plan, and O(n^2) evaluations of them.
 
 use crate::ground::MissionGround;
@@ -30,12 +30,12 @@ use apex_solvers::planners::single_visit::{OrderValue, OrderedVisit, order_value
 
 /// Seconds until the wings are level after a disturbance: segments closer than twice the distance flown in this time are merged.
 const SETTLE_S: f64 = 5.0;
-/// Time of the turn between two lines of the observation, for the instant at which the rest of the plan begins.
+/// Assumed time in seconds of a turn between two lines. It gives the instant at which the rest of the plan begins.
 const TURN_S: f64 = 100.0;
-/// Distance in metres within which the middles of two weighed segments count as the same segment.
+/// Tolerance in metres for the middle of a segment on another one: the detour over the middle from end to end of the other one.
 const SAME_M: f64 = 100.0;
 
-/// A segment that lost its data, and the end of its line.
+/// A segment whose data were lost, and the end of its line.
 #[derive(Clone, Debug, PartialEq)]
 struct LostSegment {
     target: String,
@@ -46,16 +46,16 @@ struct LostSegment {
     line_end: Location,
 }
 
-/// Segments that lost their data, with the answers so far.
+/// Segments whose data were lost, with the answers so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LostSegments {
-    /// Segments that are not decided yet, with the instant of the loss.
+    /// Segments that are not yet decided, with the instant of the loss.
     open: Vec<(Time, LostSegment)>,
     /// Decided segments; true if the segment is flown again.
     weighed: Vec<(LostSegment, bool)>,
 }
 
-/// Both sides of the decision.
+/// Gain and price of flying a segment again.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Trade {
     /// Points that the segment adds.
@@ -76,12 +76,12 @@ impl Trade {
     fn text(&self) -> String {
         let Trade { gain_points, price_points, flight_s, dropped } = self;
         let less = match dropped.as_slice() {
-            [] => "no target less".to_string(),
-            [one] => format!("one target less, {one}"),
-            more => format!("{} targets less, {}", more.len(), more.join(", ")),
+            [] => "no target is left out".to_string(),
+            [one] => format!("one target is left out: {one}"),
+            more => format!("{} targets are left out: {}", more.len(), more.join(", ")),
         };
         format!(
-            "the segment again adds {} points; its {flight_s:.0} s cost {} points of the rest of the plan ({less})",
+            "flying the segment again adds {} points; its {flight_s:.0} s cost {} points of the rest of the plan ({less})",
             points(*gain_points),
             points(*price_points)
         )
@@ -154,7 +154,11 @@ impl LostSegments {
         });
         let was_offered = merged.is_none() && self.weighed.iter().any(|(other, _)| lost.is_on(other));
         let lost = merged.unwrap_or(lost);
-        let trade = if was_offered { Err("it was weighed before".to_string()) } else { trade(known, flown, &lost, at) };
+        let trade = if was_offered {
+            Err("the decision about this segment was made before".to_string())
+        } else {
+            trade(known, flown, &lost, at)
+        };
         let (is_again, gain, price, text) = match trade {
             Ok(trade) => (trade.is_worth_it(), trade.gain_points, trade.price_points, trade.text()),
             Err(why) => (false, 0.0, 0.0, why),
@@ -175,7 +179,10 @@ impl LostSegments {
     }
 }
 
-/// Returns both sides of the decision about a segment, lost at `at`.
+/// Returns gain and price of flying a segment again whose data were lost at `at`.
+///
+/// # Errors
+/// The reason for which it cannot be flown again.
 fn trade(
     (mission, situation): (&Mission, &Situation),
     flown: &FlownScore,
@@ -183,7 +190,7 @@ fn trade(
     at: Time,
 ) -> Result<Trade, String> {
     let believed = flown.with_growth(situation.updates.believed(mission));
-    let (target, fire) = wanted(&believed, &lost.target).ok_or("no target of this name is observed by lines")?;
+    let (target, fire) = wanted(&believed, &lost.target).ok_or("the target is not observed by scan lines")?;
     let here = situation.vehicle.position.ok_or("the vehicle has not reported its position")?;
     let altitude_m = lost.begin.altitude_m;
     let track_deg = geodesy::azimuth_deg(lost.begin.position, lost.until.position);
@@ -207,7 +214,7 @@ fn trade(
     // The segment is flown within minutes, in the wind that blows here; the rest of the plan is compared in the wind of the plan.
     let measured = situation.in_measured_wind(believed.clone(), at.seconds());
     let again = Limits::of(&measured).segment_again(&request, &segment);
-    let again = again.ok_or("no way back to it keeps the requirements")?;
+    let again = again.ok_or("no way back to the segment keeps the requirements")?;
     let rest = rest_of_lines(situation, lost, here);
     let leaves_s = at.seconds() + lines_s(&measured, &rest, altitude_m, at.seconds());
     let gain_points = gain((&measured, target, fire), situation, flown, (lost, &rest), at.seconds() + again.total_s)?;
@@ -291,7 +298,7 @@ fn gain(
 ) -> Result<f64, String> {
     let scanner = scanner_of(&mission.model).ok_or("the vehicle carries no line scanner")?;
     let observation = flown.observation();
-    let grid = observation.grid(&target.id).ok_or("the target has no ground to be seen")?;
+    let grid = observation.grid(&target.id).ok_or("the target has no observable ground")?;
     let first_valid_s = observation.first_valid_s();
     let air = PresentAir { forecast: ForecastAir::new(mission), edr: situation.edr() };
     let ground: &dyn Ground = &MissionGround::new(mission.terrain.clone(), target.elevation_m);

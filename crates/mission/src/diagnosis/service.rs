@@ -4,7 +4,8 @@
 //! inputs, so that PDL watches it and replay derives the same. In: `(test-outcome TEST)` with `passed`, `failed`, `intermittent` or
 //! `unknown`, and the messages `(test-passed TEST)`, `(test-failed TEST)`, `(test-intermittent TEST)`, `(test-unknown TEST)`. Out:
 //! `(test-state TEST)`, `(health COMPONENT)`, `(candidates MODEL)`, and the messages `(diagnosed COMPONENT HEALTH FAILED-TESTS)`,
-//! `(test-doubted TEST AGE)` and `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components) otherwise.
+//! `(test-doubted TEST AGE)` and `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components)
+//! otherwise.
 
 use crate::text::plain_duration;
 use apex_diagnosis::{Contradiction, Diagnoser, Health, Model, Outcome};

@@ -198,7 +198,7 @@ impl NamedFeature {
         };
         let (first, second) = found.ok_or_else(|| wrong("not a pair of numbers".to_string()))?;
         if first < low || second > high || second < first {
-            return Err(wrong("which is out of range or falls".to_string()));
+            return Err(wrong("out of range, or with the second number less than the first".to_string()));
         }
         Ok(Some((first, second)))
     }

@@ -1,5 +1,5 @@
-//! Altitudes at which the forecast keeps the requirements `turbulence` and `wind` over a target, as the flight judges them: on lines at other
-//! altitudes it would climb or descend, and lose their resolution and coverage.
+//! Altitudes at which the forecast keeps the requirements `turbulence` and `wind` over a target, as the flight judges them: on lines at
+//! other altitudes it would climb or descend, and lose their resolution and coverage.
 //!
 //! Bound: O(altitudes x points x times x layers), with altitudes [`STEP_M`] apart and [`AZIMUTHS`] + 1 points.
 

@@ -1,7 +1,7 @@
 //! Ground that remains to be seen of a fire that has grown: lines over it, and lines along the outline.
 //!
-//! The grid of such a fire gives weight to the remaining ground alone. Lines are drawn over all of it, and over the part that lies away from
-//! ground that has been seen, mostly the head of the fire. Lines with little of it below them are left out.
+//! The grid of such a fire gives weight to the remaining ground alone. Lines are drawn over all of it, and over the part that lies away
+//! from ground that has been seen, mostly the head of the fire. Lines with little of it below them are left out.
 //! Bound: O(cells^2) for the distances, O(cells x lines) for the selection of lines.
 
 use crate::Fire;
@@ -87,7 +87,7 @@ pub(super) fn useful(fire: &Fire, lines: Vec<(Position, Position)>, swath_m: f64
     (lines, if total > 0.0 { covered / total } else { 0.0 })
 }
 
-/// The middles of the cells that are still wanted, with their weights.
+/// Returns the middles of the cells that are still wanted, with their weights.
 fn cells(grid: &TargetGrid) -> impl Iterator<Item = (Point, f64)> + '_ {
     let all = grid.centres().zip(grid.weights()).filter(|(_, weight)| **weight > 0.0);
     all.map(|((x, y), weight)| (Point { x, y }, *weight))

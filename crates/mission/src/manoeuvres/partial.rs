@@ -81,8 +81,8 @@ impl<'a> ClosedGround<'a> {
         })
     }
 
-    /// Returns the open parts of the lines of a sweep, in the order in which they are flown, and the share of the ground within half a swath
-    /// of them; `None` if no part is left.
+    /// Returns the open parts of the lines of a sweep, in the order in which they are flown, and the share of the ground within half a
+    /// swath of them; `None` if no part is left.
     pub(super) fn cut(&self, lines: &[(Position, Position)], swath_m: f64) -> Option<OpenLines> {
         let flat = |(from, to): &(Position, Position)| Some((self.plane.project(*from)?, self.plane.project(*to)?));
         self.in_order(lines.iter().filter_map(flat), swath_m)

@@ -132,7 +132,7 @@ fn draft(
     }
     let (lines, share) = useful(fire, lines, swath_m);
     if lines.is_empty() {
-        return Err("too little of what has grown lies together".to_string());
+        return Err("no scan line covers enough of the grown area".to_string());
     }
     let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
     let start_m = START_S * (mission.model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));

@@ -21,9 +21,10 @@ use apex_requirements::margin::mission_end::mission_end;
 const DETOUR: f64 = 1.03;
 /// A command whose last point is this near to the base leads home.
 const BASE_M: f64 = 3_000.0;
-/// Share of the margin of plans below which the remaining plan is made again: the wind, or something else, has used up the rest.
+/// Share of the application's `end-margin` below which the remaining visits are planned again: a stronger wind, for example, has used up
+/// the rest.
 const REPLAN_SHARE: f64 = 0.3;
-/// Margin where the wind leaves no way home, negative.
+/// Magnitude in seconds of the margin, which is negative, if the wind permits no way home.
 const NO_WAY_S: f64 = 86_400.0;
 
 impl<'a> Scene<'a> {
@@ -80,8 +81,8 @@ impl<'a> Scene<'a> {
         (self.here, self.flown.altitude_m, 0.0)
     }
 
-    /// Returns the time that remains after a landing at a site, as soon as it is open, until `before_s` before the mission ends, or before the site closes, from a
-    /// position, an altitude, and an instant after now.
+    /// Returns the time in seconds that remains after a landing at a site, until `before_s` before the mission ends or the site closes. The
+    /// flight to the site begins at a position, an altitude and an instant after now, and waits until the site is open.
     fn landed_s(
         &self,
         before_s: f64,
@@ -100,9 +101,9 @@ impl<'a> Scene<'a> {
         mission_end(self.open_s(site, spell) - before_s - after_s, way_s, descent_s).max(-NO_WAY_S)
     }
 
-    /// Returns the time until the mission ends or the site closes for good, whichever is earlier. A site that has closed is open for no time
-    /// where another one is open; else the end of the mission counts, because a landing there is the least of the evils. A storm closes a
-    /// site if it is not expected to leave before the mission ends.
+    /// Returns the time in seconds until the mission ends or the site closes for good, whichever is earlier. For a site that has closed
+    /// it is 0 if another site is open; otherwise the time until the mission ends, because no better site remains. A storm closes a site
+    /// if it is not expected to leave before the mission ends.
     fn open_s(&self, site: &LandingSite<'_>, spell: Option<StormSpell>) -> f64 {
         let left_s = self.mission.settings.duration.seconds() - self.now_s;
         let left_s = match spell {
@@ -182,7 +183,7 @@ impl<'a> Scene<'a> {
         Some(legs.map(|(from, to)| geodesy::distance_m(*from, *to)).sum())
     }
 
-    /// Returns the place to which a violation leads: the base, or the landing place that leaves most time where the base leaves none.
+    /// Returns the landing site of the response to a violation: the base, or the site that leaves most time if the base leaves none.
     pub(super) fn site_for_mission_end(&self, reading: &Reading) -> LandingSite<'a> {
         self.landing_sites().find(|site| site.name == reading.what).unwrap_or_else(|| self.base())
     }

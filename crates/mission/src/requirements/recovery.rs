@@ -172,7 +172,7 @@ impl Scene<'_> {
         (Location { position: self.plane.position(to), altitude_m }, end_m)
     }
 
-    /// Returns the least margin on the path to a place, at most the distance to it: a greater margin brings nothing.
+    /// Returns the least margin on the path to a place, at most the distance to it: a greater margin has no advantage.
     fn worst_m(&self, to: Point, zones: &[LocalZone], area: Option<&KeepIn>, buffer: &ZoneBuffer) -> f64 {
         let track_rad = self.flown.track_deg().to_radians();
         let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
@@ -202,7 +202,7 @@ impl Scene<'_> {
     }
 
     /// Returns the nearest altitude at which the forecast keeps the limit: of wind and turbulence at the vehicle, of icing along the route.
-    /// `None` if there is none, or if a restricted zone closes the climb or descent.
+    /// `None` if there is none, if a restricted zone closes the climb or descent, or if the mission has no airspace requirement.
     fn calmer_layer(&self, reading: &Reading) -> Option<(Response, Location)> {
         let requirements = self.requirements();
         let model = &self.mission.model;
@@ -221,7 +221,7 @@ impl Scene<'_> {
         };
         let layers = (1..=LAYERS).flat_map(|number| [-f64::from(number), f64::from(number)]);
         let layers = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
-        // Near ice that was met the altitude is kept that was found then.
+        // Near ice that was met, the altitude that was found then is kept.
         let level = self.flown.ice.level_m.filter(|_| reading.name == "icing");
         let altitudes = level.into_iter().chain(layers);
         let found = altitudes

@@ -106,8 +106,8 @@ impl<'a> Scene<'a> {
         self.is_stormy(site) && self.landing_sites().any(|other| !self.is_stormy(&other))
     }
 
-    /// Returns the nearest landing site that no storm closes; `is_escalated`: and that is in no active zone. Without such a site, the nearest
-    /// one that no storm closes, otherwise the nearest one.
+    /// Returns the nearest landing site that no storm closes; `is_escalated`: and that is in no active zone. Without such a site, the
+    /// nearest one that no storm closes, otherwise the nearest one.
     pub(super) fn nearest_open_site(&self, is_escalated: bool) -> LandingSite<'a> {
         let nearest = self.nearest_site(self.here).0;
         let is_shut = |site: &LandingSite<'_>| is_escalated && self.is_shut(site);

@@ -13,8 +13,8 @@ use std::fmt::Write;
 /// Losses below this many points are left out of the text.
 const LOSS_TOLD_MIN: f64 = 0.05;
 /// Explanation of values in the rows of plans.
-const VALUES_TOLD: &str = "  A value in the second row is what the plan counted: the value then, less what had been seen and what its other visits \
-     show.";
+const VALUES_TOLD: &str = "  A value in the second row is the value that the plan expected: the value at the time of planning, less the \
+     parts that had been seen and the parts that its other visits show.";
 
 impl FlightScore {
     /// Returns the score for the record and for programs.

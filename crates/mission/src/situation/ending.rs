@@ -1,4 +1,5 @@
-//! Facts for which the report of a flight has a line at its end: why the initial task failed, where the vehicle is, a plan that no task flew.
+//! Facts for which the report of a flight has a line at its end: why the initial task failed, where the vehicle is, a plan that no task
+//! flew.
 
 use super::visit::VehicleState;
 use crate::Mission;

@@ -147,8 +147,8 @@ impl StormMemory {
         mission
     }
 
-    /// Returns the next time in which a cell is nearer than `kept_m` to a place: its first instant, and the first one after it at which none
-    /// is; `None` for an end that cannot be predicted.
+    /// Returns the next time in which a cell is nearer than `kept_m` to a place: its first instant, and the first one after it at which
+    /// none is; `None` for an end that cannot be predicted.
     pub(crate) fn spell(&self, place: Position, kept_m: f64, now_s: f64) -> Option<(f64, Option<f64>)> {
         if self.cells.is_empty() {
             return None;

@@ -174,7 +174,7 @@ fn length(value: &Value) -> Result<Option<f64>, String> {
     match value.as_number() {
         _ if !value.is_true() => Ok(None),
         Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres.is_finite() => Ok(Some(metres)),
-        _ => Err(format!("the altitude must be a length; got {value}")),
+        _ => Err(format!("expected a length for the altitude, found {value}")),
     }
 }
 
@@ -304,8 +304,9 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(answer(landing.way, landing.course_deg))
 }
 
-/// Evaluates `(way-to-climb HERE HEADING MET ALTITUDE)` for a vehicle that is about to take off: `:centre` of the circle on which it climbs,
-/// or nil for a circle where it begins to turn. A take-off whose climb meets the ground is an error, so that the vehicle stays there.
+/// Evaluates `(way-to-climb HERE HEADING MET ALTITUDE)` for a vehicle that is about to take off: `:centre` of the circle on which it
+/// climbs, or nil for a circle where it begins to turn. A take-off whose climb meets the ground is an error, so that the vehicle stays
+/// there.
 fn to_climb(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., altitude] = arguments else { return Ok(Value::nil()) };

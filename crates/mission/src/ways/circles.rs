@@ -72,8 +72,8 @@ impl Limits {
         (request.to, Some(name))
     }
 
-    /// Returns the centre of the circle on which a fixed wing climbs after a take-off in the direction of `from_track_rad`; `None` if it can
-    /// climb on a circle around the place at which it begins to turn.
+    /// Returns the centre of the circle on which a fixed wing climbs after a take-off in the direction of `from_track_rad`; `None` if it
+    /// can climb on a circle around the place at which it begins to turn.
     ///
     /// # Errors
     /// The zone that no circle within reach avoids.
@@ -119,8 +119,8 @@ impl Limits {
         Request { from, to: from, from_altitude_m, stay_s, ..*request }
     }
 
-    /// Returns true if the turn from the vehicle's track towards a circle, the way onto it and the circle are open, with `room_m` on both sides
-    /// and this share of the margins.
+    /// Returns true if the turn from the vehicle's track towards a circle, the way onto it and the circle are open, with `room_m` on both
+    /// sides and this share of the margins.
     fn can_join_circle(&self, request: &Request, centre: Position, (room_m, margins): (f64, f64)) -> bool {
         let plane = Plane::new(request.from);
         let radius_m = self.circle_radius_m();

@@ -117,7 +117,7 @@ impl Limits {
 fn length(value: &Value, what: &str) -> Result<f64, String> {
     match value.as_number() {
         Some((metres, Dimension::LENGTH | Dimension::NONE)) => Ok(metres),
-        _ => Err(format!("the {what} must be a length; got {value}")),
+        _ => Err(format!("expected a length for the {what}, found {value}")),
     }
 }
 

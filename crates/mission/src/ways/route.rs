@@ -132,8 +132,8 @@ impl Limits {
         unique_m
     }
 
-    /// Returns the place of the circles on which the vehicle changes its altitude if its way, which takes `way_s`, is too short for that. It
-    /// circles before it leaves for as long as plans count, if there is space, and for the rest at the end.
+    /// Returns the place of the circles on which the vehicle changes its altitude if its way, which takes `way_s`, is too short for that.
+    /// It circles before it leaves for as long as plans count, if there is space, and for the rest at the end.
     ///
     /// # Errors
     /// No place within reach has space for them.

@@ -27,13 +27,14 @@ pub enum AttitudeMode {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpeedProfile {
-    /// A constant true airspeed.
+    /// A constant true airspeed, in m/s.
     Airspeed(f64),
-    /// A constant ground speed.
+    /// A constant ground speed, in m/s.
     GroundSpeed(f64),
     /// As fast as the camera takes pictures that overlap by this share, no faster than cruise.
     Overlap(f64),
-    /// This ground speed, slower where the mount could not follow the target: `min(v, rate h / sin^2 beta)`.
+    /// This ground speed, in m/s, slower where the mount could not follow the target: `min(v, rate h / sin^2 beta)`, with `beta` the angle
+    /// of the line of sight below the horizon.
     SlowAtClosest(f64),
     /// The speed at which pictures smear by this many pixels, at most cruise speed.
     Smear(f64),
@@ -43,9 +44,9 @@ pub enum SpeedProfile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PayloadUse {
-    /// Pictures by distance over ground.
+    /// Pictures by distance over ground, in metres.
     StillsEvery(f64),
-    /// Pictures by time.
+    /// Pictures by time, in seconds.
     StillsInterval(f64),
     /// Video: on for all of the observed part.
     Video,
@@ -105,7 +106,8 @@ impl DataHandling {
 }
 
 impl AttitudeMode {
-    /// Returns the direction of the nose at a point with this track and wind, clockwise from north.
+    /// Returns the direction of the nose in degrees clockwise from north, at a point relative to the target, for a track, a ground speed
+    /// and the wind of the scene.
     pub(crate) fn heading_deg(&self, here: Point, (track_deg, ground_speed_mps): (f64, f64), scene: &Scene) -> f64 {
         match self {
             AttitudeMode::Coordinated => {

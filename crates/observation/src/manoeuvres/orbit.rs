@@ -89,8 +89,8 @@ impl Orbit {
         limit.at_least(self.radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
     }
 
-    /// Rejects an orbit from which the mount of the camera cannot see the target. A scanner looks straight down: it records the ground below
-    /// the circle.
+    /// Rejects an orbit from which the mount of the camera cannot see the target. A scanner looks straight down: it records the ground
+    /// below the circle.
     fn check_sight(&self, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
         let Instrument::Camera(camera) = instrument else { return Ok(()) };
         let aside = "no orbit works; fly over the target, for example by a sweep or straight over it".to_string();

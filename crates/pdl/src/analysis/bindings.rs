@@ -365,9 +365,11 @@ fn nothing_new(step: &Step, report: &mut FindingCollector<'_>) {
     let is_bound = |name: &Symbol| bound.surely.contains(name) || bound.perhaps.contains_key(name);
     for variable in clause.for_new.iter().filter(|variable| !is_bound(variable)) {
         let span = report.locator.variable_in_clause(step.place, name, variable);
-        let message = format!("`?{variable}` is never new");
+        let message = format!("`?{variable}` never gets a new value");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::NOTHING_NEW, span, message)
-            .reason("`:for-new` compares what the step's waitfor binds, and the waitfor does not bind this variable")
+            .reason(
+                "`:for-new` compares values that the step's waitfor binds, and the waitfor does not bind this variable",
+            )
             .help(format!("name a variable of the waitfor, or let the waitfor bind `?{variable}`"));
         report.add(diagnostic);
     }

@@ -57,7 +57,7 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             })
         }
         ConditionKind::Function(test) if known_truth(Some(test)) == Some(false) => {
-            Some(Impossible { place: test.place, reason: "its expression is nil".to_string(), help: LIMITS })
+            Some(Impossible { place: test.place, reason: "its expression is always nil".to_string(), help: LIMITS })
         }
         ConditionKind::Timestamp(from, _) if is_after_now(from) => {
             let reason = "`+now+` is read again at each instant, so the instant stays in the future".to_string();

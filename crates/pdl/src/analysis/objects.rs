@@ -29,7 +29,7 @@ pub(super) fn findings(library: &Library) -> Vec<Diagnostic> {
             let span = report.0.word(*place, name);
             let message = format!("`{name}` is named once as an object of `{attribute}`, and `{known}` several times");
             let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-                .reason("each object has its own samples, so a misspelled one has none")
+                .reason("each object has its own samples, so a misspelt one has none")
                 .fixes(renames(span, name.printed(), [known]));
             report.1.push(diagnostic);
         }

@@ -47,7 +47,7 @@ pub(super) fn findings(library: &Library, foreign: &BTreeSet<u32>, known: &[Diag
     let diagnostic = |(name, span, meant): (&Symbol, Span, &str)| {
         let message = format!("the word `{name}` is written once, and `{meant}` several times");
         Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a word in quotes is data: nothing declares it, and a misspelled one equals no other")
+            .reason("a word in quotes is data: nothing declares it, and a misspelt one equals no other")
             .fixes(renames(span, name.printed(), [meant]))
     };
     found.into_iter().map(diagnostic).collect()

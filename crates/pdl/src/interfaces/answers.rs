@@ -104,7 +104,8 @@ fn answers(
                 Value::Symbol(word) => findings.locator.word(asking.place, word),
                 _ => findings.locator.activity(asking.place),
             };
-            let message = format!("the answer `{value}` leads to `{}`, which nothing serves", template_text(&filled));
+            let message =
+                format!("the answer `{value}` leads to `{}`, a goal that no procedure serves", template_text(&filled));
             let severity = if step.on_failure.is_some() { Severity::Note } else { Severity::Warning };
             let mut diagnostic = Diagnostic::new(severity, codes::UNSERVED_ANSWER, span, message)
                 .label(findings.locator.activity(step.place), "pursued with the answer")

@@ -10,7 +10,7 @@ use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Options whose messages go to an outside simulator.
+/// Options whose messages go to an external simulator.
 const CUES: &[&str] = &["init", "start", "step", "stop", "reset"];
 const KINDS: &[&str] = &["native-sim", "realtime", "foreign-sim"];
 
@@ -107,7 +107,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Checks that options for an outside simulator are given only with one. A `:start` with text is a mission's civil time.
+    /// Checks that options for an external simulator are given only with one. A `:start` with text is a mission's civil time.
     fn check_cues(&mut self, options: &[KeywordGroup<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());
@@ -116,7 +116,7 @@ impl Lowering {
         let stray =
             options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
         let Some(group) = stray else { return Some(()) };
-        let message = format!("`:{}` is sent to an outside simulator, and this application has none", group.name);
+        let message = format!("`:{}` is sent to an external simulator, and this application has none", group.name);
         let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message)
             .reason(format!("its type is {kind}"))
             .help("write `:type foreign-sim`, or let a step of the initial task do it");

@@ -55,7 +55,7 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("at-least", ">="),
     ("at-most", "<="),
 ];
-/// Signs of relations, the longer ones first, and what they are here.
+/// Signs of relations, the longer ones first, with the relations of PDL that they mean.
 pub(super) const RELATION_SIGNS: &[(&str, &str)] = &[
     ("<=", "<="),
     (">=", ">="),

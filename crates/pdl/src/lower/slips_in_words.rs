@@ -1,5 +1,5 @@
-//! Worded comparisons: `(roll uav above 15)`, `(roll uav greater than 15)`, `(roll uav between 5 and 15)`. As they stand, they would be
-//! messages that never come.
+//! Comparisons written as words: `(roll uav above 15)`, `(roll uav greater than 15)`, `(roll uav between 5 and 15)`. As they stand, they
+//! would be messages that never come.
 
 use super::Lowering;
 use super::slips_of_tasks::AS_WRITTEN;

@@ -1,4 +1,4 @@
-//! Data with holes: activities, event forms, backquoted lists. Variables and indexicals are substituted, `,EXPR` is
+//! Templates: activities, event forms, backquoted lists. Variables and indexicals are substituted, `,EXPR` is
 //! evaluated, everything else is literal.
 
 use super::Lowering;

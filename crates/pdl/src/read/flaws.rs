@@ -121,7 +121,7 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
         }
         Repair::Remove { at } => {
             let span = locate(file, text, at, at + 1);
-            Diagnostic::error(codes::UNMATCHED_CLOSE, span, "this `)` is too many")
+            Diagnostic::error(codes::UNMATCHED_CLOSE, span, "superfluous `)`")
                 .reason("it closes a list earlier than the indentation and the shapes of the forms around it show")
                 .fix(fix("remove this `)`").replace(span, ""))
         }

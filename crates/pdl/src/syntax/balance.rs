@@ -12,7 +12,7 @@ use super::shape::{Piece, PieceKind, clause_meant, cost, is_form};
 pub(crate) enum Repair {
     /// `)` is missing at this offset, and closes the list that begins at the other.
     Close { at: usize, opened: usize },
-    /// The `)` at this offset is too many.
+    /// The `)` at this offset is superfluous.
     Remove { at: usize },
     /// `(` is missing at this offset.
     Open { at: usize },

@@ -40,8 +40,8 @@ fn two_hundred_mistakes_are_found_and_mended() {
     holds_the_bars(&score);
 }
 
-/// The checker must not be tuned to one seed. `MISTAKE_SEEDS="11 12"` uses seeds other than those with which it was improved; `make nightly`
-/// uses more of them.
+/// The checker must not be tuned to one seed. `MISTAKE_SEEDS="11 12"` uses seeds other than those with which it was improved;
+/// `make nightly` uses more of them.
 #[test]
 fn so_are_those_of_other_seeds() {
     let corpus = Corpus::new();

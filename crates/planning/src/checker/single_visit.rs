@@ -115,8 +115,8 @@ enum ChangeOfAltitude {
     OverTheEnd,
 }
 
-/// Flies `route` in steps and compares time, airspace and landing distance. The altitude changes at the beginning of the leg, at its end, or
-/// in circles over the end: one of these must keep the rules.
+/// Flies `route` in steps and compares time, airspace and landing distance. The altitude changes at the beginning of the leg, at its end,
+/// or in circles over the end: one of these must keep the rules.
 fn fly(
     problem: &SingleVisitProblem,
     route: &[Position],

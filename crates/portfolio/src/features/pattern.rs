@@ -9,15 +9,16 @@ use crate::cell::{Scale, Space};
 use apex_geo::plane::Point;
 use std::f64::consts::PI;
 
-/// Standard deviation of a cluster as a share of the map's side: a single cluster, each of two clusters; and the distance of the two.
+/// Standard deviation of a cluster as a share of the map's side: of a single cluster, and of each of two clusters with the distance of
+/// their centres.
 const GLOBULAR: f64 = 0.08;
 const TWO_CLUSTERS: (f64, f64) = (0.05, 0.76);
 /// Width of the transition, as a share of the side, in which the likelihood of a map that is too small for its points falls.
 const EDGE: f64 = 0.05;
-/// Maximum rounds of the division into two clusters; it converges in a few.
+/// Maximum number of iterations of 2-means clustering; it converges in a few.
 const CLUSTER_ROUNDS_MAX: usize = 50;
 
-/// Returns minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
+/// Returns the negative log-likelihood per target of each scale (row) and space (column), less the least of them.
 pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
     let points: Vec<Point> = given
         .points()
@@ -110,7 +111,8 @@ fn crowd(count: f64, square_m2: f64, deviation_m: f64) -> f64 {
     -(count - 1.0) * libm::log(2.0 * PI * variance_m2) - libm::log(count) - 0.5 * square_m2 / variance_m2
 }
 
-/// Divides points in two, from the farthest pair, until nothing changes; true is the second side.
+/// Divides points in two by 2-means clustering (Lloyd's algorithm) until nothing changes; true is the second cluster. The initial centres
+/// are the point that is farthest from the first point, and the point that is farthest from that one.
 pub(super) fn divided(points: &[Point]) -> Vec<bool> {
     let mut sides = vec![false; points.len()];
     let Some(first) = points.first() else { return sides };

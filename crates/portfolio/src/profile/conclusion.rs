@@ -19,16 +19,16 @@ pub struct Conclusion {
     pub budget_units: u64,
     /// The planner with the least mean logarithm of costs.
     pub best: String,
-    /// Verdict; `First` means better than every other.
+    /// Verdict about `best` and `next`.
     pub verdict: Verdict,
     /// The second best planner; the same planner if there is no other.
     pub next: String,
-    /// Advantage of the best over the next, in percent of cost.
+    /// Cost of `best` below that of `next`, in percent of the cost of `next`.
     pub effect_percent: f64,
 }
 
 impl Conclusion {
-    /// Returns the conclusion as text: `wam is best at 10 ms, 2.3 % before two-opt`.
+    /// Returns the conclusion as text: `at 10 ms wam is best, 2.3 % before two-opt`.
     pub fn words(&self) -> String {
         let budget = budget_words(self.budget_units);
         let (best, next, effect) = (&self.best, &self.next, self.effect_percent);

@@ -68,13 +68,13 @@ fn alike(part: &Profile, first: &Profile) -> Result<(), &'static str> {
 /// Puts the costs of `row`, of `part`, into the row of the whole.
 fn put(known: &mut Row, row: &Row, (part, whole): (&Profile, &Profile)) -> Result<(), String> {
     if known.hash != row.hash {
-        return Err(format!("{} has other missions here than in an earlier part", row.cell));
+        return Err(format!("the missions of {} differ from those in an earlier part", row.cell));
     }
     for (planner, costs) in part.planners.iter().zip(&row.costs) {
         let place = whole.planner(&planner.name);
         let Some(slot) = place.and_then(|place| known.costs.get_mut(place)) else { continue };
         if !slot.is_empty() && slot != costs {
-            return Err(format!("{} has other costs in {} here than in an earlier part", planner.name, row.cell));
+            return Err(format!("the costs of {} in {} differ from those in an earlier part", planner.name, row.cell));
         }
         slot.clone_from(costs);
     }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Maximum number of budgets in one profile.
 const BUDGETS_MAX: usize = 32;
 
-/// Returns the cells with these names, each once; `all` and `subset` are names too.
+/// Returns the cells with these names; `all` and `subset` are names of several cells.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.
@@ -57,8 +57,8 @@ pub fn row<'a>(profile: &'a Profile, name: &str) -> Result<&'a Row, ProfileError
 /// If there are none, too many, or they do not increase.
 pub fn rising(budgets: Vec<u64>, texts: &[String]) -> Result<Vec<u64>, ProfileError> {
     if budgets.is_empty() || budgets.len() > BUDGETS_MAX || !budgets.is_sorted_by(|a, b| a < b) {
-        let message = format!("the budgets {} do not rise", texts.join(", "));
-        let help = format!("write one to {BUDGETS_MAX} times, each longer than the one before");
+        let message = format!("invalid budgets `{}`", texts.join(", "));
+        let help = format!("write one to {BUDGETS_MAX} different times, the shortest first");
         return Err(ProfileError::new(message, help));
     }
     Ok(budgets)
@@ -101,7 +101,7 @@ pub fn counts(counts: &[usize]) -> Result<(), ProfileError> {
     }
 }
 
-/// Returns the surveillance planners with these names, each once.
+/// Returns the surveillance planners with these names.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.
@@ -116,8 +116,8 @@ pub fn planners(names: &[String], registry: &Registry) -> Result<Vec<Arc<dyn Sol
         let solver = serving.iter().find(|solver| solver.name() == name).cloned();
         found.push(solver.ok_or_else(|| {
             let known: Vec<&str> = serving.iter().map(|solver| solver.name()).collect();
-            let message = format!("there is no planner of surveillance `{name}`");
-            ProfileError::new(message, format!("known are {}", known.join(", ")))
+            let message = format!("surveillance planner `{name}` not found");
+            ProfileError::new(message, format!("known planners: {}", known.join(", ")))
         })?);
     }
     Ok(found)

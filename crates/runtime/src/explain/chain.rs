@@ -113,7 +113,7 @@ impl<'a> Chain<'a> {
                 Evidence::Event { form, at, .. } => {
                     let said = self.log.decisions.inform(&form.to_string(), *at)?;
                     if said.is_none() {
-                        link.causes.push(Link::seen(*at, format!("{form} came from outside")));
+                        link.causes.push(Link::seen(*at, format!("{form} was received as an input")));
                     }
                     said
                 }

@@ -9,8 +9,8 @@ use apex_model::time::Time;
 /// Least likeness of a suggested name; 1 means equal.
 const LIKENESS_MIN: f64 = 0.5;
 
-/// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains, whole
-/// words before parts of words. Of several such tasks, a living one.
+/// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains,
+/// whole words before parts of words. Of several such tasks, a living one.
 ///
 /// # Errors
 /// [`RecordError::Question`] with candidates when none or several are meant.

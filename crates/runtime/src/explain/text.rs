@@ -94,7 +94,7 @@ fn write_waiting(why: &Why, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
     if let Some(Blocked { by, goal, resource, since, strengths, .. }) = &why.blocked {
         let since = Time::from_seconds(*since);
-        writeln!(f, "\nIt lost {resource} to {by} {goal} at {since} ({strengths}).")?;
+        writeln!(f, "\nIt lost the conflict over {resource} to {by} {goal} at {since} ({strengths}).")?;
     }
     Ok(())
 }
@@ -119,11 +119,11 @@ impl fmt::Display for ResourceAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let at = Time::from_seconds(self.about.t);
         match self.holders.as_slice() {
-            [] => writeln!(f, "{} ({} of it) belongs to no task at {at}.", self.resource, self.total)?,
-            [one] => writeln!(f, "{} belongs to {} {} at {at}.", self.resource, one.task, one.goal)?,
+            [] => writeln!(f, "{} ({} of it) is held by no task at {at}.", self.resource, self.total)?,
+            [one] => writeln!(f, "{} is held by {} {} at {at}.", self.resource, one.task, one.goal)?,
             some => {
                 let names: Vec<String> = some.iter().map(|each| format!("{} {}", each.task, each.goal)).collect();
-                writeln!(f, "{} belongs to {} at {at}.", self.resource, names.join(" and "))?;
+                writeln!(f, "{} is held by {} at {at}.", self.resource, names.join(" and "))?;
             }
         }
         write_holders(f, "Who holds it", &self.holders)?;

@@ -13,7 +13,10 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Explains the task of `row`.
+/// Explains task `id`.
+///
+/// # Errors
+/// If the flight has no such task, or the record cannot be read.
 pub(super) fn of_task(
     snapshot: RecordSnapshot<'_>,
     id: TaskId,

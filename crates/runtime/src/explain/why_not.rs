@@ -122,7 +122,7 @@ fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Opt
         (Some(task), Some(TaskState::Ongoing)) => {
             format!("{task} {} is ongoing, and does not lead to it now", snapshot.goal(task))
         }
-        (Some(task), Some(state)) => format!("all waits for {task} {}, which is {state}", snapshot.goal(task)),
+        (Some(task), Some(state)) => format!("{task} {}, which leads to it, is {state}", snapshot.goal(task)),
     };
     answer.answer = format!("No task pursues {goal} at {}: {reason}.", snapshot.at);
     Ok(Some(Draft { answer, task }))
@@ -205,7 +205,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
     let text = match (found.holders.as_slice(), found.waiting.as_slice()) {
         ([], []) => format!("{} is free at {}, and no task waits for it.", found.resource, snapshot.at),
         (some, []) => {
-            format!("{} belongs to {} at {}, and no task waits for it.", found.resource, names(some), snapshot.at)
+            format!("{} is held by {} at {}, and no task waits for it.", found.resource, names(some), snapshot.at)
         }
         ([], some) => format!(
             "{} is free at {}, and {} waits for it and for something else.",
@@ -214,7 +214,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
             names(some)
         ),
         (holders, some) => {
-            format!("{} is not granted to {}, because it belongs to {}.", found.resource, names(some), names(holders))
+            format!("{} is not granted to {}, because it is held by {}.", found.resource, names(some), names(holders))
         }
     };
     let first = found.waiting.first().or(found.holders.first()).map(|each| each.task.clone());

@@ -123,7 +123,7 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     let id = mark.and_then(|bytes| <[u8; 4]>::try_from(bytes).ok()).map(|bytes| i64::from(u32::from_be_bytes(bytes)));
     Ok(match header.starts_with(SQLITE_MARK) {
         true if id == Some(APPLICATION_ID) => FileState::Record,
-        true => FileState::Other("it is a database of something else".into()),
+        true => FileState::Other("it is an SQLite database of another program".into()),
         false if header.is_empty() => FileState::Record,
         false => FileState::Other("its first bytes are not those of a record".into()),
     })

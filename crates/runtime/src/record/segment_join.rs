@@ -158,8 +158,8 @@ impl SegmentFollower {
     }
 }
 
-/// Writes the groups of a growing segment after `progress` into the joined record. Each group is committed as soon as it was found to fit its
-/// seal. After damage or a failed write nothing of the group concerned remains, so that a later call can take it as a whole.
+/// Writes the groups of a growing segment after `progress` into the joined record. Each group is committed as soon as it was found to fit
+/// its seal. After damage or a failed write nothing of the group concerned remains, so that a later call can take it as a whole.
 fn take_new_groups(
     target: &Connection,
     segment: &Connection,

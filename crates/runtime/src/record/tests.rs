@@ -170,7 +170,7 @@ fn other_files_are_left_alone() {
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "my diary");
     let other = folder.path().join("other.db");
     Connection::open(&other).unwrap().execute_batch("CREATE TABLE t (x)").unwrap();
-    assert!(refusal_of(&other).0.contains("database of something else"));
+    assert!(refusal_of(&other).0.contains("database of another program"));
     assert!(refusal_of(folder.path()).0.contains("it is a folder"));
 }
 

@@ -51,7 +51,8 @@ impl TrackWatcher {
         TrackWatcher { vehicle: Symbol::new(vehicle), latest: nowhere, written: None }
     }
 
-    /// Reads a batch; returns a row if the vehicle's position has changed enough for drawing.
+    /// Reads a batch. Returns a row if the batch has a location of the vehicle and, since the last row, [`INTERVAL_MAX`] has passed, or
+    /// [`INTERVAL_MIN`] with enough change of altitude, heading or bank.
     pub(super) fn hear(&mut self, batch: &Batch) -> Option<TrackRow> {
         let mut located = false;
         for event in &batch.events {
@@ -69,7 +70,7 @@ impl TrackWatcher {
         due.then(|| *self.written.insert(self.latest))
     }
 
-    /// Returns true for a new location.
+    /// Takes in a sample; returns true for a location.
     fn sample(&mut self, variable: &StateVariable, value: &Value) -> bool {
         let number = value.as_number().map(|(si, _)| si).filter(|si| si.is_finite());
         match variable.attribute.folded() {

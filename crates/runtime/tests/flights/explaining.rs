@@ -33,7 +33,10 @@ fn why_a_task_is_interrupted_and_by_whom() {
     let blocked = interrupted.blocked.clone().unwrap();
     assert_eq!((blocked.goal.as_str(), blocked.resource.as_str()), ("(look-at fire)", "flight-path"));
     assert!((blocked.since - 3.5).abs() < 1e-9 && blocked.winner_priority > blocked.loser_priority);
-    assert!(interrupted.to_string().contains("It lost flight-path to T2 (look-at fire) at 3.5s"), "{interrupted}");
+    assert!(
+        interrupted.to_string().contains("It lost the conflict over flight-path to T2 (look-at fire) at 3.5s"),
+        "{interrupted}"
+    );
     let later = why(&reader.0, "patrol", 10.0);
     assert_eq!((later.state.as_str(), later.blocked), ("ongoing", None));
 }

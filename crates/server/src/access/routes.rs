@@ -63,7 +63,7 @@ async fn begin(State(state): Shared, opening: Result<Json<Opening>, JsonRejectio
             let role = role.as_deref().map_or(Some(ActorRole::Operator), ActorRole::of_word);
             let role = role.ok_or_else(|| {
                 let words: Vec<&str> = ActorRole::ALL.into_iter().map(ActorRole::word).collect();
-                ApiError::bad_request(format!("`role` is none of {}", words.join(", ")), help)
+                ApiError::bad_request(format!("unknown `role`: expected one of {}", words.join(", ")), help)
             })?;
             state.sessions.begin_by_name(&name, role)?
         }

@@ -76,7 +76,7 @@ impl Sessions {
         if self.required {
             return Err(ApiError {
                 status: StatusCode::UNAUTHORIZED,
-                error: "this server answers to sessions only".into(),
+                error: "this server requires a session".into(),
                 help: "send the header `Authorization: Bearer TOKEN`, or begin a session with POST /api/session".into(),
             });
         }
@@ -166,7 +166,7 @@ impl Sessions {
 fn wrong_token() -> ApiError {
     ApiError {
         status: StatusCode::UNAUTHORIZED,
-        error: "the token is not known here".into(),
+        error: "unknown token".into(),
         help: "tokens are in the file of `--tokens`, or printed when the server starts".into(),
     }
 }

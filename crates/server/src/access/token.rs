@@ -72,7 +72,7 @@ impl AccessToken {
         };
         let role = ActorRole::of_word(role).ok_or_else(|| {
             let words: Vec<&str> = ActorRole::ALL.into_iter().map(ActorRole::word).collect();
-            format!("the role `{}` is none of {}", role.escape_debug(), words.join(", "))
+            format!("unknown role `{}`: expected one of {}", role.escape_debug(), words.join(", "))
         })?;
         AccessToken::new(Actor { name: (*name).into(), role }, secret)
     }
@@ -80,13 +80,13 @@ impl AccessToken {
     /// Returns a new token for `actor`, and its secret.
     ///
     /// # Errors
-    /// The system gives no random bytes.
+    /// If the system provides no random bytes.
     pub fn generate(actor: Actor) -> Result<(AccessToken, String), String> {
         let secret = new_secret()?;
         Ok((AccessToken { actor, digest: digest(&secret) }, secret))
     }
 
-    /// Returns true if `secret` is the token's; the duration is the same for every secret.
+    /// Returns true if `secret` is the digest of the token's secret. The comparison takes the same time for every digest.
     pub(crate) fn fits(&self, secret: &[u8; 32]) -> bool {
         let differences =
             self.digest.iter().zip(secret).fold(0, |differences, (ours, theirs)| differences | (ours ^ theirs));

@@ -180,7 +180,7 @@ impl Wish {
             Wish::Message { agent, form } => message_order(agent.as_deref(), form, read),
             Wish::AddTarget { target } => match known(target) {
                 None => Err(format!("the mission has no target `{target}`")),
-                Some(true) => Err(format!("{target} is already to be observed")),
+                Some(true) => Err(format!("`{target}` is a target of the flight already")),
                 Some(false) => Ok(news("new-target", target, None)),
             },
             Wish::RemoveTarget { target } => {
@@ -230,7 +230,9 @@ fn answer_order(
         let same = |choice: &&Value| choice.to_string().eq_ignore_ascii_case(answer.trim());
         let printed: Vec<String> = open.choices.iter().map(Value::to_string).collect();
         let chosen = open.choices.iter().find(same);
-        chosen.cloned().ok_or_else(|| format!("the answer {answer} is none of {}", printed.join(", ")))?
+        chosen
+            .cloned()
+            .ok_or_else(|| format!("the answer `{answer}` is not one of the options {}", printed.join(", ")))?
     };
     Ok(Order::Input(Some(of(agent)), EventKind::OperatorAnswered(QuestionId(question), value)))
 }

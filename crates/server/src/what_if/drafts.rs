@@ -57,7 +57,10 @@ pub(crate) async fn draft(
         let what_if = state.what_if()?;
         let reader = state.reader()?;
         let mission = mission_of(&reader)?.ok_or_else(|| {
-            ApiError::bad_request("the record is not of a mission", "drafts need the targets of a mission")
+            ApiError::bad_request(
+                "the record is not of a mission",
+                "open the record of a mission: a draft visits its targets",
+            )
         })?;
         let end = reader.span()?.map_or(Time::ZERO, |(_, end)| end);
         let at = request.at_ns.map_or(end, |at| Time(at).min(end));

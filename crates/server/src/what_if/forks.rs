@@ -44,7 +44,7 @@ pub(crate) async fn stop(
         id.map_err(|rejection| ApiError::bad_request(rejection.body_text(), "`/api/forks` lists the forks"))?;
     let flight = state.what_if()?.forks.list().iter().find(|flight| flight.id == id).cloned();
     let flight =
-        flight.ok_or_else(|| ApiError::not_found(format!("there is no fork {id}"), "`/api/forks` lists the forks"))?;
+        flight.ok_or_else(|| ApiError::not_found(format!("fork {id} not found"), "`/api/forks` lists the forks"))?;
     flight.stop();
     Ok((StatusCode::ACCEPTED, Json(flight.state())))
 }

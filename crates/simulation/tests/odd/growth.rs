@@ -45,8 +45,8 @@ fn visit(flown: &Flown, id: &str) -> Option<(f64, f64)> {
     Some((visit.begin.seconds(), visit.end?.seconds()))
 }
 
-/// The report comes during the visit, whose lines are for the old outline, or on the way to the next fire: in either case the aircraft flies
-/// over the new ground alone, and both are scored by the area at their instant.
+/// The report comes during the visit, whose lines are for the old outline, or on the way to the next fire: in either case the aircraft
+/// flies over the new ground alone, and both are scored by the area at their instant.
 #[test]
 fn the_growth_of_a_fire_is_seen_by_a_second_visit() {
     let (begin_s, end_s) = visit(&survey(50_000, "4h"), "brush").unwrap();

@@ -3,8 +3,8 @@
 use crate::harness::{collection, feature, fly, home, loaded, point, program};
 use apex_mission::report::MissionValue;
 
-/// The second look is wanted one to two hours after the first one, and must be made. It was planned six minutes after it, for its full value,
-/// and cost 30 instead.
+/// The second look is wanted one to two hours after the first one, and must be made. It was planned six minutes after it, for its full
+/// value, and cost 30 instead.
 #[test]
 fn a_look_is_planned_at_its_interval_to_the_look_before() {
     let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [

@@ -13,8 +13,8 @@ fn layers(low_mps: u32, high_mps: u32) -> String {
 }
 
 /// The zone makes the lines so high that the wind there is 55 m/s; at cruise altitude, where plans fly home, it is 26. The way home was
-/// counted at the altitude of the lines: the requirement turned the aircraft home after 51 minutes and without any observation, with more than
-/// half of the remaining time to spare.
+/// counted at the altitude of the lines: the requirement turned the aircraft home after 51 minutes and without any observation, with more
+/// than half of the remaining time to spare.
 #[test]
 fn the_way_home_counts_at_cruise_altitude() {
     let wide = r#""id": "wide", "kind": "fire", "acres": 170000, "value": 40, "resolution_m": 20"#;
@@ -102,8 +102,8 @@ fn a_segment_is_weighed_in_the_wind_that_is_measured() {
     assert!((blind_s - told_s).abs() < 0.08 * told_s, "{blind_s} and {told_s}");
 }
 
-/// A segment is flown again by a path for the wind that blows, and takes the time that was stated. By the forecast the turns were too tight,
-/// and the aircraft flew a second pattern: three times as long.
+/// A segment is flown again by a path for the wind that blows, and takes the time that was stated. By the forecast the turns were too
+/// tight, and the aircraft flew a second pattern: three times as long.
 #[test]
 fn a_segment_is_flown_again_in_the_time_that_is_stated() {
     let fire = r#""id": "fire", "kind": "fire", "acres": 9000, "value": 40, "resolution_m": 10"#;

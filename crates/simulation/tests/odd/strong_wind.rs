@@ -40,7 +40,8 @@ fn downwind(fires: &[(&str, f64)]) -> Flown {
     flown
 }
 
-/// Flies in a wind that rises to `strong_mps` above 1,000 m from `from_h` on; near the ground it stays as forecast, because nothing lands in more.
+/// Flies in a wind that rises to `strong_mps` above 1,000 m from `from_h` on; near the ground it stays as forecast, because nothing lands
+/// in more.
 fn fly_downwind(
     targets: &str,
     (duration, end_margin, strong_mps, from_h): (&str, &str, u32, f64),
@@ -101,9 +102,9 @@ fn a_small_margin_leads_to_a_new_plan_before_it_leads_home() {
 }
 
 /// The wind rises when the aircraft is far downwind: the base cannot be reached before the mission ends, and a field behind it can. The
-/// aircraft is on its way home when the field is the last one in reach; it flew on to the base before, because a landing in progress was not
-/// outranked. The landing in this wind takes 19 minutes, ten more than the rate of descent tells: it ended 86 s after the instant
-/// that is required.
+/// aircraft is on its way home when the field is the last one in reach; it flew on to the base before, because a landing in progress was
+/// not outranked. The landing in this wind takes 19 minutes, ten more than the rate of descent tells: it ended 86 s after the instant that
+/// is required.
 #[test]
 fn an_aircraft_that_cannot_be_home_in_time_lands_at_another_field() {
     let fire = r#""id": "farther", "kind": "fire", "acres": 4000, "value": 20"#;

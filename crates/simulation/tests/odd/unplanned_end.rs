@@ -115,7 +115,8 @@ fn a_plan_that_no_task_flies_is_named() {
     assert!(text.contains("this plan was not flown: no task pursued (see them)"), "{text}");
 }
 
-/// After a quarter of an hour a wind of 60 m/s blows down to the ground: the final approach, at 59 m/s, never ends, until its time limit. The report names all.
+/// After a quarter of an hour a wind of 60 m/s blows down to the ground: the final approach, at 59 m/s, never ends, until its time limit.
+/// The report names all.
 #[test]
 fn a_landing_that_the_wind_prevents_is_named() {
     let header = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr,from_h,until_h";

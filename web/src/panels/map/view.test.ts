@@ -39,7 +39,7 @@ describe('the aircraft', () => {
   const none = pathOf(null);
   const at = (atNs: number, tail = none) => aircraftAt(flownUntil(path, tail, atNs));
 
-  it('P1: is at its last sample, whatever comes after', () => {
+  it('is at its last sample, whatever comes after', () => {
     expect(path.times).toEqual([0, 10, 30]);
     expect(at(9.9)).toEqual({ position: [-118, 34], headingDeg: 350 });
     expect(at(10)).toEqual({ position: [-117, 35], headingDeg: 10 });

@@ -40,7 +40,7 @@ describe('the scale', () => {
   });
 });
 
-it('P1: the values of the cursor are seconds and end with the axis', () => {
+it('the values of the cursor are seconds and end with the axis', () => {
   const axis = axisOf({ fromNs: 0, toNs: 3_580.889e9 }, 3_600e9, 1_200.5e9);
   expect(cursorValues(axis, 1_200.5e9)).toEqual({ min: 0, max: 3600, now: 1200 });
 });

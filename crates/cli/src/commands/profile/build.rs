@@ -73,7 +73,10 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     Ok(())
 }
 
-/// Returns the text of an older profile that may be replaced; any other file is an error, before anything is measured.
+/// Returns the text of the profile or empty file at `path`, which may be replaced; `None` if there is no file.
+///
+/// # Errors
+/// If another file is there. It is checked before the measurement, which can take hours.
 pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if !path.exists() {
         return Ok(None);

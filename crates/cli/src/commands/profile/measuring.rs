@@ -32,7 +32,7 @@ fn threads(options: &ProfileWorkOptions) -> CliResult<usize> {
     match options.threads {
         None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
         Some(threads) if (1..=THREADS_MAX).contains(&threads) => Ok(threads),
-        Some(threads) => Err(CliError::user(format!("{threads} threads cannot be used"))
+        Some(threads) => Err(CliError::user(format!("invalid value `{threads}` for `--threads`"))
             .help(format!("write a number from 1 to {THREADS_MAX}"))),
     }
 }

@@ -13,7 +13,7 @@ pub(super) fn run(options: &ProfileMergeOptions) -> CliResult {
     let part = |path: &std::path::PathBuf| Ok((path.display().to_string(), read(Some(path))?));
     let parts: Vec<(String, Profile)> = options.parts.iter().map(part).collect::<CliResult<_>>()?;
     let whole = merged(&parts).map_err(|why| {
-        CliError::user("these profiles are not parts of one")
+        CliError::user("these profiles are not parts of one profile")
             .because(why)
             .help("measure all parts by the same program with the same `--missions` and `--budgets`, and each planner in all cells")
     })?;

@@ -18,7 +18,7 @@ use apex_model::time::Time;
 use std::cmp::Ordering;
 use std::collections::{BTreeSet, VecDeque};
 
-/// A task that wants to be ongoing.
+/// A task that needs resources to become or remain ongoing.
 #[derive(Clone)]
 pub(crate) struct Claimant {
     /// Its number.

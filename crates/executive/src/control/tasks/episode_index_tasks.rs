@@ -1,5 +1,5 @@
 //! Threshold episodes of tasks (TC)
-//! What: lets banks watch the undecided threshold episodes of task clauses, and marks a monitor for judgement when its episode is
+//! What: lets episode indexes watch the undecided threshold episodes of task clauses, and marks a monitor for judgement when its episode is
 //! decided.
 //! Runs: notice phase; when a monitor is judged, removed or explained.  Reads: Watch.
 //! Writes: Interests, Watch, wakes.
@@ -20,7 +20,7 @@ use crate::state::wake::Wake;
 use apex_model::event::StateVariable;
 use std::borrow::Cow;
 
-/// Passes the stimulus to the bank of its variable. Monitors that must receive it individually are added to `found`.
+/// Passes the stimulus to the episode index of its variable. Monitors that must receive it individually are added to `found`.
 pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut MonitorIds) {
     let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
     let Some(bank) = cycle.agent.interests.episodes_mut(variable) else { return };
@@ -40,7 +40,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Mon
     refresh(cycle, variable);
 }
 
-/// Handles the wake of the bank that holds an episode of `id`: one of its episodes is due.
+/// Handles the wake of the episode index that holds an episode of `id`: one of its episodes is due.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let watch = cycle.agent.watches.get(id.0);
     let Some(variable) = watch.and_then(|watch| threshold_episode::variable(&watch.monitor)).cloned() else { return };
@@ -54,7 +54,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     refresh(cycle, &variable);
 }
 
-/// Removes the monitor from its bank, if it is in one.
+/// Removes the monitor from its episode index, if it is in one.
 pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut ClauseMonitor) {
     let Some(variable) = threshold_episode::variable(&watch.monitor).cloned() else { return };
     let Some(run) = cycle.agent.interests.episodes_mut(&variable).and_then(|bank| bank.take(LeafId::whole(id))) else {
@@ -65,7 +65,7 @@ pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut ClauseM
     refresh(cycle, &variable);
 }
 
-/// Moves the undecided monitor into a bank. Returns false if no bank can watch it.
+/// Moves the undecided monitor into an episode index. Returns false if no episode index can watch it.
 pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut ClauseMonitor) -> bool {
     let Some(variable) = threshold_episode::variable(&watch.monitor).cloned() else { return false };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
@@ -89,7 +89,7 @@ fn stand_up(cycle: &mut Cycle<'_>, taken: Taken) {
     }
 }
 
-/// Schedules the next wake of the bank, cancels an earlier one, and drops the bank if it is empty.
+/// Schedules the next wake of the episode index, cancels an earlier one, and drops the episode index if it is empty.
 fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
     let agent = &mut *cycle.agent;
     let Some(bank) = agent.interests.episodes_mut(variable) else { return };
@@ -105,7 +105,7 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
     }
 }
 
-/// Returns the monitor in the state that it would have without a bank.
+/// Returns the monitor in the state that it would have without an episode index.
 pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a ClauseMonitor) -> Cow<'a, Monitor> {
     let variable = threshold_episode::variable(&watch.monitor);
     let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(LeafId::whole(id)));

@@ -1,6 +1,6 @@
 //! Time conditions (M&I)
 //! What: detects that an instant has arrived or that a duration has passed.
-//! Runs: whenever the verdict is asked; wakes the agent at the instant.
+//! Runs: whenever the verdict is requested; wakes the agent at the instant.
 //! Reads: evaluation context.
 //! Writes: the time part of a monitor.
 //! Bound: O(1).

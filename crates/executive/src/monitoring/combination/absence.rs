@@ -1,6 +1,6 @@
 //! Absence (M&I)
 //! What: detects that a window of the required length passed in which the part did not hold.
-//! Runs: whenever the verdict is asked, and at the instant at which the window is over.
+//! Runs: whenever the verdict is requested, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
 //! Bound: O(new results) per evaluation; while the part is undecided, memory for its results that are at least one window apart.

@@ -1,14 +1,14 @@
 //! First results of conjunctions (M&I)
 //! What: keeps, of the results of each part of an `:and`, the first for each set of bindings, where no other can be reported.
-//! Runs: whenever the verdict is asked of a monitor whose whole condition is such an `:and`, or alternatives of which one is.
+//! Runs: whenever the verdict of a monitor is requested whose whole condition is such an `:and`, or alternatives of which one is.
 //! Reads: the parts' results.
 //! Writes: removes results from the parts.
 //! Bound: O(1) per result, amortised: a sweep over all n kept results, O(n log n), each time they have doubled.
 //! PDL: `:and`.
 //! Paper: Table 1, row 11.
 //!
-//! Of the combinations with equal bindings, only the first is required. Without constraints, its parts are the first results of the parts: any
-//! other result could be exchanged for the first one with equal bindings, and the combination would be recognised no later.
+//! Of the combinations with equal bindings, only the first is required. Without constraints, its parts are the first results of the parts:
+//! any other result could be exchanged for the first one with equal bindings, and the combination would be recognised no later.
 
 use crate::expression::EvalContext;
 use crate::monitoring::basic::measurement::variable_of;

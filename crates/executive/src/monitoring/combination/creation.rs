@@ -39,7 +39,7 @@ struct Role {
     standing: bool,
     /// Whole runs are required: a run that later samples may invalidate is judged when it is over.
     whole_runs: bool,
-    /// Only the first result for each set of bindings is asked.
+    /// Only the first result for each set of bindings is requested.
     first_only: bool,
 }
 

@@ -1,6 +1,6 @@
 //! Logic and order (M&I)
 //! What: combines the results of parts: all of them, one of them, none, or in sequence.
-//! Runs: whenever the verdict is asked.
+//! Runs: whenever the verdict is requested.
 //! Reads: the monitor's tree, evaluation context.
 //! Writes: nothing.
 //! Bound: O(parts) where parts share nothing; else `MONITOR_COMBINATIONS_MAX` combinations.
@@ -337,7 +337,7 @@ impl<'a> Combination<'a> {
         last_delay: Option<(Duration, Duration)>,
         query: &mut VerdictQuery<'_>,
     ) -> bool {
-        // A part that stands asks for a wake itself.
+        // A `:not` holds at instants, and its evaluation requests the wake.
         if steps.iter().any(|step| step.stands) {
             return false;
         }
@@ -367,7 +367,7 @@ impl<'a> Combination<'a> {
             self.complete(nots, last_delay, partial, query);
             return;
         };
-        // A part that stands asks for a wake below.
+        // The wake of a `:not` is requested below, when the combination is evaluated.
         let next = rest.first().filter(|_| self.ordered && !step.stands);
         let goes_on = |result: &&Satisfaction| next.is_none_or(|next| next.may_follow(result.interval.1));
         for result in step.results.iter().filter(goes_on) {

@@ -36,7 +36,7 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
         now.push_str("; older samples are no longer kept");
     } else if held.holds.is_some() {
         until = Some(site.window.start).filter(|start| *start > query.now);
-        now.push_str(", which is not within the wanted time");
+        now.push_str(", which is outside of the window");
     } else if let Some(distance) = distance(&leaf.tests, &held.value) {
         now.push_str(&format!(", {distance} off"));
     }

@@ -1,6 +1,6 @@
 //! Orders of points (M&I)
 //! What: finds the first chain of samples and messages that follow one another, and drops those that no chain needs.
-//! Runs: whenever the verdict of a monitor is asked whose whole condition is such an order.
+//! Runs: whenever the verdict of a monitor is requested whose whole condition is such an order.
 //! Reads: the parts' results, evaluation context.
 //! Writes: removes results from the parts of the order.
 //! Bound: O(log n) per sample for parts that bind no variable; a sweep over all n kept results each time they have doubled.
@@ -139,9 +139,9 @@ struct ChainSearch<'a> {
     extents: &'a [(Time, Time)],
     order: &'a PointOrder,
     looks: u64,
-    /// For each step, the latest instant of a point that no chain to the end contains, if no part binds a variable and no limit reaches over
-    /// the step. Points that are tried later are not earlier than those tried before, because the spans in which points may follow move with
-    /// the preceding points.
+    /// For each step, the latest instant of a point that no chain to the end contains, if no part binds a variable and no limit reaches
+    /// over the step. Points that are tried later are not earlier than those tried before, because the spans in which points may follow
+    /// move with the preceding points.
     failed: Vec<Time>,
     chain: Vec<&'a Satisfaction>,
     found: Vec<Satisfaction>,

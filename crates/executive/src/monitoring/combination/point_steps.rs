@@ -49,8 +49,8 @@ pub(crate) struct OrderedPart<'a> {
     pub(crate) gap: Gap,
 }
 
-/// Returns the parts except for the delays, and the least delay after the last of them; `None` if a delay has no value. `limits` are those of
-/// [`PointOrder::limits`].
+/// Returns the parts except for the delays, and the least delay after the last of them; `None` if a delay has no value. `limits` are those
+/// of [`PointOrder::limits`].
 pub(crate) fn steps<'a>(
     composite: &'a Composite,
     limits: &[(Duration, Duration)],

@@ -1,6 +1,6 @@
 //! Run update (M&I)
 //! What: computes the state of a run of samples after its newest sample and at a later instant.
-//! Runs: from episode detection, for the past (a later sample has arrived) and for the present (a verdict is asked).
+//! Runs: from episode detection, for the past (a later sample has arrived) and for the present (a verdict is requested).
 //! Reads: the episode part, evaluation context.
 //! Writes: nothing; the caller keeps what is final.
 //! Bound: O(1); any pair of samples: O(run).

@@ -1,5 +1,5 @@
 //! Backfill of threshold episodes (M&I)
-//! What: processes remembered samples of a threshold episode with one comparison each, as a bank does, without general detection.
+//! What: processes remembered samples of a threshold episode with one comparison each, as an episode index does, without general detection.
 //! Runs: when the monitor of a threshold episode is created over a past, or a late sample restarts it.
 //! Reads: the samples that are remembered.
 //! Writes: the episode part.

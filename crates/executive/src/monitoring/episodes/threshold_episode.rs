@@ -1,5 +1,5 @@
 //! Threshold episodes (M&I)
-//! What: decides which episodes a bank can watch in place of their monitors, and moves them there and back.
+//! What: decides which episodes an episode index can watch in place of their monitors, and moves them there and back.
 //! Runs: when an episode was judged and is undecided; when the index has decided it, or a verdict is requested.
 //! Reads: the episode part.
 //! Writes: the runs of an episode part.
@@ -36,7 +36,7 @@ pub(crate) fn is_plain(part: &EpisodePart) -> bool {
         && [&condition.stats, &condition.trend].iter().all(|each| each.is_empty())
 }
 
-/// Returns the variable of the monitor if its condition is a plain episode, which the bank of that variable may watch.
+/// Returns the variable of the monitor if its condition is a threshold episode, which the episode index of that variable may watch.
 pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     match &monitor.root.kind {
         PartKind::Episode(leaf) if is_plain(leaf) => leaf.variable.as_ref(),
@@ -44,8 +44,8 @@ pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     }
 }
 
-/// Returns the state of the monitor with its samples until now, if a bank can watch it: a task's monitor while it is undecided, or
-/// one whose results were all reported.
+/// Returns the state of the monitor with its samples until now, if an episode index can watch it: a task's monitor while it is undecided,
+/// or one whose results were all reported.
 pub(crate) fn bankable<'a>(
     monitor: &'a Monitor,
     context: &dyn EvalContext,
@@ -58,7 +58,7 @@ pub(crate) fn bankable<'a>(
     more.then_some((bankable.wanted, bankable.run))
 }
 
-/// An episode that a bank can watch.
+/// An episode that an episode index can watch.
 pub(crate) struct Bankable<'a> {
     /// The episode to watch.
     pub(crate) wanted: ThresholdEpisode,
@@ -68,7 +68,7 @@ pub(crate) struct Bankable<'a> {
     pub(crate) over: Option<Satisfaction>,
 }
 
-/// Returns the state of the episode `part` for a bank; `None` if no bank can watch it.
+/// Returns the state of the episode `part` for an episode index; `None` if no episode index can watch it.
 pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<Bankable<'a>> {
     let PartKind::Episode(leaf) = &part.kind else { return None };
     if !is_plain(leaf) || leaf.runs.len() > 1 {
@@ -142,14 +142,14 @@ fn range(constraint: &Constraint, leaf: &EpisodePart, context: &dyn EvalContext)
     Some(limits)
 }
 
-/// Moves the state that a bank has kept back into the monitor.
+/// Moves the state that an episode index has kept back into the monitor.
 pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<IndexedRun>) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         give_back(leaf, seen);
     }
 }
 
-/// Moves the state that a bank has kept back into the episode.
+/// Moves the state that an episode index has kept back into the episode.
 pub(crate) fn give_back(leaf: &mut EpisodePart, seen: Option<IndexedRun>) {
     let object = leaf.variable.as_ref().map(|variable| variable.object.clone());
     let runs = object.zip(seen).map(|(object, IndexedRun { mut run, found_at, .. })| {
@@ -160,7 +160,7 @@ pub(crate) fn give_back(leaf: &mut EpisodePart, seen: Option<IndexedRun>) {
     leaf.runs = runs.into_iter().collect::<BTreeMap<Value, ObjectRun>>();
 }
 
-/// Returns the result that a bank reported of the monitor.
+/// Returns the result that an episode index reported of the monitor.
 pub(crate) fn told_result(monitor: &Monitor, told: &EpisodeUpdate) -> Option<Satisfaction> {
     match &monitor.root.kind {
         PartKind::Episode(leaf) => told_of(leaf, told),
@@ -168,7 +168,7 @@ pub(crate) fn told_result(monitor: &Monitor, told: &EpisodeUpdate) -> Option<Sat
     }
 }
 
-/// Returns the result that a bank reported of the episode.
+/// Returns the result that an episode index reported of the episode.
 pub(crate) fn told_of(leaf: &EpisodePart, told: &EpisodeUpdate) -> Option<Satisfaction> {
     let run = Run {
         start: told.start,
@@ -182,8 +182,8 @@ pub(crate) fn told_of(leaf: &EpisodePart, told: &EpisodeUpdate) -> Option<Satisf
     Some(result(leaf, &leaf.variable.as_ref()?.object, &run, told.recognised_at))
 }
 
-/// Returns the reported results of a monitor that a bank has watched: of the run before the newest sample, and, if it was recognised at
-/// `open_at`, of the run that contains the newest sample.
+/// Returns the reported results of a monitor that an episode index has watched: of the run before the newest sample, and, if it was
+/// recognised at `open_at`, of the run that contains the newest sample.
 pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitoring::reported_results::ReportedResults {
     let PartKind::Episode(leaf) = &monitor.root.kind else {
         return crate::monitoring::reported_results::ReportedResults::default();
@@ -196,7 +196,7 @@ pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitorin
     crate::monitoring::reported_results::ReportedResults::by_bank(&monitor.root, before, open.as_ref())
 }
 
-/// Moves the state of the monitor into the bank that watches it.
+/// Moves the state of the monitor into the episode index that watches it.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         leaf.runs = BTreeMap::new();

@@ -1,5 +1,5 @@
 //! Threshold formulas (M&I)
-//! What: decides which Boolean formulas of threshold episodes banks can watch leaf by leaf, and when to report results.
+//! What: decides which Boolean formulas of threshold episodes episode indexes can watch leaf by leaf, and when to report results.
 //! Runs: when results of a formula were reported; when an index reports an update of one of its leaves.
 //! Reads: the monitor's tree, the runs of the index.
 //! Writes: the runs and settled results of its leaves.
@@ -21,7 +21,7 @@ use crate::state::monitors::monitor::{Keep, Monitor, Part, PartKind, Satisfactio
 use apex_model::event::StateVariable;
 use apex_model::symbol::Symbol;
 
-/// The leaves of a combination that banks watch, in written order.
+/// The leaves of a combination that episode indexes watch, in written order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Leaves(Vec<Leaf>);
 
@@ -119,7 +119,8 @@ fn tags_differ<'a>(part: &'a Part, seen: &mut Vec<&'a Symbol>) -> bool {
     }
 }
 
-/// Returns the state of the leaves for banks, in written order, if the monitor is a threshold formula whose results were just collected.
+/// Returns the state of the leaves for episode indexes, in written order, if the monitor is a threshold formula whose results were just
+/// collected.
 pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> Option<(Leaves, Vec<Bankable<'a>>)> {
     if matches!(monitor.root.kind, PartKind::Episode(_)) || !tags_differ(&monitor.root, &mut Vec::new()) {
         return None;
@@ -133,7 +134,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
         let PartKind::Episode(leaf) = &part.kind else { return None };
         let mut bankable = threshold_episode::of_part(part, context).filter(|_| part.keep == Keep::Every)?;
         bankable.wanted.negated = place == LeafRole::Negated;
-        // A bank would not report the first sample that contradicts it.
+        // An episode index would not report the first sample that contradicts it.
         if bankable.wanted.negated && bankable.run.is_none() {
             return None;
         }
@@ -145,7 +146,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
     Some((Leaves(leaves), bankables))
 }
 
-/// Moves the state of the leaves into the banks that watch them.
+/// Moves the state of the leaves into the episode indexes that watch them.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     for_each_leaf_mut(&mut monitor.root, &mut |part| {
         if let PartKind::Episode(leaf) = &mut part.kind {
@@ -154,7 +155,7 @@ pub(crate) fn lie_down(monitor: &mut Monitor) {
     });
 }
 
-/// Moves the state that banks have kept back into the leaves, in written order.
+/// Moves the state that episode indexes have kept back into the leaves, in written order.
 pub(crate) fn stand_up(
     monitor: &mut Monitor,
     leaves: &mut Leaves,
@@ -190,7 +191,7 @@ pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     });
 }
 
-/// Takes the report of a bank about leaf number `leaf`. Returns true if the formula must be evaluated at this instant.
+/// Takes the report of an episode index about leaf number `leaf`. Returns true if the formula must be evaluated at this instant.
 pub(crate) fn told(
     monitor: &mut Monitor,
     leaves: &mut Leaves,

@@ -92,7 +92,7 @@ impl Why {
             }
             Why::SinceCreation => (
                 "it counts from its task's creation, but names a task that is known only later",
-                "two steps: one that waits for the task, and after it one that waits for this",
+                "two steps: one that waits for the task, and a later one that waits for this condition",
             ),
             Why::QueryTime => (
                 "how far back it asks is known only when it asks",

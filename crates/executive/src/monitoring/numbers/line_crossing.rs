@@ -1,6 +1,6 @@
 //! Line crossing (M&I)
 //! What: finds the earliest instant of a window at which a least-squares line satisfies constraints on its value.
-//! Runs: when a regression is asked.
+//! Runs: when a regression is evaluated.
 //! Reads: evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the constraints.

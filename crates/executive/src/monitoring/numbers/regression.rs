@@ -215,8 +215,10 @@ fn feed(
 }
 
 fn no_number(sample: SampleView<'_>, site: PartContext) -> EvaluationError {
-    let message =
-        format!("{} = {} is not a number of the kind before it: no line is fitted", sample.variable, sample.value);
+    let message = format!(
+        "{} = {} is not a number with the dimension of the values before it: no line is fitted",
+        sample.variable, sample.value
+    );
     EvaluationError { message, place: site.place }
 }
 

@@ -1,6 +1,6 @@
 //! Significance (M&I)
 //! What: computes the probability of a slope at least this steep without a trend: two-sided Student's t test.
-//! Runs: from trends, where `:significance` is asked.
+//! Runs: from trends, where `:significance` is stated.
 //! Reads: nothing.
 //! Writes: nothing.
 //! Bound: at most `FRACTION_TERMS_MAX` terms of a continued fraction.

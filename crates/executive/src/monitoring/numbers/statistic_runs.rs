@@ -1,6 +1,6 @@
 //! Statistic runs (M&I)
 //! What: evaluates the criteria of an episode over a run, or over the window at its end, as samples arrive and time passes.
-//! Runs: from statistics, for the past (a later sample has arrived) and for the present (a verdict is asked).
+//! Runs: from statistics, for the past (a later sample has arrived) and for the present (a verdict is requested).
 //! Reads: the statistical part, evaluation context.
 //! Writes: the totals of a run, when a sample becomes past.
 //! Bound: amortised O(1) per sample; instants at which samples leave a window O(1) each.

@@ -265,7 +265,7 @@ fn number(
             let names: Vec<&str> = part.criteria.iter().map(|criterion| name(&criterion.measure)).collect();
             let SampleView { variable, value, .. } = sample;
             let message = format!(
-                "{variable} = {value} is not a number of the kind before it: it is left out of the {}",
+                "{variable} = {value} is not a number with the dimension of the values before it: it is left out of the {}",
                 names.join(", ")
             );
             troubles.add(EvaluationError { message, place: site.place });

@@ -1,4 +1,4 @@
-//! Looking back as a bank does leaves an episode in the same state as passing its samples one by one.
+//! Looking back as an episode index does leaves an episode in the same state as passing its samples one by one.
 
 use super::*;
 use crate::monitoring::episodes::episode;

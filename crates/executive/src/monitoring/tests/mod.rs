@@ -119,8 +119,8 @@ fn free(name: &str) -> Pattern {
     Pattern::Variable(Symbol::new(name))
 }
 
-/// A monitor with its environment: time, histories, arrival numbers. If a bank can watch the monitor, it does; the twin receives every
-/// sample directly, and both must be in the same state at every query.
+/// A monitor with its environment: time, histories, arrival numbers. If an episode index can watch the monitor, it does; the twin receives
+/// every sample directly, and both must be in the same state at every query.
 struct World {
     view: TestView,
     monitor: Monitor,

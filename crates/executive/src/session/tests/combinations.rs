@@ -1,4 +1,4 @@
-//! A combination whose leaves are watched by banks reports what it would report if its monitor received every sample.
+//! A combination whose leaves are watched by episode indexes reports what it would report if its monitor received every sample.
 
 use super::{at, of, read};
 use crate::session::{Judgement, MonitorResult, MonitorSession};

@@ -23,7 +23,7 @@ pub struct AllenPart {
     pub parts: Vec<Part>,
     /// Results of each part, in the same order.
     pub sides: Vec<RelationSide>,
-    /// All must be true of the related results.
+    /// Constraints that the related results must satisfy.
     pub constraints: Vec<Expr>,
     /// True if the parts share variables: results with different bindings are then not combined.
     pub shares: bool,
@@ -55,7 +55,7 @@ pub struct RelationSide {
     pub count: u64,
     /// The newest result, for explanations, and whether its run is open.
     pub newest: Option<((Time, Time), bool)>,
-    /// The number of kept results at which useless ones are searched.
+    /// The number of kept results at which those that no later result can be related to are searched and dropped.
     pub sweep_at: usize,
 }
 

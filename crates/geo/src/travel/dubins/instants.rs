@@ -52,7 +52,8 @@ impl PathCandidate {
         vec![(early, left), (right, late)]
     }
 
-    /// Returns the last instant at which a condition holds, and the first at which it does not, between two instants with different results.
+    /// Returns the last instant at which a condition holds, and the first at which it does not, between two instants with different
+    /// results.
     pub(super) fn narrowed(
         mut low: PathCandidate,
         mut high: PathCandidate,

@@ -97,8 +97,12 @@ pub(super) fn read(
     match words.next() {
         None => Ok(matrix),
         Some(more) => {
-            let reason = format!("{layout} of {count} nodes has none here");
-            Err(more.trouble("there are more weights than nodes", reason, "correct DIMENSION or EDGE_WEIGHT_FORMAT"))
+            let reason = format!("the matrix `{layout}` of {count} nodes is complete before this weight");
+            Err(more.trouble(
+                "there are more weights than the matrix has",
+                reason,
+                "correct DIMENSION or EDGE_WEIGHT_FORMAT",
+            ))
         }
     }
 }

@@ -10,8 +10,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-/// A reading that has begun before its record was checked, with the indexes `I` that it fills. It is interrupted when this value is dropped,
-/// unless its result was taken.
+/// A reading that has begun before its record was checked, with the indexes `I` that it fills. It is interrupted when this value is
+/// dropped, unless its result was taken.
 pub(super) struct EarlyReading<I> {
     /// Another connection of the reading, with the same effects and tasks in memory.
     reader: RecordReader,
@@ -30,8 +30,8 @@ impl<I> Drop for EarlyReading<I> {
 }
 
 impl<I: Default + Send + Sync + 'static> EarlyReading<I> {
-    /// Begins to read agent number `agent` of a file that has a seal; `None` for any other file, and for one that cannot be read: the checked
-    /// reading then reports the reason. `read` fills the indexes.
+    /// Begins to read agent number `agent` of a file that has a seal; `None` for any other file, and for one that cannot be read: the
+    /// checked reading then reports the reason. `read` fills the indexes.
     pub(super) fn begin(
         path: &Path,
         agent: usize,

@@ -1,4 +1,4 @@
-//! Move that reverses a part of the order.
+//! Move that reverses a part of the order (2-opt).
 
 use super::super::search::{Candidate, LocalSearch};
 

@@ -1,10 +1,10 @@
-//! Removal of visits: a run of them, those around a position, or random ones.
+//! Removal of visits, the first step of ruin and recreate: a run of them, those around a position, or random ones.
 
 use super::route::Route;
 use crate::routing::network::Network;
 use apex_planning::random::Generator;
 
-/// Maximum number of removed visits.
+/// Maximum number of visits that one step removes.
 const GONE_MAX: usize = 10;
 
 /// Removes some visits from `route` and adds them to `gone`.
