@@ -202,7 +202,7 @@ impl Scene<'_> {
     }
 
     /// Returns the nearest altitude at which the forecast keeps the limit: of wind and turbulence at the vehicle, of icing along the route.
-    /// `None` if there is none, if a restricted zone closes the climb or descent, or if the mission has no airspace requirement.
+    /// `None` if there is none, or if a restricted zone closes the climb or descent.
     fn calmer_layer(&self, reading: &Reading) -> Option<(Response, Location)> {
         let requirements = self.requirements();
         let model = &self.mission.model;
