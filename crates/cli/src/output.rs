@@ -30,6 +30,18 @@ pub fn print_line(text: impl fmt::Display) -> CliResult {
     print(format_args!("{text}\n"))
 }
 
+/// Rejects an output file that is a flight record: a record is never replaced by a text or a table.
+///
+/// # Errors
+/// `path` is a flight record.
+pub fn refuse_record(path: &Path) -> CliResult {
+    if apex_runtime::record::is_record(path) {
+        return Err(CliError::user(format!("{} is a flight record, which would be overwritten", path.display()))
+            .help("name another file, or remove the record first"));
+    }
+    Ok(())
+}
+
 /// Writes `text` to the file `out`, or to standard output where there is none.
 ///
 /// # Errors
@@ -39,6 +51,7 @@ pub fn put(out: Option<&Path>, text: &str) -> CliResult {
     if path.is_dir() {
         return Err(CliError::user(format!("{} is a folder", path.display())).help("name a file in it"));
     }
+    refuse_record(path)?;
     std::fs::write(path, text).map_err(|error| {
         let help = match error.kind() {
             ErrorKind::NotFound => "the folder does not exist; make it, or name another file",

@@ -1,6 +1,7 @@
 //! Files into which commands write tables.
 
 use crate::error::{CliError, CliResult};
+use crate::output;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -21,8 +22,9 @@ pub fn refuse_to_overwrite(out: &Path, inputs: &[PathBuf], option: &str) -> CliR
 /// Creates the file.
 ///
 /// # Errors
-/// The file cannot be created.
+/// The file cannot be created, or is a flight record.
 pub fn created(path: &Path) -> CliResult<BufWriter<File>> {
+    output::refuse_record(path)?;
     let file = File::create(path).map_err(|error| unwritten(Some(path), &error))?;
     Ok(BufWriter::new(file))
 }

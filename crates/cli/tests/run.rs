@@ -87,6 +87,21 @@ fn bad_inputs_are_named_line_by_line() {
 }
 
 #[test]
+fn no_output_replaces_a_flight_record() {
+    let desk = Desk::with_greetings();
+    desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl", "--record", "kept.apex"]).well();
+    let kept = std::fs::read(desk.path("kept.apex")).unwrap();
+    for arguments in [
+        &["run", "greetings.pdl", "--trace", "kept.apex"][..],
+        &["export", "go.jsonl", "--format", "csv", "--out", "kept.apex"],
+        &["monitor", "(go)", "--inputs", "go.jsonl", "--results", "kept.apex"],
+    ] {
+        desk.apex(arguments).complained(2, &["kept.apex is a flight record, which would be overwritten"]);
+    }
+    assert_eq!(std::fs::read(desk.path("kept.apex")).unwrap(), kept);
+}
+
+#[test]
 fn the_trace_is_never_written_over_what_is_run() {
     let desk = Desk::with_greetings();
     let program = desk.read("greetings.pdl");
@@ -95,6 +110,8 @@ fn the_trace_is_never_written_over_what_is_run() {
     let arguments = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--trace", "./go.jsonl"];
     desk.apex(&arguments).complained(2, &["would overwrite the file of inputs", "help: give `--trace` another file"]);
     assert_eq!((desk.read("greetings.pdl"), desk.read("go.jsonl")), (program, GO.to_string()));
+    let both = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--trace", "new", "--record", "./new"];
+    desk.apex(&both).complained(2, &["would overwrite the flight record", "help: give `--trace` another file"]);
     let arguments = ["run", "greetings.pdl", "--trace", "no/such/trace"];
     desk.apex(&arguments).complained(2, &["cannot write the trace to no/such/trace", "why: ", "help: "]);
 }

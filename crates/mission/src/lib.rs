@@ -62,6 +62,7 @@ mod wind_error;
 
 pub use modems::Modem;
 pub use settings::Settings;
+pub use sources::WorldText;
 pub use surroundings::Airfield;
 pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
@@ -79,15 +80,6 @@ use std::path::Path;
 use std::sync::Arc;
 use targets::Terms;
 use vehicle::VehicleModel;
-
-/// The text of a world file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WorldText {
-    /// Name of the file in messages.
-    pub place: String,
-    /// Contents of the file.
-    pub text: String,
-}
 
 /// A mission with all of its data.
 #[derive(Debug, Clone)]
@@ -440,8 +432,8 @@ impl Files<'_> {
         read: impl Fn(&DataFile) -> MissionResult<T>,
     ) -> MissionResult<Option<T>> {
         let Some(name) = name else { return Ok(None) };
-        let file =
-            self.sources.read(name, || format!("{} names it as `:{option} \"{name}\"`", (self.place_of)(option)))?;
+        let place = || format!("{} names it as `:{option} \"{name}\"`", (self.place_of)(option));
+        let file = self.sources.read(name, place)?;
         let read = read(&file)?;
         if !self.data.iter().any(|(known, _)| known == name) {
             self.data.push((name.clone(), file.bytes));

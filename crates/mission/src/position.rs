@@ -1,6 +1,6 @@
-//! Reported positions that are believed: a receiver without a fix reports positions that no vehicle can have reached.
+//! Reported positions that are accepted: a receiver without a fix reports positions that no vehicle can have reached.
 //!
-//! A position is believed if the vehicle can have flown there since the last believed one. Another one is doubted, until the reports have
+//! A position is accepted if the vehicle can have flown there since the last accepted one. Another one is doubted, until the reports have
 //! agreed with each other for [`AGREED_S`]: then the earlier position was wrong, or the vehicle was moved.
 
 use apex_model::planned::Location;
@@ -9,7 +9,7 @@ use apex_model::value::Value;
 use apex_vehicle::VehicleModel;
 use serde::{Deserialize, Serialize};
 
-/// Time for which doubted positions must agree to be believed, in seconds.
+/// Time for which doubted positions must agree to be accepted, in seconds.
 const AGREED_S: f64 = 60.0;
 /// Greatest wind that carries the vehicle, in m/s: more than the jet stream.
 const WIND_MPS: f64 = 120.0;
@@ -18,37 +18,37 @@ const M_PER_DEG: f64 = 111_320.0;
 /// Distance within which positions agree whatever the time: errors of receivers, and coarse reports.
 const AGREED_M: f64 = 500.0;
 
-/// The last believed position of a vehicle, and the doubted ones.
+/// The last accepted position of a vehicle, and the doubted ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PositionFilter {
     /// The instant in seconds and the position.
-    believed: Option<(f64, Location)>,
+    accepted: Option<(f64, Location)>,
     /// The first instant of the doubted positions, and the last one with its position.
     doubted: Option<(f64, f64, Location)>,
 }
 
 impl PositionFilter {
-    /// Returns false for a sample of a location that states no position, or one that is not believed; true for other samples.
+    /// Returns false for a sample of a location that states no position, or one that is not accepted; true for other samples.
     pub(crate) fn admits(&mut self, model: &VehicleModel, at_s: f64, attribute: &str, value: &Value) -> bool {
-        let mut is_believed = || Location::from_value(value).is_some_and(|here| self.believes(model, at_s, here));
-        attribute != "location" || is_believed()
+        let mut is_accepted = || Location::from_value(value).is_some_and(|here| self.accepts(model, at_s, here));
+        attribute != "location" || is_accepted()
     }
 
-    /// Returns true if a position reported at `at_s` is believed.
-    pub(crate) fn believes(&mut self, model: &VehicleModel, at_s: f64, here: Location) -> bool {
+    /// Returns true if a position reported at `at_s` is accepted.
+    pub(crate) fn accepts(&mut self, model: &VehicleModel, at_s: f64, here: Location) -> bool {
         let speed_mps = model.true_airspeed_m_s_max + WIND_MPS;
         let reaches = |from_s: f64, from: Location| {
             let distance_m = distance_m(from.position, here.position);
             let climb_m = (here.altitude_m - from.altitude_m).abs();
             distance_m.max(climb_m) <= AGREED_M + speed_mps * (at_s - from_s).max(0.0)
         };
-        let is_near = self.believed.is_none_or(|(from_s, from)| reaches(from_s, from));
+        let is_near = self.accepted.is_none_or(|(from_s, from)| reaches(from_s, from));
         let since_s = match self.doubted {
             Some((since_s, from_s, from)) if reaches(from_s, from) => since_s,
             _ => at_s,
         };
         if is_near || at_s - since_s >= AGREED_S {
-            (self.believed, self.doubted) = (Some((at_s, here)), None);
+            (self.accepted, self.doubted) = (Some((at_s, here)), None);
             return true;
         }
         self.doubted = Some((since_s, at_s, here));
@@ -76,28 +76,28 @@ mod tests {
     }
 
     #[test]
-    fn a_receiver_without_a_fix_is_not_believed_and_the_next_true_position_is() {
+    fn a_receiver_without_a_fix_is_not_accepted_and_the_next_true_position_is() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.believes(&model, 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts(&model, 0.0, at(37.0, 60.0)));
         for second in 1..10 {
-            assert!(!filter.believes(&model, f64::from(second), at(0.0, 60.0)), "{second}");
+            assert!(!filter.accepts(&model, f64::from(second), at(0.0, 60.0)), "{second}");
         }
-        assert!(filter.believes(&model, 10.0, at(37.0005, 60.0)));
-        assert!(!filter.believes(&model, 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
+        assert!(filter.accepts(&model, 10.0, at(37.0005, 60.0)));
+        assert!(!filter.accepts(&model, 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
     }
 
     #[test]
-    fn positions_that_agree_for_a_minute_are_believed() {
+    fn positions_that_agree_for_a_minute_are_accepted() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.believes(&model, 0.0, at(0.0, 0.0)));
-        let believed = (1..=100).find(|second| filter.believes(&model, f64::from(*second), at(37.0, 60.0)));
-        assert_eq!(believed, Some(61));
+        assert!(filter.accepts(&model, 0.0, at(0.0, 0.0)));
+        let accepted = (1..=100).find(|second| filter.accepts(&model, f64::from(*second), at(37.0, 60.0)));
+        assert_eq!(accepted, Some(61));
     }
 
     #[test]
     fn after_a_gap_the_vehicle_may_be_as_far_as_it_can_have_flown() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.believes(&model, 0.0, at(37.0, 60.0)));
-        assert!(filter.believes(&model, 600.0, at(37.5, 60.0)));
+        assert!(filter.accepts(&model, 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts(&model, 600.0, at(37.5, 60.0)));
     }
 }

@@ -4,6 +4,15 @@ use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, read_bytes, text_of};
 use std::path::PathBuf;
 
+/// The text of a world file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldText {
+    /// Name of the file in messages.
+    pub place: String,
+    /// Contents of the file.
+    pub text: String,
+}
+
 /// The data files of a mission, read by name.
 #[derive(Debug, Clone)]
 pub(crate) enum Sources {

@@ -440,7 +440,7 @@ fn a_segment_is_flown_again_where_it_is_worth_more_than_what_it_displaces() {
     near(gain, 1.0, 0.1);
     // Its window closes: the segment that another line has seen is left, the only observation of a tenth of the fire is not.
     let (again, gain, price, words) = weighed(&overlapped, 6.3);
-    assert!(!again && words.ends_with("(one target less, next)"), "{words}");
+    assert!(!again && words.ends_with("(one target is left out: next)"), "{words}");
     near(gain, 1.0, 0.1);
     near(price, 5.0, 0.3);
     let (again, gain, price, words) = weighed(&alone, 6.2);

@@ -3,7 +3,11 @@
 //! Text is for operators only. Only [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] contain the notation of activities as
 //! goals of `library/aerial-observation.pdl`.
 
-use crate::problem::{Plan, Position};
+mod location;
+
+pub use location::Location;
+
+use crate::problem::Plan;
 use crate::quantity::Dimension;
 use crate::source::SourceFile;
 use crate::symbol::Symbol;
@@ -37,44 +41,6 @@ pub struct PlannedStep {
     pub activity: PlannedActivity,
     /// Line of the step in the procedure's text, from 1.
     pub line: u32,
-}
-
-/// Altitude above which no aircraft flies, and depth below which no place lies.
-const ALTITUDE_M_MAX: f64 = 100_000.0;
-const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
-
-/// A point above the WGS84 ellipsoid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Location {
-    /// Latitude and longitude.
-    pub position: Position,
-    /// Above mean sea level.
-    pub altitude_m: f64,
-}
-
-impl Location {
-    /// Returns the PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
-    pub fn value(&self) -> Value {
-        let Position { latitude_deg, longitude_deg } = self.position;
-        Value::list([latitude_deg, longitude_deg, self.altitude_m].map(Value::Real))
-    }
-
-    /// Reads `(LATITUDE LONGITUDE)` or `(LATITUDE LONGITUDE ALTITUDE)`; a missing altitude is 0. Numbers are degrees and metres;
-    /// quantities are angles and a length. `None` for other values, and for places that are not on the Earth or near it.
-    pub fn from_value(value: &Value) -> Option<Location> {
-        let items = value.as_list()?;
-        let in_unit = |index: usize, unit: Dimension, per_si: f64| match items.get(index)?.as_number()? {
-            (number, Dimension::NONE) => Some(number),
-            (si, dimension) if dimension == unit => Some(si * per_si),
-            _ => None,
-        };
-        let degrees = |index: usize| in_unit(index, Dimension::ANGLE, DEGREES_PER_RADIAN);
-        let (latitude_deg, longitude_deg) = (degrees(0)?, degrees(1)?);
-        let is_given = items.get(2).is_some_and(Value::is_true);
-        let altitude_m = if is_given { in_unit(2, Dimension::LENGTH, 1.0)? } else { 0.0 };
-        let is_near = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 && altitude_m.abs() <= ALTITUDE_M_MAX;
-        is_near.then(|| Location { position: Position::new(latitude_deg, longitude_deg), altitude_m })
-    }
 }
 
 /// Manner in which a site is inspected.
@@ -373,6 +339,7 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Position;
 
     fn location(latitude_deg: f64) -> Location {
         Location { position: Position::new(latitude_deg, -118.25), altitude_m: 6_500.0 }

@@ -127,6 +127,7 @@ fn draw(path: &Path, watch: &LogMonitor<'_>) -> CliResult {
             .because("no state variable in the conditions has a sample that is a number")
             .help("name other conditions, or leave `--plot` out")
     })?;
+    output::refuse_record(path)?;
     std::fs::write(path, picture).map_err(|error| failed(error.into()))
 }
 

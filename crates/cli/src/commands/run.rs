@@ -267,17 +267,32 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     let program = real(&sources::program_path(&options.program));
     let inputs = options.inputs.as_deref().and_then(real);
+    if let (Some(trace), Some(record)) = (&options.trace, &options.record)
+        && is_same_file(trace, record)
+    {
+        return Err(CliError::user(format!("the trace would overwrite the flight record, {}", trace.display()))
+            .help("give `--trace` another file"));
+    }
+    options.trace.as_deref().map_or(Ok(()), output::refuse_record)?;
     let trace = options.trace.as_deref().and_then(real);
     let Some(trace) = trace else { return Ok(()) };
-    let record = options.record.as_deref().and_then(real);
     let what = match Some(&trace) {
         same if same == program.as_ref() => "the program",
         same if same == inputs.as_ref() => "the file of inputs",
-        same if same == record.as_ref() => "the flight record",
         _ => return Ok(()),
     };
     Err(CliError::user(format!("the trace would overwrite {what}, {}", trace.display()))
         .help("give `--trace` another file"))
+}
+
+/// Returns true if both paths name one file, which need not exist.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let target = std::fs::canonicalize(path).ok();
+        target.or_else(|| Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?)))
+    };
+    real(one).is_some_and(|one| real(other) == Some(one))
 }
 
 /// Creates the record that the options name, and signs it at its end if they name a key; `None` without a record.

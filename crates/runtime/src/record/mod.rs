@@ -61,7 +61,7 @@ pub use reader::{RecordReader, Sample, StoredSource};
 pub use recover::{Recovered, recover};
 pub use restore::{LoadProgram, RestoredProgram};
 pub use rows::TargetRow;
-pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, look_at_agent};
+pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, is_record, look_at_agent};
 pub use signature::{SignatureState, SigningKey, check_signature, signature_path};
 pub use steps::{RecordedEffect, RecordedStep, Steps};
 pub use store::Durability;

@@ -129,6 +129,12 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     })
 }
 
+/// Returns true if the file at `path` begins as a flight record does. An empty file, or one that cannot be read, does not.
+pub fn is_record(path: &Path) -> bool {
+    let has_bytes = fs::metadata(path).is_ok_and(|metadata| metadata.is_file() && metadata.len() > 0);
+    has_bytes && matches!(look(path), Ok(FileState::Record))
+}
+
 /// Sets the largest size of the file.
 pub(super) fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
     let pages = (bytes / PAGE_BYTES).clamp(1, u64::from(u32::MAX - 1));

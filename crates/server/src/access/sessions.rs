@@ -67,7 +67,7 @@ impl Sessions {
     /// 401 if the headers identify no session and callers need one, or if their token is wrong.
     pub(crate) fn caller(&self, headers: &HeaderMap) -> ApiResult<Actor> {
         if let Some(value) = headers.get(AUTHORIZATION) {
-            let secret = value.to_str().ok().and_then(|value| value.strip_prefix("Bearer "));
+            let secret = value.to_str().ok().and_then(bearer);
             return secret.and_then(|secret| self.actor_of(secret)).ok_or_else(wrong_token);
         }
         if let Some(actor) = self.secret(headers).and_then(|secret| self.session(secret)) {
@@ -171,6 +171,12 @@ fn wrong_token() -> ApiError {
     }
 }
 
+/// Returns the token of an `Authorization` header with the scheme `Bearer`, in any case (RFC 9110, section 11.1).
+fn bearer(value: &str) -> Option<&str> {
+    let (scheme, token) = value.split_once(' ')?;
+    scheme.eq_ignore_ascii_case("bearer").then_some(token)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -186,6 +192,8 @@ mod tests {
         let (token, secret) = AccessToken::generate(Actor { name: "tower".into(), role: ActorRole::Operator }).unwrap();
         let sessions = Sessions::new(vec![token], true, 8040);
         assert_eq!(sessions.caller(&HeaderMap::new()).unwrap_err().status, StatusCode::UNAUTHORIZED);
+        let lower = headers(AUTHORIZATION, &format!("bearer {secret}"));
+        assert!(sessions.caller(&lower).is_ok(), "names of schemes have no case");
         let bearer = headers(AUTHORIZATION, &format!("Bearer {secret}"));
         assert_eq!(sessions.caller(&bearer).unwrap().name, "tower");
         assert!(sessions.caller(&headers(AUTHORIZATION, "Bearer wrong")).is_err());

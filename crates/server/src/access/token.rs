@@ -53,10 +53,14 @@ impl AccessToken {
                 continue;
             }
             let token = AccessToken::read(line).and_then(|token| {
-                let known = tokens.iter().find(|known| known.digest == token.digest);
-                match known {
-                    Some(known) => Err(format!("its secret is that of {}", known.actor)),
-                    None => Ok(token),
+                let same = tokens.iter().find(|known| known.digest == token.digest);
+                let other_role =
+                    |known: &&AccessToken| known.actor.name == token.actor.name && known.actor.role != token.actor.role;
+                match (same, tokens.iter().find(other_role)) {
+                    (Some(known), _) => Err(format!("its secret is that of {}", known.actor)),
+                    // Authority is held by names.
+                    (None, Some(known)) => Err(format!("its name has another role: {}", known.actor)),
+                    (None, None) => Ok(token),
                 }
             });
             let example = new_secret().unwrap_or_default();
@@ -134,8 +138,12 @@ mod tests {
         assert!(tokens[0].fits(&digest("0123456789abcdef")) && !tokens[0].fits(&digest("fedcba9876543210")));
         for (text, fault) in [
             ("operator tower short", "fewer than 16"),
-            ("captain tower 0123456789abcdef", "none of observer, operator, pilot-in-command"),
+            ("captain tower 0123456789abcdef", "expected one of observer, operator, pilot-in-command"),
             ("operator 0123456789abcdef", "it has 2 words"),
+            (
+                "observer a 0123456789abcdef\noperator a fedcba9876543210",
+                "line 2 is not a token: its name has another role",
+            ),
             ("operator a\u{7f}b 0123456789abcdef", "the name `a\\u{7f}b` is not"),
             (
                 "operator a 0123456789abcdef\nobserver b 0123456789abcdef",

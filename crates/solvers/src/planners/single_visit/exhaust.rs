@@ -6,9 +6,9 @@
 //! base; where it does not, it may still lead to targets from which there is a way.
 //! Bound: [`EXHAUSTED_TARGETS_MAX`] targets, the given number of labels, and the budget.
 
-use super::search::{Candidate, worth_max};
 use crate::routing::schedule::{Choice, Schedule, UNITS_PER_LEG};
 use crate::routing::travel::PointKey;
+use apex_model::problem::SingleVisitProblem;
 use apex_planning::solver::Budget;
 use std::collections::BTreeMap;
 
@@ -34,9 +34,9 @@ pub(super) struct Exhausted {
     pub(super) benefits_max: f64,
 }
 
-/// End of a sequence of visits.
+/// A sequence of visits, by its end.
 #[derive(Clone, Copy)]
-struct Label {
+struct VisitSequence {
     /// The visited targets, a bit for each place among the usable ones.
     visited: u32,
     last: Choice,
@@ -56,7 +56,7 @@ pub(super) fn exhaust(
         return None;
     }
     let ways: Vec<Vec<Choice>> = usable.iter().map(|target| choices(*target)).collect();
-    let mut labels: Vec<Label> = Vec::new();
+    let mut labels: Vec<VisitSequence> = Vec::new();
     let mut best: Option<(f64, f64, usize)> = None;
     let (mut benefits_max, mut examined) = (0.0_f64, 0);
     let Effort { visits_max, budget, score_min } = effort;
@@ -106,23 +106,10 @@ pub(super) fn exhaust(
     Some(Exhausted { best: best.map(|(_, _, last)| order_to(&labels, last)), benefits_max })
 }
 
-/// Improves `best` by an enumeration; returns the highest benefits of the compared plans, if the enumeration is complete.
-pub(super) fn improve(
-    schedule: &mut Schedule<'_>,
-    usable: &[usize],
-    choices: &dyn Fn(usize) -> Vec<Choice>,
-    effort: Effort<'_>,
-    best: &mut Candidate,
-) -> Option<f64> {
-    let Effort { visits_max, budget, score_min } = effort;
-    let found = exhaust(schedule, usable, choices, Effort { visits_max, budget: &mut *budget, score_min })?;
-    if let Some(order) = found.best
-        && let Ok(judged) = schedule.judge(&order, budget)
-        && judged.beats(&best.judged)
-    {
-        *best = Candidate { order, judged };
-    }
-    Some(found.benefits_max)
+/// Returns the most that a target can be worth.
+pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
+    let Some(target) = problem.targets.get(target) else { return 0.0 };
+    target.value * target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max)
 }
 
 /// Returns true if all targets that must precede the one at `place` are visited.
@@ -137,17 +124,17 @@ fn is_led(schedule: &Schedule<'_>, usable: &[usize], place: usize, visited: u32)
 /// Returns the label of `choice` after another one, or as the first visit; `None` if it cannot be flown.
 fn after(
     schedule: &mut Schedule<'_>,
-    before: Option<(usize, &[Label])>,
+    before: Option<(usize, &[VisitSequence])>,
     choice: Choice,
     place: usize,
-) -> Option<Label> {
+) -> Option<VisitSequence> {
     let here = before.and_then(|(at, labels)| labels.get(at).copied());
     let (node, ready_s) = here.map_or((PointKey::Start, schedule.problem.start_s), |label| {
         (PointKey::Exit(label.last.target, label.last.manoeuvre), label.end_s)
     });
     let timed = schedule.visit(node, ready_s, choice).ok()?;
     let (visited, worth) = here.map_or((0, 0.0), |label| (label.visited, label.worth));
-    Some(Label {
+    Some(VisitSequence {
         visited: visited | (1 << place),
         last: choice,
         end_s: timed.end_s,
@@ -158,7 +145,7 @@ fn after(
 
 /// Adds `label` to `labels` and to the indices `same`, unless one of these is as early and as valuable; removes from `same` those that it
 /// replaces.
-fn keep(labels: &mut Vec<Label>, same: &mut Vec<usize>, label: Label) -> bool {
+fn keep(labels: &mut Vec<VisitSequence>, same: &mut Vec<usize>, label: VisitSequence) -> bool {
     let at = |index: &usize| labels.get(*index).copied();
     if same.iter().filter_map(at).any(|other| other.end_s <= label.end_s && other.worth >= label.worth) {
         return false;
@@ -170,13 +157,13 @@ fn keep(labels: &mut Vec<Label>, same: &mut Vec<usize>, label: Label) -> bool {
 }
 
 /// Returns score and end of the flight that goes home after a label; `None` if there is no way in time.
-fn as_plan(schedule: &mut Schedule<'_>, label: &Label) -> Option<(f64, f64)> {
+fn as_plan(schedule: &mut Schedule<'_>, label: &VisitSequence) -> Option<(f64, f64)> {
     let end_s = schedule.home_at_s(PointKey::Exit(label.last.target, label.last.manoeuvre), label.end_s).ok()?;
     (!schedule.is_late(end_s)).then(|| (label.worth - schedule.flight_cost(end_s), end_s))
 }
 
 /// Returns the visits up to a label.
-fn order_to(labels: &[Label], last: usize) -> Vec<Choice> {
+fn order_to(labels: &[VisitSequence], last: usize) -> Vec<Choice> {
     let mut order = Vec::new();
     let mut at = Some(last);
     while let Some(label) = at.and_then(|at| labels.get(at)) {

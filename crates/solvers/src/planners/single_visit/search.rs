@@ -1,7 +1,7 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
 use super::companions;
-use super::exhaust::{self, EXHAUSTED_TARGETS_MAX, Effort};
+use super::exhaust::{self, EXHAUSTED_TARGETS_MAX, Effort, worth_max};
 use super::explain::Troubles;
 use crate::routing::schedule::{Choice, Judged, Schedule, UNITS_PER_LEG};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
@@ -127,11 +127,30 @@ pub(super) fn enumerated(
     let end_s = problem.start_s;
     let idle = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
-    let bound = exhaust::improve(schedule, usable, &|target| choices(problem, target), effort, &mut best)?;
+    let bound = improve(schedule, usable, &|target| choices(problem, target), effort, &mut best)?;
     Some((best, bound))
 }
 
-/// Returns the number of visits, with given times, whose examination takes half of what is left of a budget.
+/// Improves `best` by an enumeration; returns the highest benefits of the compared plans, if the enumeration is complete.
+fn improve(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    choices: &dyn Fn(usize) -> Vec<Choice>,
+    effort: Effort<'_>,
+    best: &mut Candidate,
+) -> Option<f64> {
+    let Effort { visits_max, budget, score_min } = effort;
+    let found = exhaust::exhaust(schedule, usable, choices, Effort { visits_max, budget: &mut *budget, score_min })?;
+    if let Some(order) = found.best
+        && let Ok(judged) = schedule.judge(&order, budget)
+        && judged.beats(&best.judged)
+    {
+        *best = Candidate { order, judged };
+    }
+    Some(found.benefits_max)
+}
+
+/// Returns the number of visits, with given times, whose examination takes half of the remaining budget.
 fn half_of(budget: &dyn Budget) -> u32 {
     let share = |left: u64| u32::try_from(left / (2 * UNITS_PER_LEG)).unwrap_or(u32::MAX);
     budget.left().map_or(u32::MAX, share)
@@ -216,7 +235,7 @@ impl LocalSearch<'_, '_, '_> {
             None => EXACT_VISITS_MAX,
         };
         let effort = Effort { visits_max, budget: &mut *self.budget, score_min: Some(best.judged.score) };
-        exhaust::improve(self.schedule, &usable, &|target| choices(problem, target), effort, best).is_some()
+        improve(self.schedule, &usable, &|target| choices(problem, target), effort, best).is_some()
     }
 
     /// Returns the most that a target can be worth.
@@ -311,12 +330,6 @@ impl LocalSearch<'_, '_, '_> {
             }
         }
     }
-}
-
-/// Returns the most that a target can be worth.
-pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
-    let Some(target) = problem.targets.get(target) else { return 0.0 };
-    target.value * target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max)
 }
 
 /// Returns all ways to observe a target: each manoeuvre at once, or from each corner of its timing on.
