@@ -6,9 +6,14 @@
 //! about ten metres at a thousand kilometres.
 //! Bound: O(corners + landing places) per position.
 
+mod result;
+mod sphere;
+
+pub use result::{CheckResult, Finding, Violation};
+
 use crate::error::{MissionError, MissionResult};
+use crate::in_air::AirState;
 use crate::recording::read;
-use crate::text::plain_duration;
 use crate::vehicle::Airframe;
 use crate::{Mission, TargetKind};
 use apex_model::effect::Effect;
@@ -19,9 +24,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
-use libm::{atan, atan2, cos, sin, sqrt, tan};
-use serde::Serialize;
-use std::fmt;
+use sphere::{is_around, lambert_distance_m};
 
 /// Least height over ground in cruise: for large fixed wings; for rotorcraft and small aircraft. It does not depend on the requirements
 /// of the mission, by which the flight itself was planned.
@@ -44,47 +47,6 @@ const MOVING_M_S: f64 = 3.0;
 /// Findings kept with place and time; all are counted.
 const FINDINGS_KEPT: usize = 1_000;
 
-/// Violation by a flight.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Violation {
-    /// Inside this restricted zone while the zone was active.
-    Inside(String),
-    /// Outside of every permitted zone that was active.
-    OutsidePermitted,
-    /// Too near to the ground, without take-off, landing or climb.
-    NearGround,
-    /// The flight ended in the ground.
-    Crashed,
-    /// Farther from every landing place than the mission allows.
-    BeyondLandingDistance,
-}
-
-impl Violation {
-    /// Returns the requirement by its name in `(requirement-broken NAME WHY)`.
-    pub fn requirement(&self) -> &str {
-        match self {
-            Violation::Inside(zone) => zone,
-            Violation::OutsidePermitted => "permitted area",
-            Violation::NearGround | Violation::Crashed => "ground",
-            Violation::BeyondLandingDistance => "landing distance",
-        }
-    }
-}
-
-/// One position at which a requirement was violated.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
-    /// Instant.
-    pub t_s: f64,
-    /// Position.
-    pub position: Position,
-    /// Altitude above mean sea level.
-    pub altitude_m: f64,
-    /// Kind.
-    pub violation: Violation,
-}
-
 /// A flight's positions held against the requirements of its mission.
 #[derive(Clone, Debug)]
 pub struct FlightCheck {
@@ -92,63 +54,23 @@ pub struct FlightCheck {
     landing_places: Vec<Position>,
     landing_distance_m_max: Option<f64>,
     ground_margin_m: f64,
-    phase: String,
+    /// `None` for a vehicle that does not report it.
+    phase: Option<String>,
     height_m: Option<f64>,
     is_climbing: bool,
     /// Last instant at which a small height was permitted.
     near_ground_until: Time,
-    is_airborne: bool,
+    air: AirState,
     is_crashed: bool,
     is_flying_agent: bool,
-    ground_speed_m_s: f64,
+    /// `None` for a vehicle that does not report it.
+    ground_speed_m_s: Option<f64>,
     /// The last position that differs from the one before, and the last instant at which the position was known.
     known: Option<Location>,
     known_at: Time,
     /// Instant of the last step.
     now: Time,
     result: CheckResult,
-}
-
-/// Findings of the check of a flight.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct CheckResult {
-    /// Positions in the air that were checked.
-    pub positions: u64,
-    /// Number of these positions inside active restricted zones.
-    pub inside_zones: u64,
-    /// Number of these positions outside of the permitted area.
-    pub outside_permitted: u64,
-    /// Number of these positions too near to the ground, without take-off, landing and climbs; a crash counts as one.
-    pub near_ground: u64,
-    /// Number of these positions beyond the required landing distance.
-    pub beyond_landing_distance: u64,
-    /// Parts of the flight in the air without a new position, s of mission time: nothing can be said about them.
-    pub unverified_s: Vec<(f64, f64)>,
-    /// Requirements that the flight announced as broken, in order.
-    pub said_broken: Vec<(f64, String)>,
-    /// The first findings, in order.
-    pub findings: Vec<Finding>,
-}
-
-impl CheckResult {
-    /// Returns the number of violations: a position counts once for each requirement that is violated there.
-    pub fn violations(&self) -> u64 {
-        self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
-    }
-
-    /// Returns true if every position keeps the requirements, and no part of the flight in the air is without positions.
-    pub fn is_verified(&self) -> bool {
-        self.violations() == 0 && self.unverified_s.is_empty()
-    }
-
-    /// Returns the kept findings about requirements that the flight had not announced as broken before.
-    pub fn unsaid(&self) -> impl Iterator<Item = &Finding> {
-        self.findings.iter().filter(|finding| {
-            let name = finding.violation.requirement();
-            let names = |words: &str| words.split("; ").any(|part| part.strip_prefix(name).is_some_and(ends_name));
-            !self.said_broken.iter().any(|(t_s, words)| *t_s <= finding.t_s && names(words))
-        })
-    }
 }
 
 impl FlightCheck {
@@ -164,14 +86,14 @@ impl FlightCheck {
             landing_places: mission.airfields.iter().map(|field| field.position).chain(bases).collect(),
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
             ground_margin_m,
-            phase: String::new(),
+            phase: None,
             height_m: None,
             is_climbing: false,
             near_ground_until: Time::ZERO,
-            is_airborne: false,
+            air: AirState::default(),
             is_crashed: false,
             is_flying_agent: true,
-            ground_speed_m_s: 0.0,
+            ground_speed_m_s: None,
             known: None,
             known_at: Time::ZERO,
             now: Time::ZERO,
@@ -199,37 +121,49 @@ impl FlightCheck {
             }
         }
         let (mut here, mut truth) = (None, None);
-        let was_airborne = self.is_airborne;
+        let was_airborne = self.is_airborne();
         self.now = batch.now;
+        self.result.steps += 1;
         for event in &batch.events {
-            if let EventKind::Measurement(variable, value) = &event.kind {
-                match variable.attribute.folded() {
-                    "location" => here = Location::from_value(value).map(|location| (event.at, location)).or(here),
-                    "truth-location" => {
-                        truth = Location::from_value(value).map(|location| (event.at, location)).or(truth);
-                    }
-                    "flight-phase" => {
-                        if let Some(word) = value.as_symbol() {
-                            self.phase = word.folded().to_string();
-                        }
-                    }
-                    "vertical-speed" => {
-                        self.is_climbing = value.as_number().is_some_and(|(speed, _)| speed > CLIMB_M_S);
-                    }
-                    "height-above-ground" => self.height_m = value.as_number().map(|(metres, _)| metres),
-                    "on-ground" => self.is_airborne = !value.is_true(),
-                    "ground-speed" => self.ground_speed_m_s = value.as_number().map_or(0.0, |(speed, _)| speed),
-                    _ => {}
+            let EventKind::Measurement(variable, value) = &event.kind else {
+                self.air.hear(&event.kind);
+                let is_crash = matches!(&event.kind, EventKind::Occurrence(form) if form.head().is_some_and(|head| head.is(CRASHED)));
+                if is_crash && self.phase.is_none() {
+                    self.phase = Some(CRASHED.to_string());
                 }
+                continue;
+            };
+            self.air.measure(variable.attribute.folded(), value);
+            match variable.attribute.folded() {
+                "location" => here = Location::from_value(value).map(|location| (event.at, location)).or(here),
+                "truth-location" => {
+                    truth = Location::from_value(value).map(|location| (event.at, location)).or(truth);
+                }
+                "flight-phase" => {
+                    if let Some(word) = value.as_symbol() {
+                        self.phase = Some(word.folded().to_string());
+                    }
+                }
+                "vertical-speed" => {
+                    self.is_climbing = value.as_number().is_some_and(|(speed, _)| speed > CLIMB_M_S);
+                }
+                "height-above-ground" => self.height_m = value.as_number().map(|(metres, _)| metres),
+                "ground-speed" => self.ground_speed_m_s = value.as_number().map(|(speed, _)| speed),
+                _ => {}
             }
         }
         self.find_gap(was_airborne, truth.or(here));
         if let Some((at, location)) = truth.or(here) {
             self.find_crash(at, location);
-            if self.is_airborne {
+            if self.is_airborne() {
                 self.look(at, location);
             }
         }
+        effects.iter().for_each(|effect| self.air.take(effect));
+    }
+
+    fn is_airborne(&self) -> bool {
+        !self.air.is_on_ground()
     }
 
     /// Finds the end of a part of the flight without a new position: a position, the landing, or the end of the record. A position that
@@ -238,9 +172,12 @@ impl FlightCheck {
         if !was_airborne {
             self.known_at = self.now;
         }
-        let is_new = |here: Location| self.ground_speed_m_s < MOVING_M_S || self.known != Some(here);
+        let repeats = position.is_some_and(|(_, here)| self.known == Some(here));
+        self.result.repeats_unjudged += u64::from(was_airborne && repeats && self.ground_speed_m_s.is_none());
+        let stands = self.ground_speed_m_s.is_none_or(|speed_m_s| speed_m_s < MOVING_M_S);
+        let is_new = |here: Location| stands || self.known != Some(here);
         let new = position.filter(|(_, here)| is_new(*here));
-        if new.is_some() || was_airborne && !self.is_airborne {
+        if new.is_some() || was_airborne && !self.is_airborne() {
             self.end_gap(new.map_or(self.now, |(at, _)| at));
             self.known = new.map(|(_, here)| here).or(self.known);
         }
@@ -255,7 +192,7 @@ impl FlightCheck {
 
     /// Ends the check with the last step of the flight.
     pub fn finish(mut self) -> CheckResult {
-        if self.is_airborne {
+        if self.is_airborne() {
             self.end_gap(self.now);
         }
         self.result
@@ -263,10 +200,10 @@ impl FlightCheck {
 
     /// Finds the end of the flight in the ground, which is reported with the vehicle on the ground.
     fn find_crash(&mut self, at: Time, here: Location) {
-        if self.phase != CRASHED || std::mem::replace(&mut self.is_crashed, true) {
+        if self.phase.as_deref() != Some(CRASHED) || std::mem::replace(&mut self.is_crashed, true) {
             return;
         }
-        self.result.positions += u64::from(!self.is_airborne);
+        self.result.positions += u64::from(!self.is_airborne());
         self.result.near_ground += 1;
         self.keep(at.seconds(), here, vec![Violation::Crashed]);
     }
@@ -277,6 +214,8 @@ impl FlightCheck {
             zone.active.contains(t_s) && zone.altitude_m_min <= here.altitude_m && here.altitude_m < zone.altitude_m_max
         };
         self.result.positions += 1;
+        self.result.air_derived += u64::from(!self.air.is_reported());
+        self.result.height_unknown += u64::from(self.height_m.is_none());
         let mut found = Vec::new();
         let restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).filter(counts);
         let inside = restricted.filter(|zone| is_around(&zone.corners, here.position));
@@ -288,7 +227,11 @@ impl FlightCheck {
             found.push(Violation::OutsidePermitted);
         }
         let near = self.height_m.is_some_and(|height_m| height_m < self.ground_margin_m);
-        if NEAR_GROUND.contains(&self.phase.as_str()) {
+        let is_near_on_purpose = match &self.phase {
+            Some(phase) => NEAR_GROUND.contains(&phase.as_str()),
+            None => self.air.takes_off_or_lands(),
+        };
+        if is_near_on_purpose {
             self.near_ground_until = at + AFTER_GROUND;
         } else if near && !self.is_climbing && at > self.near_ground_until {
             self.result.near_ground += 1;
@@ -341,104 +284,4 @@ pub fn verify(reader: &RecordReader, mission: &Mission) -> MissionResult<CheckRe
         }
     }
     Ok(check.finish())
-}
-
-impl fmt::Display for CheckResult {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} positions in the air:", self.positions)?;
-        writeln!(f, "  {:6} inside an active restricted zone", self.inside_zones)?;
-        writeln!(f, "  {:6} outside of the permitted area", self.outside_permitted)?;
-        writeln!(f, "  {:6} under way below the height over ground, or crashed", self.near_ground)?;
-        write!(f, "  {:6} beyond the landing distance", self.beyond_landing_distance)?;
-        for (from_s, until_s) in &self.unverified_s {
-            let [from, until] = [from_s, until_s].map(|at_s| Time::from_seconds(*at_s));
-            let part = plain_duration(until - from);
-            write!(
-                f,
-                "\nnot verified: from {from} to {until} ({part}) the vehicle was in the air and reported no new position"
-            )?;
-        }
-        for finding in self.findings.iter().take(20) {
-            let Position { latitude_deg, longitude_deg } = finding.position;
-            let at = Time::from_seconds(finding.t_s);
-            write!(
-                f,
-                "\n{at}: ({latitude_deg:.5} {longitude_deg:.5} {:.0} m) {:?}",
-                finding.altitude_m, finding.violation
-            )?;
-        }
-        for (t_s, words) in &self.said_broken {
-            write!(f, "\n{}: the flight reported that it had to violate {words}", Time::from_seconds(*t_s))?;
-        }
-        Ok(())
-    }
-}
-
-/// Returns true if a whole name is followed by nothing or by the reason.
-fn ends_name(rest: &str) -> bool {
-    rest.is_empty() || rest.starts_with(": ")
-}
-
-/// Returns true if a polygon contains a position: the bearings of its corners, followed edge by edge, then make a full turn.
-fn is_around(corners: &[Position], here: Position) -> bool {
-    let next = corners.iter().skip(1).chain(corners.first());
-    let turned: f64 =
-        corners.iter().zip(next).map(|(a, b)| half_turns(bearing_rad(here, *b) - bearing_rad(here, *a))).sum();
-    turned.abs() > std::f64::consts::PI
-}
-
-fn half_turns(angle_rad: f64) -> f64 {
-    atan2(sin(angle_rad), cos(angle_rad))
-}
-
-fn bearing_rad(from: Position, to: Position) -> f64 {
-    let (phi_1, phi_2) = (from.latitude_deg.to_radians(), to.latitude_deg.to_radians());
-    let east = (to.longitude_deg - from.longitude_deg).to_radians();
-    atan2(sin(east) * cos(phi_2), cos(phi_1) * sin(phi_2) - sin(phi_1) * cos(phi_2) * cos(east))
-}
-
-/// Returns the distance by Lambert's formula (W. D. Lambert, "The distance between two widely separated points on the surface of the
-/// earth", Journal of the Washington Academy of Sciences 32, 1942) on WGS84.
-fn lambert_distance_m(a: Position, b: Position) -> f64 {
-    const SEMI_MAJOR_M: f64 = 6_378_137.0;
-    const FLATTENING: f64 = 1.0 / 298.257_223_563;
-    let reduced = |position: Position| atan((1.0 - FLATTENING) * tan(position.latitude_deg.to_radians()));
-    let (beta_1, beta_2) = (reduced(a), reduced(b));
-    let east = (b.longitude_deg - a.longitude_deg).to_radians();
-    let (half_north, half_east) = (sin(0.5 * (beta_2 - beta_1)), sin(0.5 * east));
-    let chord = half_north * half_north + cos(beta_1) * cos(beta_2) * half_east * half_east;
-    let sigma = 2.0 * atan2(sqrt(chord), sqrt((1.0 - chord).max(0.0)));
-    if sigma < 1e-9 {
-        return 0.0;
-    }
-    let (p, q) = (0.5 * (beta_1 + beta_2), 0.5 * (beta_2 - beta_1));
-    let (half_sine, half_cosine) = (sin(0.5 * sigma), cos(0.5 * sigma));
-    let square = |x: f64| x * x;
-    let x = (sigma - sin(sigma)) * square(sin(p) * cos(q)) / square(half_cosine);
-    let y = (sigma + sin(sigma)) * square(cos(p) * sin(q)) / square(half_sine);
-    SEMI_MAJOR_M * (sigma - 0.5 * FLATTENING * (x + y))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_are_those_of_vincenty() {
-        // Flinders Peak to Buninyon: 54,972.271 m on GRS80, which differs from WGS84 by less than a millimetre here.
-        let flinders =
-            Position::new(-(37.0 + 57.0 / 60.0 + 3.720_30 / 3600.0), 144.0 + 25.0 / 60.0 + 29.524_40 / 3600.0);
-        let buninyon =
-            Position::new(-(37.0 + 39.0 / 60.0 + 10.156_10 / 3600.0), 143.0 + 55.0 / 60.0 + 35.383_90 / 3600.0);
-        assert!((lambert_distance_m(flinders, buninyon) - 54_972.271).abs() < 1.0);
-    }
-
-    #[test]
-    fn corners_go_around_what_is_inside() {
-        let corners = [(37.3, -117.05), (37.88, -116.92), (37.88, -115.3), (36.85, -115.3), (36.85, -116.45)];
-        let corners = corners.map(|(latitude, longitude)| Position::new(latitude, longitude));
-        assert!(is_around(&corners, Position::new(37.4, -116.0)));
-        assert!(!is_around(&corners, Position::new(36.95, -116.9)));
-        assert!(!is_around(&corners, Position::new(37.4, -115.2)));
-    }
 }
