@@ -26,7 +26,8 @@ const UNKNOWN_S: f64 = 3.0 * 3_600.0;
 /// searched for both. `ALTITUDE` (a length, or metres) and `WAIT` (a duration, or seconds) may be nil.
 ///
 /// The value is twice the time in still air at `AIRSPEED`, plus all changes of altitude at a quarter of `CLIMB-RATE`, plus the durations,
-/// plus 5 minutes and four full circles. A place given by name, and a list with fewer than two places, add three hours.
+/// plus 5 minutes and four full circles. A place given by name, and a list with fewer than two places, add three hours; a climb or descent
+/// from an unknown position (a list without any place, and an `ALTITUDE`) counts from sea level instead.
 ///
 /// # Errors
 /// An argument of another kind, as a fragment of a message.
@@ -56,8 +57,11 @@ pub fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     way.collect(places);
     let TimedWay { found, waits_s, names } = way;
     let mut seconds = BASE_S + CIRCLES * CIRCLE_S_PER_M_S * airspeed + waits_s + wait_s.max(0.0);
-    if names > 0 || found.len() < 2 {
-        seconds += UNKNOWN_S;
+    match altitude_m {
+        // The flight leads nowhere else: a take-off whose answer is lost must not wait for hours.
+        Some(altitude_m) if names == 0 && found.is_empty() => seconds += altitude_m.abs() / (CLIMB_SHARE * climb_rate),
+        _ if names > 0 || found.len() < 2 => seconds += UNKNOWN_S,
+        _ => {}
     }
     for (from, to) in found.iter().zip(found.iter().skip(1)) {
         seconds += geodesy::distance_m(from.position, to.position) / (PROGRESS_SHARE * airspeed);
@@ -144,6 +148,16 @@ mod tests {
         assert_eq!(limit(Value::measured(2_200.0, Dimension::LENGTH), Value::nil()), minutes(10.0));
         assert_eq!(limit(Value::Integer(2_200), Value::Integer(60)), minutes(11.0));
         assert_eq!(limit(Value::nil(), Value::Duration(Duration::from_seconds(600.0))), minutes(10.0));
+    }
+
+    #[test]
+    fn a_take_off_from_an_unknown_position_has_a_limit_of_minutes() {
+        let nowhere = Value::list([Value::nil(), Value::nil(), Value::nil()]);
+        let altitude = Value::measured(110.0, Dimension::LENGTH);
+        let limit = |places: &Value| flight_time_limit(&[places.clone(), speed(10.0), speed(2.5), altitude.clone()]);
+        let limit_s = |places: &Value| limit(places).unwrap().as_number().unwrap().0;
+        assert!((300.0..900.0).contains(&limit_s(&nowhere)), "{}", limit_s(&nowhere));
+        assert!(limit_s(&Value::list([Value::nil(), place(&[37.0, -121.0])])) > 10_000.0, "a way of unknown length");
     }
 
     #[test]

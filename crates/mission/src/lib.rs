@@ -20,6 +20,7 @@ pub mod fixing;
 pub mod flight;
 pub mod fork;
 mod ground;
+mod in_air;
 pub mod link;
 mod link_form;
 mod link_level;
@@ -157,8 +158,7 @@ impl Mission {
         Mission::read(library, &Sources::Folder(folder))
     }
 
-    /// Loads a mission from its program and data as stored in a flight record: the texts of the program in load order, and data files by
-    /// name. Nothing else is read.
+    /// Loads a mission from the texts of its program in load order and its data files by name, as stored in a flight record.
     ///
     /// # Errors
     /// Errors of the program under this version, and all errors of the settings and the data.

@@ -59,7 +59,7 @@ impl Cause {
     fn text_of_the_rest(&self) -> String {
         match self {
             Cause::ItemsEnded { items, last } => items_text(*items, *last),
-            Cause::CommandAcknowledged { command } => format!("the vehicle finished command {}", command.0),
+            Cause::CommandAcknowledged { command } => format!("command {} was acknowledged as done", command.0),
             Cause::CommandFailed { command, reason } => format!("command {} failed: {reason}", command.0),
             Cause::CommandTimedOut { command, patience } => {
                 format!("command {} failed: no answer within {patience}", command.0)

@@ -230,7 +230,8 @@ impl Authority {
     pub(crate) fn check_epoch(&self, epoch: Option<u64>) -> Result<(), String> {
         let Some(stale) = epoch.filter(|epoch| *epoch != self.epoch) else { return Ok(()) };
         let holder = self.holder.as_ref().map_or_else(|| "it is free".into(), |holder| format!("{holder} holds it"));
-        Err(format!("epoch {stale} of authority is stale: this is epoch {}, {holder}", self.epoch))
+        let is = if stale > self.epoch { "has not begun" } else { "is stale" };
+        Err(format!("epoch {stale} of authority {is}: this is epoch {}, {holder}", self.epoch))
     }
 
     /// Checks that a command of `actor` may be executed; `epoch` is the epoch that it states, if any. While authority is free, operators

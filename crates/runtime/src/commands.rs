@@ -1,7 +1,7 @@
 //! Commands of an operator to a run in progress; each ends exactly once: accepted, rejected or expired.
 //!
 //! The run decides about a command when it receives it, at one instant of mission time. It records the command with its end as an input:
-//! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`, with `:by NAME :epoch NUMBER` if its
+//! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired REASON)`, with `:by NAME :epoch NUMBER` if its
 //! author is known. If the sender has ended the command as expired before, or its time is over, the run does not execute it.
 
 use crate::authority::{Actor, AuthorityRequest};
@@ -55,21 +55,38 @@ pub enum CommandEnd {
         reason: String,
     },
     /// The run did not receive it in time.
-    Expired,
+    Expired {
+        /// The limit that was over, in one clause.
+        reason: String,
+    },
 }
 
 /// The end of a command, shared by all clones; empty until it is set.
 #[derive(Clone, Debug, Default)]
 pub struct Ticket {
     end: Arc<Mutex<Option<CommandEnd>>>,
-    valid_until: Option<Instant>,
+    valid_until: Option<(Instant, Arc<str>)>,
 }
 
 impl Ticket {
-    /// Returns the ticket of a command that the run may accept before this instant only. A process that was stopped for a while finds
-    /// old commands when it continues, and the run may see them before the sender has ended them.
-    pub fn valid_until(instant: Instant) -> Ticket {
-        Ticket { valid_until: Some(instant), ..Ticket::default() }
+    /// Returns the ticket of a command that the run may accept before this instant only. A process that stands still for a while finds
+    /// old commands when it continues, and the run may see them before the sender has ended them. `reason` states the limit.
+    pub fn valid_until(instant: Instant, reason: &str) -> Ticket {
+        Ticket { valid_until: Some((instant, reason.into())), ..Ticket::default() }
+    }
+
+    /// Ends the command as expired if its time is over and it has no end yet.
+    pub fn expire(&self) {
+        if let Some(reason) = self.overdue() {
+            // No effect if the run has settled the command already.
+            self.settle(CommandEnd::Expired { reason });
+        }
+    }
+
+    /// Returns the limit that is over.
+    fn overdue(&self) -> Option<String> {
+        let (instant, reason) = self.valid_until.as_ref()?;
+        (Instant::now() >= *instant).then(|| reason.to_string())
     }
 
     /// Sets the end. Returns false if the command has another one: that which it had already, or expired instead of accepted too late.
@@ -78,9 +95,9 @@ impl Ticket {
         if slot.is_some() {
             return false;
         }
-        let is_late = self.valid_until.is_some_and(|instant| Instant::now() >= instant);
-        let is_refused = is_late && matches!(end, CommandEnd::Accepted { .. });
-        *slot = Some(if is_refused { CommandEnd::Expired } else { end });
+        let overdue = self.overdue().filter(|_| matches!(end, CommandEnd::Accepted { .. }));
+        let is_refused = overdue.is_some();
+        *slot = Some(overdue.map_or(end, |reason| CommandEnd::Expired { reason }));
         !is_refused
     }
 
@@ -113,7 +130,7 @@ impl Command {
         match end {
             CommandEnd::Accepted { .. } => parts.push(Value::symbol("accepted")),
             CommandEnd::Rejected { reason } => parts.extend([Value::symbol("rejected"), Value::text(reason)]),
-            CommandEnd::Expired => parts.push(Value::symbol("expired")),
+            CommandEnd::Expired { reason } => parts.extend([Value::symbol("expired"), Value::text(reason)]),
         }
         if let Some(Author { actor, epoch }) = &self.author {
             parts.extend([Value::symbol(":by"), Value::text(&actor.name)]);
@@ -146,10 +163,10 @@ mod tests {
     #[test]
     fn a_command_whose_time_is_over_is_not_accepted() {
         let accepted = CommandEnd::Accepted { at: Time::from_seconds(3.0) };
-        let ticket = Ticket::valid_until(Instant::now());
+        let ticket = Ticket::valid_until(Instant::now(), "2 s are over");
         assert!(!ticket.settle(accepted.clone()));
-        assert_eq!(ticket.end(), Some(CommandEnd::Expired));
-        let ticket = Ticket::valid_until(Instant::now() + std::time::Duration::from_secs(60));
+        assert_eq!(ticket.end(), Some(CommandEnd::Expired { reason: "2 s are over".into() }));
+        let ticket = Ticket::valid_until(Instant::now() + std::time::Duration::from_secs(60), "60 s are over");
         assert!(ticket.settle(accepted.clone()));
         assert_eq!(ticket.end(), Some(accepted));
     }
@@ -164,6 +181,6 @@ mod tests {
         drop((operators, controls));
         let end = ticket.end().unwrap();
         assert!(matches!(&end, CommandEnd::Rejected { reason } if reason.contains("ended before")), "{end:?}");
-        assert!(!ticket.settle(CommandEnd::Expired), "one end only");
+        assert!(!ticket.settle(CommandEnd::Expired { reason: String::new() }), "one end only");
     }
 }

@@ -1,7 +1,9 @@
 //! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for external
 //! simulators advance it.
 
+mod answers;
 mod ordered;
+mod outside;
 mod resume;
 mod waiting;
 
@@ -18,6 +20,7 @@ use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
 use crate::ports::{Deliberator, Input, News, Observer, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
+use answers::AnswerBook;
 use apex_executive::Agent;
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::{Batch, EventKind};
@@ -53,6 +56,7 @@ pub(crate) struct Flight<'a, 'o> {
     /// True if a step is under way: the run pauses after the next instant with a visible effect.
     stepping: bool,
     pool: SolverPool,
+    answered: AnswerBook,
     now: Time,
     steps_at_now: u64,
     /// True before the first instant.
@@ -120,6 +124,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             hold_for_solvers: options.hold_for_solvers,
             stepping: false,
             pool: SolverPool::new(queue),
+            answered: AnswerBook::default(),
             now: Time::ZERO,
             steps_at_now: 0,
             is_new: true,
@@ -167,42 +172,6 @@ impl<'a, 'o> Flight<'a, 'o> {
                 }
             }
         }
-    }
-
-    /// Executes everything up to `to` with these inputs, for an outside clock. Returns `Some` if the run is over.
-    pub(crate) fn advance(&mut self, to: Time, inputs: Vec<Input>) -> Result<Option<EndReason>, RunError> {
-        if std::mem::take(&mut self.is_new)
-            && let Some(reason) = self.live_instant(Time::ZERO, true)?
-        {
-            return Ok(Some(reason));
-        }
-        self.scheduled.extend(inputs);
-        self.scheduled.sort_by_key(|input| std::cmp::Reverse(input.at));
-        while let Some(at) = self.next_instant().filter(|at| *at <= to) {
-            if let Some(reason) = self.live_instant(at, false)? {
-                return Ok(Some(reason));
-            }
-            if let Some(reason) = self.group.finish() {
-                return Ok(Some(self.group.ended(reason)));
-            }
-        }
-        self.now = self.now.max(to);
-        Ok(None)
-    }
-
-    /// Returns the next instant at which the agents request a step, if no input arrives before.
-    pub(crate) fn next_wake(&self) -> Option<Time> {
-        self.next_instant()
-    }
-
-    /// Returns the names of the agents.
-    pub(crate) fn names(&self) -> Vec<String> {
-        (0..self.group.len()).filter_map(|index| Some(self.group.agent(index)?.name.printed().to_string())).collect()
-    }
-
-    /// Checks that an input is for an agent that exists.
-    pub(crate) fn check(&self, input: &Input) -> Result<(), RunError> {
-        self.group.check(input)
     }
 
     /// Lets the observers store everything up to now permanently.
@@ -358,7 +327,8 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
         let undelivered = self.group.post(index, sent.told);
         self.answer(index, &effects, now);
-        for text in sent.notes.iter().chain(&undelivered) {
+        let ignored = self.answered.take(index, batch, |command| numbering.outer(command.0));
+        for text in sent.notes.iter().chain(&undelivered).chain(&ignored) {
             self.each_observer(now, |observer| observer.note(now, text))?;
         }
         self.hear_observers(now)?;

@@ -9,6 +9,7 @@ use crate::flight::Flight;
 use crate::input_lines::{ReadValue, read_fields};
 use crate::limits::INPUT_LINE_BYTES_MAX;
 use crate::ports::{Deliberator, Input, Observer, Vehicle};
+use crate::reserved::{self, Entrance};
 use crate::solver_thread::SolverThread;
 use crate::terms::{EndReason, FlyOptions, RunEnd};
 use crate::trace::seconds_text;
@@ -111,7 +112,7 @@ pub fn run(
     let (mut now, mut first, mut reset) = (Time::ZERO, true, false);
     let reason = loop {
         let Some(line) = read_request(link, now)? else { break EndReason::Stopped };
-        let request = match understand(&line, now, link.read_value) {
+        let request = match line.and_then(|line| understand(&line, now, link.read_value)) {
             Ok(request) => request,
             Err(fault) => {
                 write_line(link, &json!({"error": fault}), now)?;
@@ -164,8 +165,12 @@ enum SimulatorRequest {
     Reset,
 }
 
-/// Returns the next line; `None` at the end of the simulator's lines. Empty lines are skipped.
-fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String>, RunError> {
+/// A line of the simulator, or the reason for which it is refused.
+type RequestLine = Result<String, String>;
+
+/// Returns the next line; `None` at the end of the simulator's lines. Empty lines are skipped. A line that is too long is refused with its
+/// rest, which must not be taken for another request.
+fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<RequestLine>, RunError> {
     loop {
         let mut bytes = Vec::new();
         let most = INPUT_LINE_BYTES_MAX as u64 + 1;
@@ -174,18 +179,22 @@ fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String
         if count == 0 {
             return Ok(None);
         }
-        let line = String::from_utf8_lossy(&bytes).trim().to_string();
-        if !line.is_empty() {
-            return Ok(Some(line));
+        if bytes.len() > INPUT_LINE_BYTES_MAX && !bytes.ends_with(b"\n") {
+            link.input.skip_until(b'\n').map_err(|error| broken(now, &error))?;
+            return Ok(Some(Err(format!(
+                "the line is longer than {INPUT_LINE_BYTES_MAX} bytes, and refused as a whole"
+            ))));
+        }
+        match std::str::from_utf8(&bytes).map(str::trim) {
+            Ok("") => {}
+            Ok(line) => return Ok(Some(Ok(line.to_string()))),
+            Err(error) => return Ok(Some(Err(format!("the line is not UTF-8 text: {error}")))),
         }
     }
 }
 
 /// Reads `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
 fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<SimulatorRequest, String> {
-    if line.len() > INPUT_LINE_BYTES_MAX {
-        return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
-    }
     let request = unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))?;
     let Json::Object(fields) = request else { return Err("a request is an object".into()) };
     if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop", "reset"].contains(&key.as_str())) {
@@ -216,6 +225,7 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Simula
                 let told = |fault: String| format!("input {}: {fault}", index + 1);
                 let Json::Object(fields) = item else { return Err(told("expected an object".into())) };
                 let input = read_fields(fields, to, read_value).map_err(told)?;
+                reserved::check(&input.kind, Entrance::Outside).map_err(told)?;
                 match input.at {
                     at if at < now => Err(told(format!("{at} is before {now}, where the simulation is"))),
                     at if at > to => Err(told(format!("{at} is after {to}, to which time advances"))),

@@ -9,6 +9,7 @@
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;
+use crate::reserved::{self, Entrance};
 use crate::unique_json;
 use apex_model::effect::{CommandId, QuestionId};
 use apex_model::event::{CommandProgress, EventKind, StateVariable};
@@ -81,12 +82,33 @@ pub(crate) fn read_numbered(
 /// # Errors
 /// The fault of the line.
 pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
+    read_fields(&object_of(line)?, now, read_value)
+}
+
+/// Reads one line that arrives during a run, whose instant is that of its arrival.
+///
+/// # Errors
+/// The fault of the line; a line that states another instant is refused, and so is a message that only Apex says.
+pub(crate) fn read_arriving(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
+    let fields = object_of(line)?;
+    if fields.contains_key("t") {
+        let why =
+            r#""t" is refused in a line that arrives during a run: its instant is that of its arrival; leave "t" out"#;
+        return Err(why.into());
+    }
+    let input = read_fields(&fields, Time::ZERO, read_value)?;
+    reserved::check(&input.kind, Entrance::Outside)?;
+    Ok(input)
+}
+
+fn object_of(line: &str) -> Result<Map<String, Json>, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let json = unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))?;
-    let Json::Object(fields) = json else { return Err(r#"expected an object like {"event": "(stop)"}"#.into()) };
-    read_fields(&fields, now, read_value)
+    match unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))? {
+        Json::Object(fields) => Ok(fields),
+        _ => Err(r#"expected an object like {"event": "(stop)"}"#.into()),
+    }
 }
 
 /// Reads an input from the fields of a JSON object.
@@ -112,6 +134,7 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     };
     let at = time_of(&fields).map_err(|fault| format!(": {fault}"))?;
     let kind = kind_of(&fields, read_value).map_err(|fault| format!(": {fault}"))?;
+    reserved::check(&kind, Entrance::Script).map_err(|fault| format!(": {fault}"))?;
     let agent = agent_of(&fields).map_err(|fault| format!(": {fault}"))?;
     let command_form = match fields.get("acknowledge") {
         Some(form @ Json::String(_)) => {

@@ -31,6 +31,7 @@ pub mod ports;
 pub mod program;
 pub mod record;
 pub mod replay;
+pub mod reserved;
 #[cfg(test)]
 mod samples;
 pub mod solver_process;
@@ -45,4 +46,4 @@ mod unique_json;
 
 pub use error::{RecordError, RunError};
 pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};
-pub use unique_json::parse as parse_unique_json;
+pub use unique_json::{Unique as UniqueJson, parse as parse_unique_json};

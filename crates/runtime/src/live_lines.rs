@@ -1,12 +1,12 @@
 //! Lines that arrive during a run: inputs, forms, answers to open questions, `stop`.
 
-use crate::input_lines::{ReadValue, read_live};
+use crate::input_lines::{ReadValue, read_arriving};
+use crate::reserved::{self, Entrance};
 use crate::terms::Control;
 use apex_executive::Agent;
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;
-use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -35,20 +35,26 @@ impl OpenQuestions {
         });
     }
 
-    /// Reads a line: `{"event": "(go)"}`, `(go)`, `yes`, `2: yes`, `pilot/2: yes`, `stop`.
+    /// Reads a line: `{"event": "(go)"}`, `(go)`, `yes`, `2: yes`, `pilot/2: yes`, `stop`. The line `stop` is never an answer: a run can
+    /// always be stopped; `2: stop` answers with this word.
     ///
     /// # Errors
     /// The reason if the line is neither an input nor an answer to an open question.
     pub fn understand(&self, line: &str, read_value: ReadValue<'_>) -> Result<Control, String> {
         if line.starts_with('{') {
-            let input = read_live(line, Time::ZERO, read_value)?;
+            let input = read_arriving(line, read_value)?;
             return Ok(match input.agent {
                 Some(agent) => Control::InputFor(agent, input.kind),
                 None => Control::Input(input.kind),
             });
         }
         if line.starts_with('(') {
-            return Ok(Control::Input(EventKind::Occurrence(read_value(line)?)));
+            let kind = EventKind::Occurrence(read_value(line)?);
+            reserved::check(&kind, Entrance::Outside)?;
+            return Ok(Control::Input(kind));
+        }
+        if line == "stop" {
+            return Ok(Control::Stop);
         }
         let (number, words) = match line.split_once(':') {
             Some((number, words)) if number.trim().ends_with(|last: char| last.is_ascii_digit()) => {
@@ -71,7 +77,6 @@ impl OpenQuestions {
                 };
                 Ok(Control::InputFor(one.agent.clone(), EventKind::OperatorAnswered(one.question, value)))
             }
-            [] if line == "stop" => Ok(Control::Stop),
             [] => Err(format!("no question is open that `{line}` could answer; events are written (go) or as JSON")),
             several => {
                 let list: Vec<String> =
@@ -118,6 +123,8 @@ mod tests {
         assert_eq!(two.understand("b/0: no", &read_value), answer("b", 0, Value::text("no")));
         assert!(open(&[]).understand("yes", &read_value).unwrap_err().contains("no question is open"));
         assert_eq!(open(&[]).understand("stop", &read_value), Ok(Control::Stop));
+        assert_eq!(open(&[("a", 3)]).understand("stop", &read_value), Ok(Control::Stop), "a run can always be stopped");
+        assert_eq!(open(&[("a", 3)]).understand("3: stop", &read_value), answer("a", 3, Value::text("stop")));
     }
 
     #[test]
@@ -126,5 +133,10 @@ mod tests {
         let line = r#"{"agent": "b", "measurement": "(altitude uav)", "value": 3}"#;
         assert!(matches!(open(&[]).understand(line, &read_value), Ok(Control::InputFor(..))));
         assert!(open(&[]).understand("{", &read_value).unwrap_err().contains("not JSON"));
+        let line = r#"{"t": 1e6, "measurement": "(altitude uav)", "value": 3}"#;
+        assert!(open(&[]).understand(line, &read_value).unwrap_err().contains("that of its arrival"));
+        for line in ["(operator-command 5)", r#"{"event": "(authority 99)"}"#] {
+            assert!(open(&[]).understand(line, &read_value).unwrap_err().contains("by Apex alone"), "{line}");
+        }
     }
 }

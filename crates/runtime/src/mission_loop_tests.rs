@@ -343,7 +343,7 @@ fn commanded(pace: Option<f64>, orders: Vec<Order>, expired: &[usize]) -> (RunEn
     for (index, order) in orders.into_iter().enumerate() {
         let ticket = Ticket::default();
         if expired.contains(&index) {
-            assert!(ticket.settle(CommandEnd::Expired));
+            assert!(ticket.settle(CommandEnd::Expired { reason: "10 s are over".into() }));
         }
         let words = format!("order {index}");
         let command = Command { number: index as u64 + 1, words, order, author: None, ticket: ticket.clone() };
@@ -365,16 +365,21 @@ fn every_command_has_one_end_and_is_an_input() {
     let orders = vec![input("hello"), input("late"), answer, stranger, Order::Pace(Some(-1.0)), Order::Pace(None)];
     let (_, lines, ends) = commanded(Some(1000.0), orders, &[1]);
     assert!(matches!(ends[0], CommandEnd::Accepted { .. }), "{ends:?}");
-    assert_eq!(ends[1], CommandEnd::Expired);
+    assert_eq!(ends[1], CommandEnd::Expired { reason: "10 s are over".into() });
     let rejected =
         |end: &CommandEnd, part: &str| matches!(end, CommandEnd::Rejected { reason } if reason.contains(part));
     assert!(rejected(&ends[2], "question 3 is not open"), "{ends:?}");
     assert!(rejected(&ends[3], "which does not exist") && rejected(&ends[4], "a pace of -1"), "{ends:?}");
     assert!(matches!(ends[5], CommandEnd::Accepted { .. }), "{ends:?}");
     let all = lines.join("\n");
-    for (number, end) in
-        [(1, "accepted"), (2, "expired"), (3, "rejected"), (4, "rejected"), (5, "rejected"), (6, "accepted")]
-    {
+    for (number, end) in [
+        (1, "accepted"),
+        (2, "expired \"10 s are over\""),
+        (3, "rejected"),
+        (4, "rejected"),
+        (5, "rejected"),
+        (6, "accepted"),
+    ] {
         let entry = format!("(operator-command {number} \"order {}\" {end}", number - 1);
         assert_eq!(all.matches(&entry).count(), 1, "{entry} in {all}");
     }

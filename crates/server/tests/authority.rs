@@ -98,6 +98,18 @@ fn check_stations(stations: &Value) {
     assert!(!stations.to_string().contains("guest") && !stations.to_string().contains("tower"), "{stations}");
 }
 
+/// Checks what the holder of authority is refused in epoch 1.
+fn check_refusals(refused: &dyn Fn(Value, &str)) {
+    refused(json!({"do": "offer-authority", "to": "mars"}), "no caller is called mars");
+    refused(json!({"do": "offer-authority", "to": "guest"}), "guest is an observer");
+    refused(json!({"do": "pause", "epoch": 7}), "epoch 7 of authority has not begun: this is epoch 1");
+    for form in
+        ["(operator-command 5 \"stop\" accepted)", "(authority 9 pia)", "(recording-lost x)", "(requirement-at-risk y)"]
+    {
+        refused(json!({"do": "message", "form": form}), "is said by Apex alone");
+    }
+}
+
 #[test]
 fn authority_is_offered_taken_refused_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
@@ -133,6 +145,7 @@ fn authority_is_offered_taken_refused_and_recorded() {
     ends(&van, json!({"do": "resume"}), "rejected", "tower holds authority");
     ends(&van, json!({"do": "take-authority"}), "rejected", "tower holds authority");
     check_stations(&authority(&tower)["stations"]);
+    check_refusals(&|body, reason| ends(&tower, body, "rejected", reason));
     ends(&tower, json!({"do": "offer-authority", "to": "van"}), "accepted", "");
     let offered = authority(&van);
     assert_eq!((&offered["offer"]["to"], &offered["may_take"]), (&json!("van"), &json!(true)), "{offered}");

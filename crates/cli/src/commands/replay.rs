@@ -4,11 +4,19 @@ use crate::error::{CliError, CliResult};
 use crate::options::ReplayOptions;
 use crate::{output, recording};
 use apex_mission::recorded::replay;
+use apex_runtime::record::check_integrity;
 use apex_runtime::replay::Differing;
 
 /// Executes a record again and compares.
 pub fn run(options: &ReplayOptions) -> CliResult {
     let reader = recording::open(&options.record)?;
+    // A reader compares a closed file with the seal of the file alone; a confirmation needs the chains of all groups, too.
+    let integrity = check_integrity(&options.record).map_err(apex_mission::recording::read)?;
+    if !integrity.is_intact() {
+        return Err(CliError::failure(format!("{} cannot be confirmed", options.record.display()))
+            .because(&integrity)
+            .help(format!("`apex verify {}` shows what can be trusted", options.record.display())));
+    }
     let report = replay(&reader).map_err(|error| CliError::failure(error.to_string()))?;
     if report.batches == 0 {
         return Err(CliError::failure(format!(

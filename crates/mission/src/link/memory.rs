@@ -9,6 +9,7 @@ use super::avoid;
 use super::belief::Beliefs;
 use super::learned::{Cells, Learned};
 use crate::Mission;
+use crate::in_air::AirState;
 use crate::position::PositionFilter;
 use apex_geo::geodesy;
 use apex_model::effect::{CommandId, Effect};
@@ -57,7 +58,13 @@ pub(crate) struct Link {
 
 impl LinkMemory {
     /// Observes a step of the agent that flies; returns the inputs for the next batch.
-    pub(crate) fn observe(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) -> Vec<Input> {
+    pub(crate) fn observe(
+        &mut self,
+        (mission, air): (&Mission, &AirState),
+        batch: &Batch,
+        effects: &[Effect],
+    ) -> Vec<Input> {
+        self.is_on_ground = air.is_on_ground();
         let mut inputs = Vec::new();
         for event in &batch.events {
             match &event.kind {
@@ -86,13 +93,10 @@ impl LinkMemory {
         inputs: &mut Vec<Input>,
     ) {
         if variable.object.as_symbol() == Some(&mission.agent.name)
-            && self.positions.admits(&mission.model, at.seconds(), variable.attribute.folded(), value)
+            && variable.attribute.is("location")
+            && self.positions.admits(&mission.model, at.seconds(), "location", value)
         {
-            match variable.attribute.folded() {
-                "location" => self.here = Location::from_value(value).or(self.here),
-                "on-ground" => self.is_on_ground = value.is_true(),
-                _ => {}
-            }
+            self.here = Location::from_value(value).or(self.here);
         }
         let level = value.as_number().filter(|(_, unit)| *unit == Dimension::NONE).map(|(level, _)| level);
         let Some((level, here)) = level.filter(|_| variable.attribute.is("signal-level")).zip(self.here) else {

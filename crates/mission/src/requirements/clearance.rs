@@ -1,8 +1,9 @@
 //! Requirement `terrain`: the ground below the vehicle and along the commanded route.
 
+use super::commanded::FlightOrder;
 use super::readings::{Reading, Scene};
 use super::response::Response;
-use apex_geo::geodesy::Position;
+use apex_geo::geodesy::{Position, distance_m};
 use apex_geo::plane::Point;
 use apex_model::quantity::Dimension;
 use apex_requirements::Concern;
@@ -10,8 +11,22 @@ use apex_requirements::margin::terrain;
 
 /// Deceleration with which a descent is stopped.
 const PULL_UP_M_S2: f64 = 1.0;
+/// Length of the final landing per height: a glide of 3 degrees, the flattest usual one, with a reserve.
+const GLIDE_RATIO: f64 = 20.0;
 
 impl Scene<'_> {
+    /// Returns true while the vehicle is near the ground on purpose: by its flight phase, otherwise by the commanded take-off or the last
+    /// part of the commanded landing, where a glide is below the clearance.
+    pub(super) fn is_near_ground(&self) -> bool {
+        let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
+        let is_final = |goal: &Position| distance_m(self.here, *goal) <= GLIDE_RATIO * clearance_m;
+        self.flown.is_near_ground.unwrap_or_else(|| match self.order {
+            Some(FlightOrder::TakeOff(_)) => true,
+            Some(FlightOrder::Land(points)) => points.last().is_none_or(is_final),
+            _ => false,
+        })
+    }
+
     /// Returns the elevation of the ground below the vehicle, computed from its height above ground.
     pub(super) fn ground_below_m(&self) -> Option<f64> {
         Some(self.flown.altitude_m - self.flown.height_above_ground_m?)
@@ -51,7 +66,7 @@ impl Scene<'_> {
     /// Returns the reading of the clearance of the ground, below and along the route.
     pub(super) fn terrain(&self) -> Option<Reading> {
         let clearance_m = self.requirements().terrain_clearance_m?;
-        if self.flown.is_near_ground {
+        if self.is_near_ground() {
             return None;
         }
         let below_m = self.ground_below_m()?;

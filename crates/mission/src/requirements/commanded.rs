@@ -276,8 +276,8 @@ pub(super) struct Flown {
     /// Error of the forecast of the wind.
     pub(super) wind_error: WindError,
     pub(super) is_on_ground: bool,
-    /// Taking off or landing: near the ground on purpose.
-    pub(super) is_near_ground: bool,
+    /// Taking off or landing, near the ground on purpose; `None` for a vehicle that does not report its flight phase.
+    pub(super) is_near_ground: Option<bool>,
     pub(super) heading_deg: Option<f64>,
     /// Cameras by their names.
     pub(super) cameras: BTreeMap<String, ReportedCamera>,
@@ -318,16 +318,15 @@ impl Flown {
             "endurance-remaining" => self.endurance_s = of(Dimension::TIME),
             "fuel" => self.fuel_kg = of(Dimension::MASS),
             "battery-charge" => self.charge = of(Dimension::NONE),
-            "on-ground" => self.is_on_ground = value.is_true(),
             "outside-temperature" => self.outside_k = of(Dimension::TEMPERATURE),
             "ice-exposure" => self.ice_s = of(Dimension::TIME),
             "icing" => self.is_icing = value.is_true(),
             "flight-phase" => {
                 let word = value.as_symbol().map_or("", |symbol| symbol.folded());
-                self.is_near_ground = matches!(
+                self.is_near_ground = Some(matches!(
                     word,
                     "parked" | "taking-off" | "climbing" | "approaching" | "landing" | "gliding" | "crashed"
-                );
+                ));
             }
             _ => {}
         }

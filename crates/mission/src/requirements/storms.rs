@@ -35,7 +35,7 @@ impl<'a> Scene<'a> {
         let is_landing = matches!(self.order, Some(FlightOrder::Land(_)));
         let is_low = self.flown.height_above_ground_m.is_some_and(|height_m| height_m < LANDING_M);
         let is_taking_off = matches!(self.order, Some(FlightOrder::TakeOff(_)));
-        if is_taking_off || (self.flown.is_near_ground && (is_low || !is_landing)) {
+        if is_taking_off || (self.is_near_ground() && (is_low || !is_landing)) {
             return NEVER_S;
         }
         let nearest = |cell: &crate::storm::StormTrack| {

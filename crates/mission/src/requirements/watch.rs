@@ -9,6 +9,7 @@ use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use super::surface_wind::too_much_wind_at_start;
+use crate::in_air::AirState;
 use crate::position::PositionFilter;
 use crate::ways::STRAIGHT_CLIMB_M;
 use crate::wind_error::WindError;
@@ -111,8 +112,9 @@ impl Watch {
     }
 
     /// Observes a step of the agent that flies.
-    pub(crate) fn observe(&mut self, known: Known<'_>, batch: &Batch, effects: &[Effect]) -> Findings {
+    pub(crate) fn observe(&mut self, known: Known<'_>, air: &AirState, batch: &Batch, effects: &[Effect]) -> Findings {
         let (mission, forecast, ..) = known;
+        self.flown.is_on_ground = air.is_on_ground();
         let mut moved = false;
         let vehicle = &mission.agent.name;
         for event in &batch.events {

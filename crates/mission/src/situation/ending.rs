@@ -4,6 +4,7 @@
 use super::visit::VehicleState;
 use crate::Mission;
 use crate::descent::approach_mps;
+use crate::in_air::AirState;
 use crate::vehicle::Airframe;
 use apex_geo::{geodesy, landing};
 use apex_model::cause::Cause;
@@ -43,8 +44,9 @@ struct IdlePlan {
 /// Knowledge about the end of a flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ending {
-    /// `None` for a vehicle that does not report whether it is on the ground.
-    is_airborne: Option<bool>,
+    is_airborne: bool,
+    /// True if the vehicle reports whether it is on the ground.
+    is_reported: bool,
     has_crashed: bool,
     /// Instants and texts of commands without an answer.
     commands: BTreeMap<CommandId, (Time, String)>,
@@ -73,7 +75,8 @@ pub(crate) struct Ending {
 
 impl Ending {
     /// Observes one step of the agent that flies.
-    pub(super) fn observe(&mut self, batch: &Batch, effects: &[Effect]) {
+    pub(super) fn observe(&mut self, air: &AirState, batch: &Batch, effects: &[Effect]) {
+        (self.is_airborne, self.is_reported) = (!air.is_on_ground(), air.is_reported());
         for event in &batch.events {
             match &event.kind {
                 EventKind::Measurement(variable, value) => self.measure(event.at, variable.attribute.folded(), value),
@@ -96,14 +99,13 @@ impl Ending {
 
     fn measure(&mut self, at: Time, attribute: &str, value: &Value) {
         match attribute {
-            "on-ground" => self.is_airborne = Some(!value.is_true()),
             "ground-speed" => self.is_moving = value.as_number().is_some_and(|(speed, _)| speed > MOVING_M_S),
             "location" if !self.is_moving || self.location.as_ref() != Some(value) => {
                 (self.location, self.located_at) = (Some(value.clone()), at);
             }
             _ => {}
         }
-        if self.is_airborne == Some(true) {
+        if self.is_airborne {
             self.airborne_until = at;
         }
     }
@@ -227,9 +229,9 @@ impl Ending {
         Some((*at, format!("no task pursued {goal}{ended}")))
     }
 
-    /// Returns true if the vehicle is in the air, as it last reported.
+    /// Returns true unless the vehicle reports or shows that it is on the ground.
     pub(crate) fn is_airborne(&self) -> bool {
-        self.is_airborne == Some(true)
+        self.is_airborne
     }
 
     /// Records that a planner had no plan.
@@ -257,13 +259,17 @@ impl Ending {
         if self.has_crashed {
             return Some("the vehicle has crashed".to_string());
         }
-        let position = vehicle.position.filter(|_| self.is_airborne == Some(true))?;
+        let position = vehicle.position.filter(|_| self.is_airborne)?;
         let distance_km = geodesy::distance_m(position, mission.start) / 1e3;
         let mut sentence = format!(
             "the vehicle has not landed: it is in the air at {:.0} m above sea level, {distance_km:.1} km from its start",
             vehicle.altitude_m
         );
         // Formatting into a string cannot fail.
+        if !self.is_reported {
+            let _ =
+                write!(sentence, "; it does not report `on-ground`, so this follows from its commands and positions");
+        }
         if let Some(until) = self.located_until() {
             let _ = write!(sentence, "; its last new position is that of {until}");
         }
@@ -288,7 +294,7 @@ impl Ending {
     /// Returns a statement about a vehicle that is on the ground after a flight, more than [`AWAY_M`] from every landing place and from its
     /// start; `None` for another one.
     pub(crate) fn landed_away(&self, mission: &Mission, position: Option<Position>) -> Option<String> {
-        let position = position.filter(|_| self.is_airborne == Some(false) && !self.has_crashed)?;
+        let position = position.filter(|_| !self.is_airborne && !self.has_crashed)?;
         if let Some(until) = self.located_until() {
             let (latitude_deg, longitude_deg) = (position.latitude_deg, position.longitude_deg);
             return Some(format!(

@@ -23,6 +23,7 @@ pub use visit::{VehicleState, Visit};
 
 use crate::Mission;
 use crate::diagnosis::DiagnosisService;
+use crate::in_air::AirState;
 use crate::link::LinkMemory;
 use crate::position::PositionFilter;
 use crate::predicted::Predicted;
@@ -92,6 +93,8 @@ pub struct Situation {
     landing: contingency::ContingencyLanding,
     /// Facts about the end of the flight.
     ending: Ending,
+    /// Whether the vehicle is in the air.
+    air: AirState,
     /// Additions of the last step to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
@@ -107,7 +110,12 @@ impl Situation {
         if agent != 0 {
             return;
         }
-        self.ending.observe(batch, effects);
+        let vehicle = &mission.agent.name;
+        self.air.observe(batch, effects, |object| object.as_symbol() == Some(vehicle));
+        self.ending.observe(&self.air, batch, effects);
+        if let Some(missing) = self.air.take_missing() {
+            self.note(batch.now, missing);
+        }
         let mut moved = false;
         for event in &batch.events {
             match &event.kind {
@@ -137,7 +145,7 @@ impl Situation {
         self.derived.extend(areas);
         self.derived.extend(self.outdated(batch));
         self.compare_storms(mission, batch.now);
-        self.derived.extend(self.links.observe(mission, batch, effects));
+        self.derived.extend(self.links.observe((mission, &self.air), batch, effects));
         if let Some(model) = &mission.diagnosis {
             let reported = self.diagnosis.observe(model, batch, effects);
             reported.notes.into_iter().for_each(|note| self.note(batch.now, note));
@@ -154,7 +162,7 @@ impl Situation {
     /// Compares the requirements with the flight, by the forecast that is presently assumed.
     fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
         let forecast = self.updates.forecast(mission);
-        let findings = self.watch.observe((mission, forecast, &self.links, &self.storms), batch, effects);
+        let findings = self.watch.observe((mission, forecast, &self.links, &self.storms), &self.air, batch, effects);
         for note in findings.notes {
             self.note(batch.now, note);
         }

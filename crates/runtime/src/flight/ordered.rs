@@ -26,7 +26,7 @@ impl Flight<'_, '_> {
         };
         // The sender may have settled the command first: as expired, or as rejected before it arrived here.
         let settled = command.ticket.settle(end.clone());
-        let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
+        let end = if settled { end } else { command.ticket.end().unwrap_or(end) };
         let agent = match &command.order {
             Order::Input(Some(agent), _) if self.group.check_agent(agent).is_ok() => Some(agent.clone()),
             _ => self.group.agent(0).map(|agent| agent.name.clone()),

@@ -36,6 +36,21 @@ impl SourceClass {
         SourceClass::ALL.into_iter().find(|class| class.word() == word)
     }
 
+    /// Returns true if a source that introduced itself with this class may acknowledge commands: the vehicle executes them.
+    pub(super) fn may_acknowledge(self) -> bool {
+        self == SourceClass::Vehicle
+    }
+
+    /// Returns true if such a source may answer questions, which are to the operator.
+    pub(super) fn may_answer(self) -> bool {
+        self == SourceClass::Operator
+    }
+
+    /// Returns true if such a source may end the run.
+    pub(super) fn may_stop(self) -> bool {
+        matches!(self, SourceClass::Operator | SourceClass::Safing)
+    }
+
     /// Operators and safing are heard before vehicles, vehicles before feeds.
     pub(super) fn rank(self) -> usize {
         match self {

@@ -8,6 +8,7 @@ use super::sources::{LiveSource, LiveSources};
 use crate::limits::INPUT_LINE_BYTES_MAX;
 use crate::live_lines::OpenQuestions;
 use crate::terms::Control;
+use apex_model::event::EventKind;
 use apex_model::value::Value;
 use serde_json::json;
 use std::cell::RefCell;
@@ -52,7 +53,7 @@ struct Hearing<'a> {
 
 /// Reads lines without a connection, such as those of standard input, from a source that gets no answers.
 pub fn hear_lines(lines: impl Read, source: &LiveSource, reader: &LineReader) {
-    hear(lines, &Hearing { source, reader, answers: None });
+    hear(None, lines, &Hearing { source, reader, answers: None });
 }
 
 /// Connections that have not sent a line yet, by number. They have no class, so they may not keep out an operator.
@@ -102,14 +103,14 @@ fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReade
     let first = lines.as_mut().ok().and_then(first_line);
     heard();
     let (Some(first), Ok(lines)) = (first, lines) else { return };
-    let class = match Introduction::read(&first) {
+    let class = match first.as_deref().ok().and_then(Introduction::read) {
         Some(Ok(introduction)) => introduction.class,
         _ => SourceClass::Feed,
     };
     match sources.admit(class) {
         Ok(source) => {
             let hearing = Hearing { source: &source, reader, answers: Some(stream) };
-            hear(first.as_bytes().chain(b"\n".as_slice()).chain(lines), &hearing);
+            hear(Some(first), lines, &hearing);
         }
         Err(fault) => refuse(stream, &fault),
     }
@@ -123,44 +124,48 @@ fn refuse(stream: &TcpStream, fault: &str) {
     writeln!(stream, "{}", json!({"error": fault})).unwrap_or_default();
 }
 
-fn first_line(lines: &mut impl BufRead) -> Option<String> {
+/// A line of a source, or the reason for which it is refused.
+type SourceLine = Result<String, String>;
+
+/// Returns the first line with content.
+fn first_line(lines: &mut impl BufRead) -> Option<SourceLine> {
     loop {
         let line = next_line(lines)?;
-        if !line.is_empty() && !line.starts_with('#') {
+        if !is_without_content(&line) {
             return Some(line);
         }
     }
 }
 
-/// Returns the next line without its end; `None` if there are no more. A line that is too long ends after [`INPUT_LINE_BYTES_MAX`] + 1
-/// bytes, and its rest is skipped: the rest must not be taken for another line.
-fn next_line(lines: &mut impl BufRead) -> Option<String> {
+fn is_without_content(line: &SourceLine) -> bool {
+    line.as_ref().is_ok_and(|line| line.is_empty() || line.starts_with('#'))
+}
+
+/// Returns the next line without its end; `None` if there are no more. A line that is too long is refused with its rest, which must not be
+/// taken for another line.
+fn next_line(lines: &mut impl BufRead) -> Option<SourceLine> {
     let mut bytes = Vec::new();
     let read = lines.by_ref().take(INPUT_LINE_BYTES_MAX as u64 + 1).read_until(b'\n', &mut bytes);
     if !read.is_ok_and(|count| count > 0) {
         return None;
     }
-    let text = String::from_utf8_lossy(&bytes);
-    if is_too_long(&text) && !bytes.ends_with(b"\n") {
+    if bytes.len() > INPUT_LINE_BYTES_MAX && !bytes.ends_with(b"\n") {
         lines.skip_until(b'\n').ok()?;
-        return Some(text.into_owned());
+        return Some(Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes")));
     }
-    Some(text.trim().to_string())
+    let text = std::str::from_utf8(&bytes).map(|text| text.trim().to_string());
+    Some(text.map_err(|error| format!("the line is not UTF-8 text: {error}")))
 }
 
-fn is_too_long(line: &str) -> bool {
-    line.len() > INPUT_LINE_BYTES_MAX
-}
-
-/// Reads a source until its lines end or the run is over.
-fn hear(lines: impl Read, hearing: &Hearing<'_>) {
+/// Reads a source, whose first line may have been read already, until its lines end or the run is over.
+fn hear(mut first: Option<SourceLine>, lines: impl Read, hearing: &Hearing<'_>) {
     let mut lines = BufReader::with_capacity(READ_BYTES, lines);
     let (mut messages, known) = (FaultMessages::new(hearing.reader.note), KnownTexts::new(hearing.reader.read_value));
     let mut group = Vec::new();
     let mut not_understood = 0;
-    while let Some(line) = next_line(&mut lines) {
-        if !line.is_empty() && !line.starts_with('#') {
-            match understand(&line, hearing, &known) {
+    while let Some(line) = first.take().or_else(|| next_line(&mut lines)) {
+        if !is_without_content(&line) {
+            match line.and_then(|line| understand(&line, hearing, &known)) {
                 Ok(control) => group.extend(control),
                 Err(fault) => {
                     not_understood += 1;
@@ -189,9 +194,6 @@ fn hear(lines: impl Read, hearing: &Hearing<'_>) {
 
 /// Reads a line; returns none for an introduction.
 fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<Option<LiveInput>, String> {
-    if is_too_long(line) {
-        return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
-    }
     if let Some(introduction) = Introduction::read(line) {
         let introduction = introduction?;
         hearing.source.introduce(&introduction)?;
@@ -199,6 +201,7 @@ fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<O
         return Ok(None);
     }
     let control = hearing.reader.open.understand(line, &|text| known.read(text))?;
+    check_class(hearing.source.stated_class(), &control)?;
     Ok(match control {
         Control::Input(kind) => Some(LiveInput::Event(None, kind)),
         Control::InputFor(agent, kind) => Some(LiveInput::Event(Some(agent), kind)),
@@ -206,6 +209,26 @@ fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<O
         // Lines of sources never have these kinds.
         Control::Pace(_) | Control::Command(_) | Control::Look | Control::Quiet => None,
     })
+}
+
+/// Checks that a source of this class may send an input. A source without an introduction has no class, and is not limited.
+fn check_class(class: Option<SourceClass>, control: &Control) -> Result<(), String> {
+    let Some(class) = class else { return Ok(()) };
+    let (is_permitted, what, who) = match control {
+        Control::Stop => (class.may_stop(), "ends the run", "operator or safing"),
+        Control::Input(kind) | Control::InputFor(_, kind) => match kind {
+            EventKind::CommandAcknowledged(..) | EventKind::CommandProgressed(..) => {
+                (class.may_acknowledge(), "acknowledges commands", "vehicle")
+            }
+            EventKind::OperatorAnswered(..) => (class.may_answer(), "answers questions", "operator"),
+            _ => return Ok(()),
+        },
+        _ => return Ok(()),
+    };
+    match is_permitted {
+        true => Ok(()),
+        false => Err(format!("a source of class {} never {what}; introduce it as {who}", class.word())),
+    }
 }
 
 fn answer(hearing: &Hearing<'_>, line: &serde_json::Value) {

@@ -1,7 +1,6 @@
 //! Tests of lines and connections: nothing of a line that is refused is an input, and silent connections keep no operator out.
 
 use super::*;
-use apex_model::event::EventKind;
 use std::time::Instant;
 
 fn sources() -> (LiveSources, LineReader) {
@@ -33,6 +32,42 @@ fn the_rest_of_a_line_that_is_too_long_is_no_input() {
     let longest = format!("(a {}", "b".repeat(INPUT_LINE_BYTES_MAX - 4));
     hear_lines(format!("{longest})\n").as_bytes(), &source, &reader);
     assert_eq!(taken(&sources).len(), 1, "a line of the greatest length is an input");
+}
+
+#[test]
+fn text_that_is_not_utf_8_is_no_input() {
+    let (sources, reader) = sources();
+    let source = sources.admit(SourceClass::Operator).unwrap();
+    hear_lines(b"(first)\n(a \xff)\n\xff\xfe\n(last)\n".as_slice(), &source, &reader);
+    assert_eq!(taken(&sources), ["(first)", "(last)"]);
+}
+
+#[test]
+fn a_source_says_only_what_its_class_may_say() {
+    let said = |introduction: &str| {
+        let (sources, reader) = sources();
+        let source = sources.admit(SourceClass::Feed).unwrap();
+        reader.open.opened(apex_model::symbol::Symbol::new("pilot"), apex_model::effect::QuestionId(0), "Land?");
+        let lines = "{\"acknowledge\": 0}\nyes\nstop\n(go)\n";
+        hear_lines(format!("{introduction}\n{lines}").as_bytes(), &source, &reader);
+        let mut words: Vec<&str> = Vec::new();
+        for input in sources.take() {
+            words.push(match input {
+                LiveInput::Stop => "stop",
+                LiveInput::Event(_, EventKind::CommandAcknowledged(..)) => "acknowledge",
+                LiveInput::Event(_, EventKind::OperatorAnswered(..)) => "answer",
+                LiveInput::Event(_, EventKind::Occurrence(form)) if form.to_string() == "(go)" => "go",
+                _ => continue,
+            });
+        }
+        words.join(" ")
+    };
+    let class = |word: &str| said(&format!("{{\"source\": \"a\", \"class\": \"{word}\"}}"));
+    assert_eq!(class("operator"), "answer stop go");
+    assert_eq!(class("safing"), "stop go");
+    assert_eq!(class("vehicle"), "acknowledge go");
+    assert_eq!(class("feed"), "go");
+    assert_eq!(said("# no introduction"), "acknowledge answer stop go");
 }
 
 #[test]

@@ -344,6 +344,12 @@ impl LiveSource {
         self.sources.wake(state);
     }
 
+    /// Returns the class that the source has stated; `None` before it has introduced itself.
+    pub(super) fn stated_class(&self) -> Option<SourceClass> {
+        let state = self.sources.state();
+        state.sources.get(&self.id).filter(|source| source.name.is_some()).map(|source| source.class)
+    }
+
     /// Returns the name under which the source is known.
     pub fn name(&self) -> Option<String> {
         self.sources.state().sources.get(&self.id)?.name.clone()

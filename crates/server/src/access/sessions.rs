@@ -150,6 +150,22 @@ impl Sessions {
         Ok((actor, secret))
     }
 
+    /// Returns the reason for which the caller of this name cannot hold authority: it is unknown, or an observer.
+    pub(crate) fn objection_to_holder(&self, name: &str) -> Option<String> {
+        let open = self.open();
+        let sessions =
+            open.values().filter(|session| session.heard.elapsed() <= IDLE_MAX).map(|session| &session.actor);
+        let known = self.tokens.iter().map(|token| &token.actor).chain(sessions).filter(|actor| actor.name == name);
+        let local = (!self.required && name == THIS_MACHINE).then_some(ActorRole::PilotInCommand);
+        match known.map(|actor| actor.role).chain(local).max() {
+            None => {
+                Some(format!("no caller is called {name}: authority is offered to a caller with a session or a token"))
+            }
+            Some(ActorRole::Observer) => Some(format!("{name} is an observer, and holds no authority")),
+            Some(_) => None,
+        }
+    }
+
     /// Ends the session of a request, if it has one.
     pub(crate) fn end(&self, headers: &HeaderMap) {
         if let Some(secret) = self.secret(headers) {

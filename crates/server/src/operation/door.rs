@@ -32,6 +32,8 @@ pub(crate) struct CommandRequest {
     pub(crate) author: Author,
     /// Time of the door's clock until which the run may accept the command, as the caller reckons it; `None`: not stated.
     pub(crate) valid_until: Option<Duration>,
+    /// Reason for which the run is not to execute it; `None`: no objection.
+    pub(crate) objection: Option<String>,
 }
 
 /// The connection to one run in progress. Clones share it.
@@ -67,8 +69,6 @@ struct SourceEntry {
     by: String,
     order: Order,
     at: Instant,
-    /// The run accepts it before this instant only.
-    until: Instant,
     ticket: Ticket,
 }
 
@@ -189,10 +189,11 @@ impl FlightDoor {
 
     /// Sends a command. It ends at once if it is certain that the run would not execute it.
     pub(crate) fn send(&self, request: CommandRequest) -> u64 {
-        let CommandRequest { wish, author, valid_until } = request;
+        let CommandRequest { wish, author, valid_until, objection } = request;
         let at = Instant::now();
         let latest = at + EXPIRES_AFTER;
         let until = valid_until.and_then(|clock| self.shared.began.checked_add(clock)).unwrap_or(latest).min(latest);
+        let limit = limit_words(until.saturating_duration_since(at));
         let seen = self.shared.seen.state();
         let running = self.sent().running;
         let known = |id: &str| self.is_known(id, &seen);
@@ -200,15 +201,16 @@ impl FlightDoor {
             Ok(order) => (order, None),
             Err(reason) => (Order::Note, Some(reason)),
         };
+        refusal = objection.or(refusal);
         let mut sent = self.sent();
         sent.forget_old();
         if sent.entries.iter().filter(|entry| entry.ticket.end().is_none()).count() >= OPEN_MAX {
             refusal.get_or_insert_with(|| format!("{OPEN_MAX} commands are in progress already"));
         }
         sent.last_number += 1;
-        let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::valid_until(until));
+        let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::valid_until(until, &limit));
         let by = author.actor.name.clone();
-        let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at, until, ticket };
+        let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at, ticket };
         let command = Command { number, words, order, author: Some(author), ticket: entry.ticket.clone() };
         if let Some(reason) = refusal {
             // The run records a command that it is not to execute.
@@ -286,25 +288,24 @@ impl SourceEntry {
     }
 
     fn state(&self) -> CommandState {
-        if Instant::now() >= self.until {
-            // No effect if the run has settled the command already.
-            self.ticket.settle(CommandEnd::Expired);
-        }
+        self.ticket.expire();
         let (state, at_ns, reason) = match self.ticket.end() {
             None => ("sent", None, None),
             Some(CommandEnd::Accepted { at: Time(at) }) => ("accepted", Some(at), None),
             Some(CommandEnd::Rejected { reason }) => ("rejected", None, Some(reason)),
-            Some(CommandEnd::Expired) => {
-                let reason = match self.until <= self.at {
-                    true => "it reached the server after the time until which it was valid".to_string(),
-                    false => format!("the run did not accept it within {} s", EXPIRES_AFTER.as_secs()),
-                };
-                ("expired", None, Some(reason))
-            }
+            Some(CommandEnd::Expired { reason }) => ("expired", None, Some(reason)),
         };
         let age_s = self.at.elapsed().as_secs_f64();
         let (words, by) = (self.words.clone(), self.by.clone());
         CommandState { number: self.number, words, by, state, at_ns, reason, age_s }
+    }
+}
+
+/// Returns the reason of a command that expires this long after it reached the server.
+fn limit_words(limit: Duration) -> String {
+    match limit.is_zero() {
+        true => "it reached the server after the time until which it was valid".to_string(),
+        false => format!("the run did not accept it within {} s", (limit.as_secs_f64() * 100.0).round() / 100.0),
     }
 }
 

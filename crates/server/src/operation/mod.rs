@@ -7,6 +7,7 @@
 
 mod authority;
 mod door;
+mod members;
 mod request;
 pub(crate) mod routes;
 mod watch;

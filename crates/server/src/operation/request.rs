@@ -1,5 +1,6 @@
 //! Bodies of commands, and the orders that they give to the run.
 
+use crate::operation::members;
 use crate::operation::watch::SeenState;
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
@@ -7,6 +8,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use apex_runtime::authority::AuthorityRequest;
 use apex_runtime::commands::Order;
+use apex_runtime::reserved::{self, Entrance};
 use apex_runtime::target_state::TARGET_VALUE_MAX;
 use serde::Deserialize;
 use serde_json::Value as Json;
@@ -121,8 +123,9 @@ impl Wish {
     /// Reads a body: a command with its terms.
     ///
     /// # Errors
-    /// It is not a command.
+    /// It is not a command, or has another member than the command.
     pub(crate) fn read(mut body: Json) -> Result<(Wish, CommandTerms), String> {
+        members::check(body.as_object().ok_or("a command is an object")?)?;
         let terms = CommandTerms::take(&mut body)?;
         Ok((serde_json::from_value(body).map_err(|error| error.to_string())?, terms))
     }
@@ -132,7 +135,7 @@ impl Wish {
         match self {
             Wish::Pause => "pause".into(),
             Wish::Resume => "resume".into(),
-            Wish::Pace { pace: Some(pace) } => format!("pace {pace}"),
+            Wish::Pace { pace: Some(pace) } => format!("pace {}", figure(*pace)),
             Wish::Pace { pace: None } => "pace as fast as possible".into(),
             Wish::Step => "step".into(),
             Wish::Stop => "stop".into(),
@@ -141,7 +144,7 @@ impl Wish {
             Wish::Message { agent: None, form } => format!("message: {form}"),
             Wish::AddTarget { target } => format!("add target {target}"),
             Wish::RemoveTarget { target } => format!("remove target {target}"),
-            Wish::ValueTarget { target, value } => format!("value of target {target}: {value}"),
+            Wish::ValueTarget { target, value } => format!("value of target {target}: {}", figure(*value)),
             Wish::Acknowledge { alarm } => format!("acknowledge {alarm}"),
             Wish::TakeAuthority => "take authority".into(),
             Wish::OfferAuthority { to } => format!("offer authority to {to}"),
@@ -165,9 +168,10 @@ impl Wish {
         match self {
             Wish::Pause => Ok(Order::Pace(Some(0.0))),
             Wish::Resume => Ok(Order::Pace(running)),
-            Wish::Pace { pace: Some(pace) } if !(*pace > 0.0 && *pace <= PACE_MAX) => {
-                Err(format!("a pace of {pace} is not above 0 and at most {PACE_MAX} mission seconds per second"))
-            }
+            Wish::Pace { pace: Some(pace) } if !(*pace > 0.0 && *pace <= PACE_MAX) => Err(format!(
+                "a pace of {} is not above 0 and at most {PACE_MAX} mission seconds per second",
+                figure(*pace)
+            )),
             Wish::Pace { pace } => Ok(Order::Pace(*pace)),
             Wish::Step => Ok(Order::Step),
             Wish::Stop => Ok(Order::Stop),
@@ -190,11 +194,19 @@ impl Wish {
             Wish::ValueTarget { target, value } => {
                 to_observe(known, target)?;
                 if !(0.0..=TARGET_VALUE_MAX).contains(value) {
-                    return Err(format!("the value {value} is not from 0 to {TARGET_VALUE_MAX}"));
+                    return Err(format!("the value {} is not from 0 to {TARGET_VALUE_MAX}", figure(*value)));
                 }
                 Ok(news("new-value", target, Some(*value)))
             }
         }
+    }
+}
+
+/// Returns a number as text of bounded length.
+fn figure(number: f64) -> String {
+    match number.abs() {
+        size if size == 0.0 || (1e-6..1e9).contains(&size) => number.to_string(),
+        _ => format!("{number:e}"),
     }
 }
 
@@ -249,5 +261,7 @@ fn message_order(
     if value.as_list().is_none_or(<[Value]>::is_empty) {
         return Err(format!("the message is {value}; expected a form, for example (new-value mill 20)"));
     }
-    Ok(Order::Input(agent.map(Symbol::new), EventKind::Occurrence(value)))
+    let kind = EventKind::Occurrence(value);
+    reserved::check(&kind, Entrance::Outside)?;
+    Ok(Order::Input(agent.map(Symbol::new), kind))
 }

@@ -5,6 +5,7 @@ use crate::answer::{ApiError, ApiResult};
 use crate::operation::door::{CommandRequest, CommandState, FlightDoor};
 use crate::operation::request::Wish;
 use crate::state::{AppState, Shared};
+use apex_runtime::UniqueJson;
 use apex_runtime::authority::Actor;
 use apex_runtime::commands::Author;
 use axum::extract::rejection::{JsonRejection, PathRejection};
@@ -13,7 +14,6 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Extension, Json, Router};
-use serde_json::Value;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -33,7 +33,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
 }
 
 type Who = Extension<Caller>;
-type CommandBody = Result<Json<Value>, JsonRejection>;
+type CommandBody = Result<Json<UniqueJson>, JsonRejection>;
 
 /// Returns the run behind the served record; `null` if it is not flown by this program.
 async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> ApiResult<Response> {
@@ -47,7 +47,7 @@ async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody
             "fly with `apex fly MISSION --serve`; `POST /api/flights/ID/commands` commands flights of `apex serve --missions`",
         )
     })?;
-    send(door, caller, body).await
+    send((&*state, door), caller, body).await
 }
 
 async fn flight_operation(
@@ -66,7 +66,7 @@ async fn flight_command(
     id: Result<Path<u64>, PathRejection>,
     body: CommandBody,
 ) -> ApiResult<Json<CommandState>> {
-    send(door_of(&state, id)?, caller, body).await
+    send((&*state, door_of(&state, id)?), caller, body).await
 }
 
 /// Returns the other callers that can receive authority from `actor`.
@@ -82,7 +82,11 @@ fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<
 }
 
 /// Sends a command and waits for its end, which is reached even if the caller disconnects.
-async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> ApiResult<Json<CommandState>> {
+async fn send(
+    (state, door): (&AppState, FlightDoor),
+    Caller(actor): Caller,
+    body: CommandBody,
+) -> ApiResult<Json<CommandState>> {
     let refused = |status, error| {
         ApiError {
         status,
@@ -90,11 +94,15 @@ async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> Api
         help: "send for example `{\"do\": \"pause\"}` as application/json; docs/reference/server-api.md lists the commands".into(),
     }
     };
-    let Json(body) = body.map_err(|rejection| refused(rejection.status(), rejection.body_text()))?;
+    let Json(UniqueJson(body)) = body.map_err(|rejection| refused(rejection.status(), rejection.body_text()))?;
     let (wish, terms) = Wish::read(body).map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, error))?;
     door.hear(&actor.name);
+    let objection = match &wish {
+        Wish::OfferAuthority { to } => state.sessions.objection_to_holder(to),
+        _ => None,
+    };
     let author = Author { actor, epoch: terms.epoch };
-    let number = door.send(CommandRequest { wish, author, valid_until: terms.valid_until });
+    let number = door.send(CommandRequest { wish, author, valid_until: terms.valid_until, objection });
     let forgotten = || ApiError::not_found(format!("command {number} is forgotten"), "the record holds its end");
     let ended = tokio::spawn(async move {
         loop {

@@ -6,6 +6,7 @@ use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
+use apex_runtime::reserved::{self, Entrance};
 use serde::Deserialize;
 
 /// The body of `POST /api/forks`.
@@ -55,7 +56,10 @@ impl ForkRequest {
                     "write for example `(new-value ahorn 200)`",
                 )
             })?;
-            inputs.push(Input::new(Time::from_seconds(*t), EventKind::Occurrence(form)));
+            let kind = EventKind::Occurrence(form);
+            reserved::check(&kind, Entrance::Outside)
+                .map_err(|error| ApiError::bad_request(error, "write for example `(new-value ahorn 200)`"))?;
+            inputs.push(Input::new(Time::from_seconds(*t), kind));
         }
         Ok(Changes { inputs, plan: self.plan.clone() })
     }

@@ -1030,7 +1030,7 @@ words: string,
  */
 end: string, 
 /**
- * Reason of a rejection; `None` for other ends.
+ * Reason of a rejection or an expiry; `None` for other ends.
  */
 reason: string | null, };
 

@@ -20,7 +20,7 @@ pub struct RecordedCommand {
     pub words: String,
     /// `accepted`, `rejected` or `expired`.
     pub end: String,
-    /// Reason of a rejection; `None` for other ends.
+    /// Reason of a rejection or an expiry; `None` for other ends.
     pub reason: Option<String>,
 }
 
@@ -81,7 +81,7 @@ fn command(t_ns: i64, kind: &EventKind) -> Option<RecordedCommand> {
     let EventKind::Occurrence(form) = kind else { return None };
     let [head, Value::Integer(number), Value::Text(words), end, rest @ ..] = form.as_list()? else { return None };
     head.as_symbol().filter(|head| head.is(HEAD))?;
-    // After the end, and the reason of a rejection, come the author and the epoch as keywords.
+    // After the end and its reason come the author and the epoch as keywords.
     let reason = match rest {
         [Value::Text(reason), ..] => Some(reason.to_string()),
         _ => None,
@@ -96,13 +96,13 @@ mod tests {
     use crate::commands::{Author, Command, CommandEnd, Order, Ticket};
 
     #[test]
-    fn only_a_rejection_has_a_reason() {
+    fn a_rejection_and_an_expiry_have_a_reason() {
         let author = Author { actor: Actor { name: "ann".into(), role: ActorRole::Operator }, epoch: Some(1) };
         let (order, ticket) = (Order::Note, Ticket::default());
         let given = Command { number: 1, words: "pause".into(), order, author: Some(author), ticket };
         let reason = |end: CommandEnd| command(5, &given.entry(&end)).unwrap().reason;
         assert_eq!(reason(CommandEnd::Accepted { at: Time(5) }), None);
-        assert_eq!(reason(CommandEnd::Expired), None);
+        assert_eq!(reason(CommandEnd::Expired { reason: "after 2 s".into() }).as_deref(), Some("after 2 s"));
         assert_eq!(reason(CommandEnd::Rejected { reason: "too late".into() }).as_deref(), Some("too late"));
     }
 }

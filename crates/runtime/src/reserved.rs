@@ -1,0 +1,72 @@
+//! Messages that only Apex itself says. They state facts of the run, of its record and of its mission: said by another, they would forge
+//! who commanded what, what was recorded, or which requirement is at risk.
+//!
+//! This is the only list; `docs/reference/trace.md` shows it to users.
+
+use apex_model::event::EventKind;
+
+/// Facts of the run and its record: the log of commands, authority, live sources, the recorder. A name that ends with `-` is a beginning.
+const OF_THE_RUN: [&str; 4] = ["operator-command", "authority", "live-source", "recording-"];
+/// Results that the mission computes. A scripted file may say them, to test what a program does then.
+const OF_THE_MISSION: [&str; 3] = ["requirement-", "segment-weighed", "plan-outdated"];
+
+/// Place at which an input enters a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entrance {
+    /// A file of scripted inputs, which is known before the run.
+    Script,
+    /// An operator, a live source or a simulator, during the run.
+    Outside,
+}
+
+/// Checks that an input may come from this entrance.
+///
+/// # Errors
+/// The reason for which a message is refused.
+pub fn check(kind: &EventKind, entrance: Entrance) -> Result<(), String> {
+    let EventKind::Occurrence(form) = kind else { return Ok(()) };
+    let Some(head) = form.head().map(|head| head.folded()) else { return Ok(()) };
+    let is_of =
+        |names: &[&str]| names.iter().any(|name| head == *name || name.ends_with('-') && head.starts_with(name));
+    if is_of(&OF_THE_RUN) {
+        return Err(format!(
+            "the message ({head} ..) is said by Apex alone: it states a fact of the run or its record"
+        ));
+    }
+    if entrance == Entrance::Outside && is_of(&OF_THE_MISSION) {
+        return Err(format!(
+            "the message ({head} ..) is said by Apex alone: the mission computes it; only a file of scripted inputs may say it"
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::value::Value;
+
+    fn said(head: &str, entrance: Entrance) -> Result<(), String> {
+        check(&EventKind::Occurrence(Value::list([Value::symbol(head), Value::Integer(5)])), entrance)
+    }
+
+    #[test]
+    fn facts_of_the_run_come_from_no_entrance() {
+        for head in ["operator-command", "Authority", "live-source", "recording-lost", "recording-resumed"] {
+            for entrance in [Entrance::Script, Entrance::Outside] {
+                assert!(said(head, entrance).unwrap_err().contains("by Apex alone"), "{head}");
+            }
+        }
+    }
+
+    #[test]
+    fn results_of_the_mission_come_from_scripts_only() {
+        for head in ["requirement-at-risk", "requirement-kept", "segment-weighed", "plan-outdated"] {
+            assert_eq!(said(head, Entrance::Script), Ok(()), "{head}");
+            assert!(said(head, Entrance::Outside).is_err(), "{head}");
+        }
+        for head in ["new-value", "recorder", "authority-lost", "plan-imposed", "off-schedule"] {
+            assert_eq!(said(head, Entrance::Outside), Ok(()), "{head}");
+        }
+    }
+}
