@@ -1,7 +1,8 @@
-//! Final intervals of absences in a log: `(:absent C :for D)` is recognised when D has passed, and the absence lasts until C comes.
+//! Final intervals of absences in a log: `(:absent C :for D)` is recognised when D has passed, and the absence lasts until C occurs.
 //!
-//! For each such condition C is watched by a separate monitor. A recognised absence is held back until C begins or the input ends, because
-//! only then its interval is known.
+//! For each such condition C is watched by a separate monitor. A recognised absence is held back until C occurs or the input ends, because
+//! only then its interval is known. If the interval of C begins within the window that was recognised, the absence lasts until C is
+//! recognised: the interval of a combination, or of a run with a least duration, begins before that is known.
 
 use apex_executive::state::clause::MonitorId;
 use apex_executive::{MonitorResult, ResultEvent};
@@ -39,9 +40,8 @@ impl Absences {
     pub(crate) fn pass(&mut self, result: MonitorResult) -> Option<MonitorResult> {
         if let Some(absence) = self.watched.get(&result.watch) {
             let lasting = self.lasting.get_mut(absence)?;
-            let begin = result.result.interval.0;
-            let is_over = lasting.as_ref().is_some_and(|known| known.result.interval.1 <= begin);
-            return if is_over { lasting.take().map(|known| until(known, begin)) } else { None };
+            let end = lasting.as_ref().and_then(|known| ended_by(known, &result))?;
+            return lasting.take().map(|known| until(known, end));
         }
         match self.lasting.get_mut(&result.watch) {
             Some(lasting) => lasting.replace(result),
@@ -49,11 +49,38 @@ impl Absences {
         }
     }
 
-    /// Returns the absences that last until the input ends at `end`.
-    pub(crate) fn finish(&mut self, end: Time) -> Vec<MonitorResult> {
-        let lasting = self.lasting.values_mut().filter_map(Option::take);
-        lasting.map(|known| until(known, end)).collect()
+    /// Returns the absences that last until the input ends, each up to the instant that `end_of` returns for the monitors of the absence
+    /// and of the absent condition.
+    pub(crate) fn finish(&mut self, end_of: impl Fn(MonitorId, MonitorId) -> Time) -> Vec<MonitorResult> {
+        let mut found = Vec::new();
+        for (part, absence) in &self.watched {
+            let known = self.lasting.get_mut(absence).and_then(Option::take);
+            found.extend(known.map(|known| until(known, end_of(*absence, *part))));
+        }
+        found.sort_by_key(|known| known.watch);
+        found
     }
+}
+
+/// Returns the end of the absence `known` if `result` of the absent condition ends it. A result from before the absence, which becomes
+/// known or is over while the absence lasts, does not.
+fn ended_by(known: &MonitorResult, result: &MonitorResult) -> Option<Time> {
+    let (since, recognised) = known.result.interval;
+    let (first, last) = result.result.interval;
+    let at = result.result.recognised_at;
+    if recognised <= first {
+        return Some(first);
+    }
+    let ends = recognised <= at && since < last;
+    ends.then_some(if is_past_run(result) { recognised } else { at })
+}
+
+/// Returns true for a run that was over when it was recognised: until then the absence would include the whole run.
+fn is_past_run(result: &MonitorResult) -> bool {
+    let mut evidence = result.result.evidence.iter();
+    let is_run = matches!(evidence.next(), Some(Evidence::Run { .. })) && evidence.next().is_none();
+    let is_over = result.telling != ResultEvent::Recognised { open: true };
+    is_run && is_over && result.result.interval.1 < result.result.recognised_at
 }
 
 /// Returns the absence with its interval and evidence up to `end`.

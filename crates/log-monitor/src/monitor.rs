@@ -3,6 +3,7 @@
 use crate::absences::{self, Absences};
 use crate::source::{Note, Source};
 use apex_executive::state::clause::MonitorId;
+use apex_executive::state::monitors::monitor::Interest;
 use apex_executive::{MonitorResult, MonitorSession, ResultEvent};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::monitor_report::{Style, placed, verdict_word};
@@ -197,7 +198,8 @@ impl<'a> LogMonitor<'a> {
         self.session.advance(now);
         self.session.finish();
         self.tell()?;
-        for result in self.absences.finish(now) {
+        let end_of = |absence, part| if self.session.is_in_doubt(absence) { self.last_known(part) } else { now };
+        for result in self.absences.finish(end_of) {
             self.report(&result)?;
         }
         let missing = self.session.without_samples();
@@ -216,6 +218,17 @@ impl<'a> LogMonitor<'a> {
         self.flush()?;
         self.note_missing_samples();
         Ok(verdicts)
+    }
+
+    /// Returns the instant of the newest sample of the variable of `part` that has been silent longest.
+    fn last_known(&self, part: MonitorId) -> Time {
+        let histories = self.session.histories();
+        let newest = self.session.interests(part).into_iter().flat_map(|interest| match interest {
+            Interest::Variable(variable) => histories.get(&variable).into_iter().collect(),
+            Interest::Attribute(attribute) => histories.of_attribute(&attribute).map(|(_, history)| history).collect(),
+            _ => Vec::new(),
+        });
+        newest.filter_map(|history| history.newest()).map(|sample| sample.at).min().unwrap_or(Time::BEGINNING)
     }
 
     /// Notes each variable that the conditions read and the input has no sample of.

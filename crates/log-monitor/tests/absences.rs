@@ -14,16 +14,24 @@ fn printed(condition: &str, samples: &[(u32, u32)]) -> Vec<(f64, f64, String)> {
 }
 
 fn watched(condition: &str, samples: &[(u32, u32)], note: &dyn Fn(&str)) -> Vec<(f64, f64, String)> {
+    let lines =
+        samples.iter().map(|(t, value)| format!("{{\"t\": {t}, \"measurement\": \"(v a)\", \"value\": {value}}}\n"));
+    over(condition, lines.collect(), note)
+}
+
+/// Returns the intervals that are printed for `condition` over lines of input.
+fn intervals(condition: &str, lines: &str) -> Vec<(f64, f64)> {
+    over(condition, lines.to_string(), &|_| {}).into_iter().map(|(start, end, _)| (start, end)).collect()
+}
+
+fn over(condition: &str, lines: String, note: &dyn Fn(&str)) -> Vec<(f64, f64, String)> {
     let text = SourceText { name: "condition".to_string(), text: condition.to_string() };
     let mut resolve = |_| Err("nothing is required".to_string());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let read = check_conditions(Vec::new(), vec![text], options);
     assert!(!read.checked.has_errors());
-    let lines: String = samples
-        .iter()
-        .map(|(t, value)| format!("{{\"t\": {t}, \"measurement\": \"(v a)\", \"value\": {value}}}\n"))
-        .collect();
-    let name = format!("absences-{}.jsonl", condition.len());
+    let key: u64 = condition.bytes().chain(lines.bytes()).fold(7, |sum, byte| sum * 31 % 1_000_003 + u64::from(byte));
+    let name = format!("absences-{key}.jsonl");
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, lines).unwrap();
     let style = Style { json: true, live: false, several: false, utc_of_zero: None };
@@ -76,4 +84,48 @@ fn an_absence_of_an_episode_ends_where_the_episode_begins() {
         "(:absent (:episode (v a) :value (> 5) :quality (:max-gap 20s) :timing (:duration (>= 8s))) :for 15s)";
     let found = printed(condition, &samples);
     assert_eq!(found.first().map(|(start, end, _)| (*start, *end)), Some((0.0, 40.0)), "{found:?}");
+}
+
+const TWO_MESSAGES: &str = r#"{"t": 0, "event": "(begin)"}
+{"t": 1, "event": "(p)"}
+{"t": 5, "event": "(r)"}
+{"t": 6, "event": "(r)"}
+{"t": 10, "event": "(end)"}
+"#;
+
+#[test]
+fn an_absence_of_a_combination_lasts_until_the_combination_occurs() {
+    for length in ["500ms", "1500ms", "4500ms"] {
+        let end = if length == "500ms" { 1.0 } else { 5.0 };
+        for part in ["(:and (p) (r))", "(:in-order (p) (r))"] {
+            let found = intervals(&format!("(:absent {part} :for {length})"), TWO_MESSAGES);
+            assert_eq!(found.first(), Some(&(0.0, end)), "{part} {length}");
+        }
+    }
+}
+
+#[test]
+fn an_absence_of_a_long_run_lasts_until_the_run_is_long_enough() {
+    let samples = [(0, 1), (1, 5), (2, 5), (3, 5), (4, 5), (5, 5), (6, 1), (7, 1), (8, 1)];
+    let run = "(:episode (v a) :quality (:max-gap 1s) :value (> 4) :timing (:duration (>= 3s)))";
+    for (length, end) in [("500ms", 1.0), ("2s", 4.0), ("3500ms", 4.0)] {
+        let found = printed(&format!("(:absent {run} :for {length})"), &samples);
+        assert_eq!(found.first().map(|(start, end, _)| (*start, *end)), Some((0.0, end)), "{length}");
+    }
+    let short = "(:episode (v a) :quality (:max-gap 1s) :value (> 4) :timing (:duration (<= 4s)))";
+    let found = printed(&format!("(:absent {short} :for 2s)"), &samples);
+    assert_eq!(found.first().map(|(start, end, _)| (*start, *end)), Some((0.0, 2.0)), "{found:?}");
+}
+
+#[test]
+fn an_absence_is_not_claimed_for_a_time_without_expected_samples() {
+    let lines = r#"{"t": 0, "measurement": "(v a)", "value": 8}
+{"t": 1, "measurement": "(v a)", "value": 8}
+{"t": 4, "measurement": "(v a)", "value": 8}
+{"t": 5, "measurement": "(v a)", "value": 8}
+{"t": 20, "event": "(end)"}
+"#;
+    let run = "(:episode (v a) :quality (:max-gap 2s) :value (< 3) :timing (:duration (>= 1s)))";
+    assert_eq!(intervals(&format!("(:absent {run} :for 9s)"), lines), []);
+    assert_eq!(intervals(&format!("(:absent {run} :for 2s)"), lines), [(0.0, 5.0)]);
 }

@@ -10,7 +10,7 @@ use crate::ways::{Runs, View, Way, Ways, instant_fits};
 /// A run: consecutive samples without a gap that all satisfy the constraints, as far as known.
 pub(crate) struct Run<'a> {
     pub(crate) samples: &'a [Sample],
-    /// True if the sample before the run does not satisfy the constraints.
+    /// True if the sample before the run does not satisfy the constraints, and no gap follows it.
     begins: bool,
     /// The first sample after the run.
     pub(crate) next: Option<&'a Sample>,
@@ -54,7 +54,7 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         let newest = windowed(episode, series, view).last().map(|newest| newest.at);
         newest.zip(episode.gap).is_some_and(|(newest, gap)| view.now - newest > gap)
     };
-    if aggregate::asked(episode) && heard_of(&episode.variable, view, silent) {
+    if heard_of(&episode.variable, view, silent) {
         found.unknown = Some("no sample for too long".into());
         found.doubt = true;
     }
@@ -90,7 +90,7 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
         }
         let next = samples.get(end);
         let closed = next.is_some() || apart(samples[end - 1].at, view.now);
-        let begins = start > 0 && !fitting(&samples[start - 1]);
+        let begins = start > 0 && !fitting(&samples[start - 1]) && !apart(samples[start - 1].at, samples[start].at);
         found.push(Run { samples: &samples[start..end], begins, next, closed });
         start = end;
     }

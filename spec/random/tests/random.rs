@@ -36,6 +36,7 @@ fn the_executive_and_the_reference_do_the_same() {
         ("because outranked by", 300),
         ("because a resource is exhausted", 20),
         ("because handled by", 200),
+        ("ends before its turn", 200),
     ];
     for (what, least) in legal {
         let count = outcome.coverage.moves.get(what).copied().unwrap_or(0);

@@ -81,7 +81,8 @@ impl Agent<'_> {
     fn begin_procedure(&mut self, id: usize, number: usize, context: Bindings) {
         let procedure = &self.program.procedures[number];
         let current = vec![None; procedure.steps.len()];
-        self.tasks[id].work = Some(Work::Procedure { procedure: number, context, current, children: BTreeSet::new() });
+        let (children, ended) = (BTreeSet::new(), BTreeSet::new());
+        self.tasks[id].work = Some(Work::Procedure { procedure: number, context, current, children, ended });
         let _ = self.run_forms(id, Level::Procedure, &procedure.hooks.on_start);
         let clauses = &procedure.clauses;
         // These clauses count from the start of the procedure.

@@ -13,6 +13,9 @@ fn ends_by_itself(step: &Step) -> bool {
         .is_none_or(|clause| !clause.responding && (clause.while_true.is_some() || clause.until.is_some()))
 }
 
+/// The cause of an end begins so if earlier steps of the sequence have not ended.
+pub const BEFORE_ITS_TURN: &str = "before its turn:";
+
 impl Agent<'_> {
     /// Ends the task with its subtree.
     pub(crate) fn end(&mut self, id: usize, outcome: Outcome, cause: String) {
@@ -36,6 +39,8 @@ impl Agent<'_> {
             self.consume(id);
         }
         self.tasks[id].work = None;
+        let early = self.tasks[id].waits_for_step_before && outcome != Outcome::Cut;
+        let cause = if early { format!("{BEFORE_ITS_TURN} {cause}") } else { cause };
         self.transition(id, State::Terminated, Some(outcome), cause);
         let task = &mut self.tasks[id];
         task.choice = None;
@@ -125,8 +130,11 @@ impl Agent<'_> {
         let Origin::Step(procedure, step) = self.tasks[child].origin else { return };
         self.tasks[child].over = true;
         self.changed = true;
-        let Some(Work::Procedure { current, children, .. }) = &mut self.tasks[parent].work else { return };
-        let next = current.get(step + 1).copied().flatten();
+        let Some(Work::Procedure { current, children, ended, .. }) = &mut self.tasks[parent].work else { return };
+        ended.insert(step);
+        // In a sequence a step waits until all steps before it have ended.
+        let first_open = (0..current.len()).find(|number| !ended.contains(number));
+        let next = first_open.and_then(|number| current[number]);
         if !current.contains(&Some(child)) {
             children.remove(&child);
             self.forget(child);

@@ -43,7 +43,6 @@ impl Agent<'_> {
         let cause = format!("handled by T{handler}");
         if self.tasks[id].state == State::Pending {
             let task = &mut self.tasks[id];
-            task.waits_for_step_before = false;
             task.waits_for_result = false;
             task.waits_for_condition = false;
             task.waits_for_interval = None;

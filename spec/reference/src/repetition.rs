@@ -31,7 +31,6 @@ impl Agent<'_> {
         task.created_at = now;
         task.first_created = now;
         task.started_at = None;
-        task.waits_for_step_before = false;
         task.waits_for_result = false;
         task.waits_for_condition = false;
         task.ended_before = Some(now);

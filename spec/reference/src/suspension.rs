@@ -197,7 +197,6 @@ impl<'p> Agent<'p> {
         task.created_at = now;
         task.choice = None;
         task.held.clear();
-        task.waits_for_step_before = false;
         task.waits_for_result = false;
         task.waits_for_condition = false;
         task.waits_for_interval = None;

@@ -129,6 +129,8 @@ pub(crate) enum Work {
         /// The task that each step's tag names.
         current: Vec<Option<usize>>,
         children: BTreeSet<usize>,
+        /// Steps that have ended.
+        ended: BTreeSet<usize>,
     },
     Primitive {
         primitive: usize,

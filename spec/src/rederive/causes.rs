@@ -187,7 +187,13 @@ impl Scene<'_> {
                 require(before.parent == own.parent, "that task has another parent")?;
                 require(before.state == TaskState::Terminated && before.since == now, "that task did not end now")?;
                 let places = world.template(own).zip(world.template(before)).map(|(own, before)| (own.1, before.1));
-                require(places.is_none_or(|(own, before)| own == before + 1), "that is not the step before it")
+                require(places.is_none_or(|(own, before)| own > before), "that is not a step before it")?;
+                let between = places.map(|(own, before)| before + 1..own).unwrap_or_default();
+                let open = own.parent.into_iter().flat_map(|parent| world.children(parent)).any(|(_, each)| {
+                    let place = world.template(each).map(|template| template.1);
+                    each.state != TaskState::Terminated && place.is_some_and(|place| between.contains(&place))
+                });
+                require(!open, "a step between them has not ended")
             }
             Cause::ResultArrived { variable } => {
                 let named = |decision: &Decision| matches!(&decision.kind, DecisionKind::Bound { variable: name, .. } if name == variable);

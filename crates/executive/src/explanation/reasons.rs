@@ -184,9 +184,12 @@ fn predecessor(agent: &Agent, task: &Task) -> Option<Reason> {
     let step = task.step()?;
     let parent = agent.task(task.parent?)?;
     let Some(Controller::Procedure(controller)) = parent.controller.as_deref() else { return None };
-    let before = controller.current.get((step.step as usize).checked_sub(1)?).copied().flatten()?;
-    let found = agent.task(before)?;
-    let text = format!("the end of the step before it, {}", name(agent, before));
+    let tasks = controller.current.get(..step.step as usize)?.iter().rev().filter_map(|id| agent.task((*id)?));
+    // Steps before it may have ended before their turn.
+    let (passed, found) = tasks.enumerate().find(|(_, task)| !task.is_terminated())?;
+    let before = found.id;
+    let which = if passed == 0 { "the step before it" } else { "a step before it" };
+    let text = format!("the end of {which}, {}", name(agent, before));
     Some(Reason {
         now: Some(format!("it is {}", found.state)),
         since: Some(found.since),

@@ -163,21 +163,22 @@ fn evidence_of(cycle: &Cycle<'_>, id: TaskId) -> Option<EvidenceList> {
     list.get(after.checked_sub(1)?).filter(|(task, _)| *task == id).map(|(_, evidence)| evidence.clone())
 }
 
-/// Returns the step before the task's in a sequence, which has ended now.
+/// Returns the last step before the task's in a sequence, apart from those that ended before their turn, if it has ended now.
 fn predecessor(cycle: &Cycle<'_>, id: TaskId) -> Option<Cause> {
     let task = cycle.task(id)?;
     let Origin::Step(step) = task.origin else { return None };
     if task.extras.as_ref().is_some_and(|extras| extras.ended_before.is_some()) {
         return None;
     }
-    let before = (step.step as usize).checked_sub(1)?;
     if cycle.agent.procedure(step.procedure)?.kind != ProcedureKind::Sequential {
         return None;
     }
     let Controller::Procedure(controller) = cycle.task(task.parent?)?.controller.as_deref()? else { return None };
-    let predecessor = controller.current.get(before).copied().flatten()?;
-    let ended = cycle.task(predecessor).filter(|each| each.is_terminated() && each.since == cycle.now);
-    ended.map(|_| Cause::PredecessorEnded { predecessor })
+    let before = controller.current.get(..step.step as usize)?.iter().rev();
+    let mut tasks = before.map_while(|id| cycle.task((*id)?));
+    let last = tasks.find(|each| each.started_at.is_some() || each.since == cycle.now)?;
+    let ended = last.is_terminated() && last.since == cycle.now;
+    ended.then_some(Cause::PredecessorEnded { predecessor: last.id })
 }
 
 fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {

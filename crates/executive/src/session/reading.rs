@@ -4,7 +4,7 @@ use super::{Judgement, MonitorResult, MonitorSession, SessionError, watched};
 use crate::monitoring::combination::{interest, monitors};
 use crate::state::clause::MonitorId;
 use crate::state::histories::history::Histories;
-use crate::state::monitors::monitor::{Interest, Verdict};
+use crate::state::monitors::monitor::{Interest, PartKind, Verdict};
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -56,6 +56,16 @@ impl MonitorSession {
         let watched = (0..self.next_watch).flat_map(|number| self.interests(MonitorId(number)));
         let mut named = BTreeSet::new();
         watched.filter_map(missing).filter(|name| named.insert(name.clone())).collect()
+    }
+
+    /// Returns true if the condition is an absence, and it is unknown at the last instant that is over whether its part holds. A window
+    /// that had passed before remains a result of the absence.
+    pub fn is_in_doubt(&self, id: MonitorId) -> bool {
+        let monitor = self.watches.get(id.0).and_then(|watched| self.as_told(id, watched));
+        monitor.is_some_and(|mut monitor| {
+            monitors::verdict(&mut monitor, &self.world);
+            matches!(&monitor.root.kind, PartKind::Absent(leaf) if leaf.unknown)
+        })
     }
 
     /// Returns the status of a condition at the last instant that is over; `None` if it is not watched.

@@ -83,6 +83,8 @@ pub struct ProcedureController {
     pub children: Children,
     /// Number of steps that the end of the procedure waits for.
     pub open: u32,
+    /// In a sequence, the number of the first step that has not ended; later steps that have ended are passed when it does.
+    pub turn: u32,
     /// Number of times that a repeating plan began again at `instant`.
     pub rounds: u32,
     /// The instant of `rounds`.

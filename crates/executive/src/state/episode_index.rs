@@ -82,9 +82,10 @@ struct Before {
 }
 
 impl LeafState {
-    /// Records that truth or run changed at the sample at `at`, which has number `sample`.
-    fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
-        let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
+    /// Records that truth or run changed at the sample at `at`, which has number `sample`; `apart` if a gap lies before it, which is
+    /// `cut` if it cut a run.
+    fn turn(&mut self, at: Time, sample: i64, (held, holds): (bool, bool), apart: bool, cut: Option<Duration>) {
+        let contradicted = !apart && (self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1))));
         let LeafState { start, first, gap, open, .. } = *self;
         let found_at = open.map(|open| open.recognised_at);
         self.before = Before { at, held, start, first, contradicted, gap, found_at };
@@ -231,7 +232,7 @@ impl EpisodeIndex {
         let cut = run.as_ref().map(|run| newest.at - run.last).filter(|gap| *gap > wanted.gap_max);
         let LeafState { start, first, .. } = state;
         if held != holds || cut.is_some() {
-            state.turn(newest.at, self.samples, held, holds, cut);
+            state.turn(newest.at, self.samples, (held, holds), cut.is_some(), cut);
         } else {
             state.contradicted |= !holds;
         }
@@ -263,7 +264,8 @@ impl EpisodeIndex {
         for (((((band, held), state), deadline), gap_max), leaf) in rows.zip(&self.leaves) {
             let holds = (value >= band.least) & (value <= band.most);
             if holds != *held || (gaps && holds && gap > *gap_max) {
-                let cut = (*held && gap > *gap_max).then_some(gap);
+                let apart = gap > *gap_max;
+                let cut = (*held && apart).then_some(gap);
                 if let Some(OpenResult { recognised_at, .. }) = state.open {
                     let samples = length(state.first, sample.saturating_sub(1));
                     let (leaf, what, start) = (*leaf, What::Over, state.start);
@@ -273,10 +275,14 @@ impl EpisodeIndex {
                     let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
                     told.push(EpisodeUpdate { leaf, what, start, last, samples: 0, recognised_at: at });
                 }
-                state.turn(at, sample, *held, holds, cut);
+                state.turn(at, sample, (*held, holds), apart, cut);
                 *held = holds;
                 *deadline = if holds { at + state.duration_min } else { Time::END };
                 floor = floor.min(*deadline);
+            } else if gaps && !holds && gap > *gap_max && state.negated {
+                // The gap made the value unknown, and the sample contradicts it again.
+                let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
+                told.push(EpisodeUpdate { leaf, what, start, last, samples: 0, recognised_at: at });
             }
         }
         self.deadline_floor = floor;

@@ -96,7 +96,7 @@ pub struct Task {
 /// Preconditions of a task, each true while it holds the task back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeldBack {
-    /// True if the preceding step of a sequence has not ended.
+    /// True if a preceding step of the sequence has not ended.
     pub by_predecessor: bool,
     /// True if its waitfor is not satisfied.
     pub by_condition: bool,
@@ -109,6 +109,11 @@ pub struct HeldBack {
 }
 
 impl HeldBack {
+    /// Returns what still holds back a task that begins again: only its turn in a sequence.
+    pub fn of_turn(self) -> HeldBack {
+        HeldBack { by_predecessor: self.by_predecessor, ..HeldBack::default() }
+    }
+
     /// Returns true when nothing holds the task back.
     pub fn is_free(self) -> bool {
         !(self.by_predecessor || self.by_condition || self.by_interval || self.by_result || self.by_unknown)

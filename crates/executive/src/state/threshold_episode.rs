@@ -77,7 +77,7 @@ pub enum What {
     Found,
     /// Its run, which had a result, is over.
     Over,
-    /// The newest sample contradicts it and the preceding one did not; reported only below a `:not`.
+    /// The newest sample contradicts it, and the preceding one did not or lies before a gap; reported only below a `:not`.
     Contradicted,
 }
 

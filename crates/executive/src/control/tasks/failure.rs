@@ -10,7 +10,7 @@ use crate::control::tasks::{interruption, outcomes, primitive, reasons, terminat
 use crate::control::transition::{Trigger, transition};
 use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, HandlingController};
-use crate::state::task::{HeldBack, Origin};
+use crate::state::task::Origin;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
@@ -53,7 +53,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     if cycle.state(id) == TaskState::Pending {
         // The task failed before it could begin. The handler is its work now and waits for nothing.
         if let Some(task) = cycle.agent.task_mut(id) {
-            task.held_back = HeldBack::default();
+            task.held_back = task.held_back.of_turn();
         }
         transition(cycle, id, Trigger::Satisfied, None, handling.clone());
     }

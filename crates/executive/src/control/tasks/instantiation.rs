@@ -31,7 +31,7 @@ pub(crate) struct Seed {
     pub(crate) origin: Origin,
     /// Its own variables.
     pub(crate) bindings: Bindings,
-    /// True if the preceding step of a sequence has not ended.
+    /// True if a preceding step of the sequence has not ended.
     pub(crate) by_predecessor: bool,
     /// Arrivals up to this number do not count as evidence for the task.
     pub(crate) after_sequence: Option<u64>,

@@ -1,7 +1,7 @@
 //! Controllers of procedures and items (TC)
 //! What: instantiates a procedure's context and steps, orders the steps, and decides when the procedure is complete.
 //! Runs: act phase, and at the end of each step.  Reads: Procedure.  Writes: ProcedureController, ItemsController.
-//! Bound: O(steps) at the start, O(1) per step's end in addition to the tasks it frees.
+//! Bound: O(steps) at the start and for all ends of steps together, in addition to the tasks that they free.
 //! PDL: section 3, `forall`.  Paper: section III, instantiation of new controllers.
 
 use crate::control::cycle::Cycle;
@@ -40,6 +40,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
         current: smallvec![None; procedure.steps.len()],
         children: Children::default(),
         open: 0,
+        turn: 0,
         rounds: 0,
         instant: Time::BEGINNING,
     };
@@ -152,28 +153,48 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Contro
     cycle.agent.task_mut(id)?.controller.as_deref_mut()
 }
 
-/// Handles the final end of a step: the next step is freed, or the procedure is complete.
+/// Handles the final end of a step: the step whose turn has come is freed, or the procedure is complete.
 pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return };
     let index = cycle.agent.procedure_index(step.procedure);
     let counts = index.and_then(|index| index.steps.get(step.step as usize)).is_none_or(|step| step.counts);
     let sequential =
         cycle.agent.procedure(step.procedure).is_some_and(|procedure| procedure.kind == ProcedureKind::Sequential);
+    // A step that has ended before its turn waits no longer, and is passed when its turn comes.
+    if let Some(task) = cycle.agent.task_mut(child) {
+        task.held_back.by_predecessor = false;
+    }
     let Some(Controller::Procedure(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(u32::from(counts));
     let is_current = controller.current.get(step.step as usize) == Some(&Some(child));
-    let next = controller.current.get(step.step as usize + 1).copied().flatten().filter(|_| sequential);
     if !is_current {
         controller.children.remove(child);
         cycle.agent.tasks.remove(child.0);
     }
-    if let Some(next) = next {
-        if let Some(task) = cycle.agent.task_mut(next) {
-            task.held_back.by_predecessor = false;
-        }
-        instantiation::offer(cycle, next);
+    if sequential {
+        pass_turn(cycle, id, step.step);
     }
     complete_when_done(cycle, id, Some(child));
+}
+
+/// Frees the first step of a sequence that has not ended, if `ended` is the step whose turn it was. Each step is passed once.
+fn pass_turn(cycle: &mut Cycle<'_>, id: TaskId, ended: u32) {
+    let Some(Controller::Procedure(controller)) = controller(cycle, id) else { return };
+    if controller.turn != ended {
+        return;
+    }
+    let next = loop {
+        let Some(Controller::Procedure(controller)) = self::controller(cycle, id) else { return };
+        controller.turn = controller.turn.saturating_add(1);
+        let Some(next) = controller.current.get(controller.turn as usize).copied().flatten() else { return };
+        if cycle.task(next).is_some_and(|task| task.held_back.by_predecessor) {
+            break next;
+        }
+    };
+    if let Some(task) = cycle.agent.task_mut(next) {
+        task.held_back.by_predecessor = false;
+    }
+    instantiation::offer(cycle, next);
 }
 
 /// Ends the procedure when no task remains that it must wait for; a repeatable plan begins again instead.
@@ -221,6 +242,7 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
     if let Some(Controller::Procedure(controller)) = self::controller(cycle, id) {
         controller.children.clear();
         controller.current = smallvec![None; procedure.steps.len()];
+        controller.turn = 0;
     }
     instantiate_steps(cycle, id, reference, &procedure, cause);
 }

@@ -16,7 +16,7 @@ use crate::state::bindings::Bindings;
 use crate::state::clause::{Clause, Level, MonitorId};
 use crate::state::monitors::monitor::Window;
 use crate::state::step_clauses::StepClauses;
-use crate::state::task::{HeldBack, Origin};
+use crate::state::task::Origin;
 use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause, Evidence};
@@ -167,7 +167,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, again: &Again) {
         extras.first_created = None;
     }
     task.started_at = None;
-    task.held_back = HeldBack::default();
+    task.held_back = task.held_back.of_turn();
     if !skip {
         task.bindings = Bindings::new();
     }

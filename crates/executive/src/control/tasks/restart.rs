@@ -33,7 +33,7 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
         task.started_at = None;
         let created = std::mem::replace(&mut task.created_at, now);
         task.selection = None;
-        task.held_back = crate::state::task::HeldBack::default();
+        task.held_back = task.held_back.of_turn();
         if let Some(extras) = &mut task.extras {
             extras.worked = apex_model::time::Duration::ZERO;
             extras.held.clear();

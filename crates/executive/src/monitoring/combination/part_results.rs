@@ -132,9 +132,10 @@ fn passing_episodes(leaf: &EpisodePart, site: PartContext, query: &mut VerdictQu
         let judged = advance_run(leaf, site, object, state, now, query.context, &mut query.troubles);
         let over = judged.over.into_iter().chain(judged.closed_by_time);
         extents.passing.extend(over.map(|result| TentativeResult { result, open: false }));
-        let silent_from = judged.run.as_ref().and_then(|run| silent_from(leaf, run.last));
+        let silent_from = silent_from(leaf, state.newest.at);
         let open = silent_from.is_none_or(|at| at > now);
-        extents.doubt |= judged.run.is_some() && (!open || (judged.found.is_none() && !judged.contradicted));
+        let unseen = judged.run.is_some() && judged.found.is_none() && !judged.contradicted;
+        extents.doubt |= !open || unseen;
         match judged.run {
             Some(run) if open => {
                 extents.runs.push((run.start, run.last));
@@ -147,7 +148,7 @@ fn passing_episodes(leaf: &EpisodePart, site: PartContext, query: &mut VerdictQu
     }
 }
 
-/// Returns the instant from which on a run is over if no sample arrives before.
+/// Returns the instant from which on a run is over, and the value unknown, if no sample arrives after the one at `last`.
 fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
     leaf.gap_max.map(|gap| last + gap + TICK)
 }

@@ -303,7 +303,11 @@ fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {
     let Some((run, state)) = run else {
         let gap = leaf.runs.values().find_map(|state| state.gap);
         let gap = gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default();
-        return PartFacts::words(format!("{variable} = {}{gap}", sample.value)).since(Some(sample.at));
+        let silence = query.now - sample.at;
+        let silent = leaf.gap_max.filter(|most| silence > *most);
+        let silent = silent.map(|most| format!("; no sample for {silence}, more than the gap of {most} allowed"));
+        let now = format!("{variable} = {}{gap}{}", sample.value, silent.unwrap_or_default());
+        return PartFacts::words(now).since(Some(sample.at));
     };
     let mut now = format!("{variable} = {}, holds for {} so far", sample.value, run.last - run.start);
     if let Some(most) = leaf.gap_max {

@@ -247,6 +247,8 @@ fn settle(
 ) -> ObjectRun {
     let Judged { run, found, over, contradicted, gap, .. } =
         advance_run(part, site, object, &object_run, next - TICK, context, troubles);
+    // After a gap no sample shows where a run began.
+    let contradicted = contradicted && !is_apart(part, object_run.newest.at, next);
     for result in over {
         remember(&mut part.settled, result, site, troubles);
     }
@@ -373,8 +375,13 @@ pub(crate) fn open_results(
     part.runs.iter().filter_map(judged).collect()
 }
 
-/// Returns satisfied, contradicted or unknown. Unknown: there is no sample yet, all samples satisfy the constraints but not for long
-/// enough, or a gap hides the values.
+/// Returns true if more than the permitted gap lies between the two instants.
+pub(crate) fn is_apart(part: &EpisodePart, from: Time, to: Time) -> bool {
+    part.gap_max.is_some_and(|most| to - from > most)
+}
+
+/// Returns satisfied, contradicted or unknown. Unknown: there is no sample yet, no sample shows where the run began that is not long
+/// enough yet, or expected samples are missing, whatever the newest one says.
 pub(crate) fn truth(
     part: &EpisodePart,
     site: PartContext,
@@ -395,8 +402,7 @@ pub(crate) fn truth(
         if judged.found.is_some() || !judged.over.is_empty() || judged.closed_by_time.is_some() {
             return Truth::True;
         }
-        let stale = part.gap_max.is_some_and(|gap| now - object_run.newest.at > gap);
-        open |= judged.run.is_some() && (!judged.contradicted || stale);
+        open |= is_apart(part, object_run.newest.at, now) || judged.run.is_some() && !judged.contradicted;
     }
     if open { Truth::Unknown } else { Truth::False }
 }

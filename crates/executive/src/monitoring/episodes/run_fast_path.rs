@@ -26,8 +26,8 @@ pub(crate) fn notice(part: &mut EpisodePart, site: PartContext, sample: SampleVi
     // A known variable has one object.
     let Some(state) = part.runs.values_mut().next().filter(|state| state.newest.at < sample.at) else { return false };
     let ObjectRun { run, newest, found: None, contradicted, .. } = state else { return false };
-    let gap = run.as_ref().map(|run| newest.at - run.last);
-    if gap.zip(gap_max).is_some_and(|(gap, most)| gap > most) {
+    let last = run.as_ref().map_or(newest.at, |run| run.last);
+    if gap_max.is_some_and(|most| newest.at - last > most || sample.at - newest.at > most) {
         return false;
     }
     match (&newest.holds, &mut *run) {
@@ -71,7 +71,7 @@ pub(crate) fn undecided(part: &EpisodePart, state: &ObjectRun, now: Time) -> Opt
             let reached = run.start + part.duration_min;
             (whole && reached > newest.at && reached > now).then_some(!state.contradicted || stale)
         }
-        (None, None) => Some(false),
+        (None, None) => Some(stale),
         _ => None,
     }
 }

@@ -55,7 +55,8 @@ pub(crate) fn take_in(
     troubles: &mut ConditionFaults,
 ) {
     let gap = gap_cut(part, state);
-    state.contradicted = contradicted(part, state);
+    let apart = part.gap_max.is_some_and(|most| next - state.newest.at > most);
+    state.contradicted = contradicted(part, state) && !apart;
     state.gap = gap.or(state.gap);
     let newest = &state.newest;
     let Some(bindings) = newest.holds.clone() else {
