@@ -521,7 +521,8 @@ target: string,
  */
 reason: string, 
 /**
- * Change that a visit would need, by the planner's own arithmetic; none where it states no figure.
+ * Change that a visit would need, by the planner's own arithmetic; none where it states no obstacle as a value, and in records
+ * of earlier versions.
  */
 needs: VisitNeed | null, };
 
