@@ -118,6 +118,9 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   await question.getByTestId('answer').click();
   await lastCommand(page, 'barbecue: accepted');
   await expect(question).toHaveCount(0);
+  const answered = page.getByTestId('alarms').locator('li').filter({ hasText: 'Smoke at a structure' });
+  await page.goto(`${flight.url}/?tab=alarms`);
+  await expect(answered).toContainText('answered barbecue');
 
   await page.getByTestId('run-stop').click();
 

@@ -10,7 +10,7 @@ mod single_visit;
 mod surveillance;
 mod travel_times;
 
-pub use left_out::LeftOut;
+pub use left_out::{LeftOut, Obstacle, TimeLimit};
 pub use place::{AirspaceZone, Area, FOREVER_S, LandingPlace, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 pub use single_visit::{
     CrewMember, FailureTerm, Light, Manoeuvre, NamedLimit, PictureWork, PlannedVisit, QualityFactor, QualityFactors,

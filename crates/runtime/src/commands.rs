@@ -2,7 +2,8 @@
 //!
 //! The run decides about a command when it receives it, at one instant of mission time. It records the command with its end as an input:
 //! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired REASON)`, with `:by NAME :epoch NUMBER` if its
-//! author is known. If the sender has ended the command as expired before, or its time is over, the run does not execute it.
+//! author is known, and with `:answers NUMBER` if it answers a question. If the sender has ended the command as expired before, or its time
+//! is over, the run does not execute it.
 
 use crate::authority::{Actor, AuthorityRequest};
 use apex_model::event::EventKind;
@@ -14,6 +15,11 @@ use std::time::Instant;
 
 /// The head of the event that records a command.
 pub(crate) const HEAD: &str = "operator-command";
+
+/// Keyword before the name of a command's author.
+const BY: &str = ":by";
+/// Keyword before the number of the question that a command answers.
+const ANSWERS: &str = ":answers";
 
 /// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,11 +139,33 @@ impl Command {
             CommandEnd::Expired { reason } => parts.extend([Value::symbol("expired"), Value::text(reason)]),
         }
         if let Some(Author { actor, epoch }) = &self.author {
-            parts.extend([Value::symbol(":by"), Value::text(&actor.name)]);
+            parts.extend([Value::symbol(BY), Value::text(&actor.name)]);
             let epoch = epoch.map(|epoch| Value::Integer(i64::try_from(epoch).unwrap_or(i64::MAX)));
             parts.extend(epoch.into_iter().flat_map(|epoch| [Value::symbol(":epoch"), epoch]));
         }
+        if let Order::Input(_, EventKind::OperatorAnswered(question, _)) = &self.order {
+            let question = Value::Integer(i64::try_from(question.0).unwrap_or(i64::MAX));
+            parts.extend([Value::symbol(ANSWERS), question]);
+        }
         EventKind::Occurrence(Value::list(parts))
+    }
+}
+
+/// Returns the author of the accepted command that answered a question, from the event that records it; `None` for every other event.
+pub(crate) fn author_of_answer(kind: &EventKind, question: u64) -> Option<String> {
+    let EventKind::Occurrence(form) = kind else { return None };
+    let [head, _, _, end, rest @ ..] = form.as_list()? else { return None };
+    if !head.as_symbol()?.is(HEAD) || !end.as_symbol()?.is("accepted") {
+        return None;
+    }
+    let after = |keyword: &str| {
+        let mut pairs = rest.iter().zip(rest.iter().skip(1));
+        pairs.find(|(word, _)| word.as_symbol().is_some_and(|word| word.is(keyword))).map(|(_, value)| value)
+    };
+    let answers = matches!(after(ANSWERS)?, Value::Integer(number) if u64::try_from(*number) == Ok(question));
+    match after(BY)? {
+        Value::Text(name) if answers => Some(name.to_string()),
+        _ => None,
     }
 }
 
@@ -169,6 +197,30 @@ mod tests {
         let ticket = Ticket::valid_until(Instant::now() + std::time::Duration::from_secs(60), "60 s are over");
         assert!(ticket.settle(accepted.clone()));
         assert_eq!(ticket.end(), Some(accepted));
+    }
+
+    #[test]
+    fn the_author_of_an_answer_is_that_of_the_accepted_command_which_answers_the_question() {
+        use crate::authority::ActorRole;
+        use apex_model::effect::QuestionId;
+        let answer =
+            |question: u64| Order::Input(None, EventKind::OperatorAnswered(QuestionId(question), Value::nil()));
+        let given = |order: Order, name: Option<&str>| Command {
+            number: 1,
+            words: "answers question 3".into(),
+            order,
+            author: name
+                .map(|name| Author { actor: Actor { name: name.into(), role: ActorRole::Operator }, epoch: Some(3) }),
+            ticket: Ticket::default(),
+        };
+        let accepted = CommandEnd::Accepted { at: Time::ZERO };
+        let rejected = CommandEnd::Rejected { reason: "no".into() };
+        let author = |command: Command, end: &CommandEnd| author_of_answer(&command.entry(end), 3);
+        assert_eq!(author(given(answer(3), Some("ann")), &accepted).as_deref(), Some("ann"));
+        assert_eq!(author(given(answer(3), Some("ann")), &rejected), None);
+        assert_eq!(author(given(answer(4), Some("ann")), &accepted), None);
+        assert_eq!(author(given(answer(3), None), &accepted), None);
+        assert_eq!(author(given(Order::Note, Some("ann")), &accepted), None);
     }
 
     #[test]

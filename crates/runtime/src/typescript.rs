@@ -8,10 +8,10 @@ use crate::explain::{
 use crate::record::view::{
     AskedQuestion, Band, Bar, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings,
     LandingPlace, Lane, LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents,
-    ProgramFile, ProgramText, Questions, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section,
-    Signal, SignalKind, SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow,
-    Surroundings, Target, TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles,
-    VisitNeed, Zone,
+    ProgramFile, ProgramText, QuestionEnd, Questions, RecordStatus, RecordedCommand, RecordedCommands, Report,
+    ResourceRow, Section, Signal, SignalKind, SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord,
+    Statistics, StepRow, Surroundings, Target, TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble,
+    TroubleKind, Troubles, VisitNeed, Zone,
 };
 use apex_typescript::{check, declaration};
 
@@ -64,6 +64,7 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<RecordedCommand>(),
         declaration::<RecordedCommands>(),
         declaration::<AskedQuestion>(),
+        declaration::<QuestionEnd>(),
         declaration::<Questions>(),
         declaration::<StepRow>(),
         declaration::<ProcedureRow>(),

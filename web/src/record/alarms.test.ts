@@ -45,7 +45,7 @@ describe('alarms', () => {
       asked_ns: 10e9,
       by_ns: 40e9,
       closed_ns: 40e9,
-      withdrawn: "the operator's time is over",
+      ended: { how: 'default', answer: 'b' },
     };
     const list = (atNs: number, one = asked) => alarms([], [], atNs, [], [one]);
     expect(list(9e9)).toEqual([]);
@@ -62,10 +62,15 @@ describe('alarms', () => {
       false,
       null,
       40e9,
-      "the operator's time is over",
+      'default b taken',
     ]);
-    const [answered] = list(40e9, { ...asked, closed_ns: 12e9, withdrawn: null });
-    expect([answered?.settledNs, answered?.settled]).toEqual([12e9, 'its task ended']);
+    const settled = (ended: AskedQuestion['ended']) =>
+      list(40e9, { ...asked, closed_ns: 12e9, ended }).map(one => [one.settledNs, one.settled]);
+    expect(settled({ how: 'answered', answer: 'a', author: 'ann' })).toEqual([[12e9, 'answered a by ann']]);
+    expect(settled({ how: 'answered', answer: 'a', author: null })).toEqual([[12e9, 'answered a']]);
+    const reason = 'its task was interrupted';
+    expect(settled({ how: 'withdrawn', reason })).toEqual([[12e9, `withdrawn: ${reason}`]]);
+    expect(settled({ how: 'task-ended' })).toEqual([[12e9, 'its task ended']]);
     // No operator has acknowledged a question that is over, but it no longer calls one.
     expect(over && [isCalling(over), countWords([over])]).toEqual([
       false,

@@ -3,7 +3,7 @@
 import { missionTime, span } from '../time/format';
 import { failures } from './failures';
 import { stateAlarms } from './states';
-import type { AskedQuestion, RecordedCommand, SignalWindow, Trouble } from './types';
+import type { AskedQuestion, QuestionEnd, RecordedCommand, SignalWindow, Trouble } from './types';
 
 export interface Alarm {
   /** Identifies the alarm in commands: its words and the time at which it was first raised. */
@@ -115,7 +115,7 @@ export function alarmsOf(
 
 /** A question of the flight to its operators. */
 function waiting(asked: AskedQuestion, atNs: number): Raised {
-  const { text, options, by_ns, closed_ns, withdrawn } = asked;
+  const { text, options, by_ns, closed_ns, ended } = asked;
   const open = closed_ns === null || closed_ns > atNs;
   const choices = options.length > 0 ? `one of ${options.join(', ')}` : 'the answer is any PDL form';
   const end =
@@ -130,8 +130,22 @@ function waiting(asked: AskedQuestion, atNs: number): Raised {
     task: asked.task,
     target: null,
     signal: null,
-    settled: open ? undefined : { words: withdrawn ?? 'its task ended', atNs: closed_ns },
+    settled: open ? undefined : { words: endWords(ended), atNs: closed_ns },
   };
+}
+
+/** `answered b by ann`, `default b taken`, `withdrawn: its task was interrupted`: how a question ended. */
+function endWords(ended: QuestionEnd | null): string {
+  switch (ended?.how) {
+    case 'answered':
+      return `answered ${ended.answer}${ended.author === null ? '' : ` by ${ended.author}`}`;
+    case 'default':
+      return `default ${ended.answer} taken`;
+    case 'withdrawn':
+      return `withdrawn: ${ended.reason}`;
+    default:
+      return 'its task ended';
+  }
 }
 
 /** The excursions that the executive answered, beyond limits that a step watches all the time. */

@@ -11,6 +11,7 @@ use crate::problem::{NoPlan, interval_windows, is_bound_to_seen};
 use crate::{Mission, TargetKind};
 use apex_model::problem::{LeftOut, Plan, PlannedVisit, Problem, SingleVisitPlan, SingleVisitProblem, TimeWindow};
 use apex_observation::target::IntervalNeed;
+use apex_planning::obstacle::LeftOutReason;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 
@@ -229,8 +230,8 @@ fn without_gain(look: &str, found: &Plan) -> LeftOut {
         Plan::Surveillance(_) => None,
     };
     match reason {
-        Some(LeftOut { target, reason }) => LeftOut { target, reason: format!("{AT_INTERVAL}, {reason}") },
-        None => LeftOut { target: look.to_string(), reason: NO_GAIN.to_string() },
+        Some(known) => LeftOut { reason: format!("{AT_INTERVAL}, {}", known.reason), ..known },
+        None => LeftOutReason::from(NO_GAIN).of(look.to_string()),
     }
 }
 
@@ -240,7 +241,7 @@ fn name_missing(rounds: &[Vec<LaterLook>], reasons: &[LeftOut], solved: &mut Del
     for look in rounds.iter().flatten() {
         if !problem.targets.iter().any(|target| target.name == look.name) {
             let known = reasons.iter().find(|left_out| left_out.target == look.name).cloned();
-            let no_time = || LeftOut { target: look.name.clone(), reason: NO_TIME.to_string() };
+            let no_time = || LeftOutReason::from(NO_TIME).of(look.name.clone());
             plan.left_out.push(known.unwrap_or_else(no_time));
         }
     }

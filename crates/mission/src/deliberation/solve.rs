@@ -3,10 +3,10 @@
 use crate::problem::{NoPlan, survey, trouble};
 use crate::site_pictures::Daylight;
 use crate::{Mission, Target, TargetKind};
-use apex_model::problem::{LeftOut, Plan, Position, Problem};
+use apex_model::problem::{LeftOut, Obstacle, Plan, Position, Problem, TimeLimit};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
-use apex_planning::obstacle::{Obstacle, TimeLimit};
+use apex_planning::obstacle::LeftOutReason;
 use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, SolverLimits};
@@ -182,9 +182,10 @@ pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is
     let targets = mission.targets.iter();
     for (target, reason) in targets.filter_map(|target| Some((target, mission.weak_reason(&target.id)?))) {
         for (name, ..) in target.plan_names() {
+            let reason = LeftOutReason::from(reason);
             match left_out.iter_mut().find(|left_out| left_out.target == name) {
-                Some(left_out) => left_out.reason = reason.to_string(),
-                None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
+                Some(left_out) => reason.replace_in(left_out),
+                None => left_out.push(reason.of(name)),
             }
         }
     }
@@ -200,7 +201,7 @@ fn name_unseen(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&s
                 && is_open(&name)
                 && let Some(why) = trouble(mission, target, &name)
             {
-                plan.left_out.push(LeftOut { target: name, reason: format!("no way to observe it: {why}") });
+                plan.left_out.push(unobservable(&why).of(name));
             }
         }
     }
@@ -216,7 +217,7 @@ fn name_zones(mission: &Mission, solved: &mut Deliberation) {
     for left_out in &mut plan.left_out {
         let site = sites.iter().position(|target| target.id == left_out.target);
         if let Some(trouble) = site.and_then(|site| ways.trouble(site)) {
-            left_out.reason = trouble.to_string();
+            LeftOutReason::from(trouble.to_string()).replace_in(left_out);
         }
     }
 }
@@ -229,9 +230,9 @@ fn name_pictures(mission: &Mission, solved: &mut Deliberation) {
     for left_out in &mut plan.left_out {
         let site = mission.targets.iter().find(|target| target.id == left_out.target);
         if let Some(why) = site.and_then(|site| trouble(mission, site, &site.id)) {
-            left_out.reason = format!("no way to observe it: {why}");
-        } else if let (Some(daylight), Some(late)) = (&daylight, Obstacle::parse(&left_out.reason)) {
-            left_out.reason = in_daylight(late, daylight).to_string();
+            unobservable(&why).replace_in(left_out);
+        } else if let Some(late) = daylight.as_ref().and_then(|daylight| in_daylight(left_out, daylight)) {
+            late.replace_in(left_out);
         }
     }
     if let Some(daylight) = daylight {
@@ -239,18 +240,18 @@ fn name_pictures(mission: &Mission, solved: &mut Deliberation) {
     }
 }
 
-/// Returns the obstacle with the daylight as its limit instead of the endurance.
-fn in_daylight(obstacle: Obstacle, daylight: &Daylight) -> Obstacle {
-    match obstacle {
-        Obstacle::Late { over_s, limit: TimeLimit::Flight { name, .. }, alone } if name == "endurance" => {
-            Obstacle::Late {
-                over_s,
-                limit: TimeLimit::Flight { name: "the daylight".to_string(), cause: Some(daylight.cause()) },
-                alone,
-            }
-        }
-        other => other,
-    }
+fn unobservable(why: &str) -> LeftOutReason {
+    format!("no way to observe it: {why}").into()
+}
+
+/// Returns the reason with the daylight as its limit instead of the endurance; `None` if another obstacle keeps the target out.
+fn in_daylight(left_out: &LeftOut, daylight: &Daylight) -> Option<LeftOutReason> {
+    let Some(Obstacle::Late { over_s, limit: TimeLimit::Flight { is_energy: true, .. }, alone }) = left_out.obstacle
+    else {
+        return None;
+    };
+    let limit = TimeLimit::Flight { name: "the daylight".to_string(), cause: Some(daylight.cause()), is_energy: false };
+    Some(Obstacle::Late { over_s, limit, alone }.into())
 }
 
 #[cfg(test)]

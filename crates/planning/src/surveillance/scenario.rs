@@ -5,11 +5,11 @@
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use super::reach;
-use crate::obstacle::{Obstacle, TimeLimit};
+use crate::obstacle::LeftOutReason;
 use crate::solver::{Budget, WORK_UNIT};
 use apex_metrics::eci;
 use apex_model::problem::{
-    LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TravelTimes, UNREACHABLE_S,
+    LeftOut, Obstacle, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TimeLimit, TravelTimes, UNREACHABLE_S,
 };
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
@@ -275,7 +275,7 @@ impl<'a> Scenario<'a> {
             self.idle.1
         );
         if self.usable.is_empty() {
-            let reasons = left_out.iter().take(3).map(|LeftOut { target, reason }| format!("{target} {reason}"));
+            let reasons = left_out.iter().take(3).map(|LeftOut { target, reason, .. }| format!("{target} {reason}"));
             summary = format!("No target can be observed: {}. {summary}", reasons.collect::<Vec<String>>().join("; "));
         }
         let return_s = self
@@ -323,13 +323,13 @@ impl<'a> Scenario<'a> {
                 } else {
                     self.unusable_reason(index)
                 };
-                Some(LeftOut { target: self.name(index)?, reason })
+                Some(reason.of(self.name(index)?))
             })
             .collect()
     }
 
     /// Returns the effect on the cost of one visit of the target, at the place in the word where it costs least.
-    fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64, places_max: usize) -> String {
+    fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64, places_max: usize) -> LeftOutReason {
         let places = self.places_for(word, index);
         let (nearest, end) = (places.get(1).copied().unwrap_or_default(), word.len());
         let mut best = f64::INFINITY;
@@ -341,12 +341,12 @@ impl<'a> Scenario<'a> {
             best = best.min(with.unwrap_or(f64::INFINITY));
         }
         if best.is_infinite() {
-            return "no time is left for it among the others".to_string();
+            return "no time is left for it among the others".into();
         }
         if best > cost {
-            Obstacle::ExpectedCost { without: cost, with: best }.to_string()
+            Obstacle::ExpectedCost { without: cost, with: best }.into()
         } else {
-            format!("this plan has no visit of it; one single visit would give {best:.4} instead of {cost:.4}")
+            format!("this plan has no visit of it; one single visit would give {best:.4} instead of {cost:.4}").into()
         }
     }
 
@@ -378,22 +378,24 @@ impl<'a> Scenario<'a> {
         (seen.contains(&index).then_some(with), ns)
     }
 
-    fn unusable_reason(&self, index: usize) -> String {
+    fn unusable_reason(&self, index: usize) -> LeftOutReason {
         let travel = &self.problem.travel;
         let there_s = travel.start_to(index);
         if there_s >= UNREACHABLE_S {
-            return "cannot be reached from the start, nor in time via other targets".to_string();
+            return "cannot be reached from the start, nor in time via other targets".into();
         }
         let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
         let home_s = if self.problem.return_to_base { travel.to_base_at(index, there_s + dwell_s) } else { 0.0 };
         if home_s >= UNREACHABLE_S {
-            return "leaves no way back to the base".to_string();
+            return "leaves no way back to the base".into();
         }
         let over_s = there_s + dwell_s + home_s - self.limit_s;
         if self.limit_s < self.problem.horizon_s {
-            return format!("needs {:.0} s more than endurance leaves", libm::ceil(over_s));
+            let text = format!("needs {:.0} s more than endurance leaves", libm::ceil(over_s));
+            let limit = TimeLimit::Flight { name: "endurance".to_string(), cause: None, is_energy: true };
+            return LeftOutReason { text, obstacle: Some(Obstacle::Late { over_s, limit, alone: false }) };
         }
-        Obstacle::Late { over_s, limit: TimeLimit::Horizon, alone: false }.to_string()
+        Obstacle::Late { over_s, limit: TimeLimit::Horizon, alone: false }.into()
     }
 }
 

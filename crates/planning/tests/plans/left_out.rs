@@ -1,9 +1,8 @@
 //! Reasons of targets that a surveillance plan leaves out, against all places at which one more visit could be inserted.
 
 use apex_metrics::eci;
-use apex_model::problem::{SurveillanceProblem, SurveillanceVisit};
+use apex_model::problem::{Obstacle, SurveillanceProblem, SurveillanceVisit};
 use apex_planning::examples::surveillance as examples;
-use apex_planning::obstacle::Obstacle;
 use apex_planning::surveillance::scenario::Scenario;
 
 /// Flies a word in order until a visit would end after the horizon; a naive second witness of the planners' arithmetic.
@@ -55,12 +54,14 @@ fn the_stated_cost_is_that_of_the_cheapest_visit_on_the_way() {
         let plan = scenario.plan("test", word);
         let kept: Vec<usize> = word[..plan.visits.len()].to_vec();
         for left_out in plan.left_out {
-            let Some(Obstacle::ExpectedCost { without, with }) = Obstacle::parse(&left_out.reason) else { continue };
+            let Some(Obstacle::ExpectedCost { without, with }) = left_out.obstacle else { continue };
             let index = problem.targets.iter().position(|target| target.name == left_out.target).unwrap();
             let least = cheapest(&problem, &kept, index);
-            assert!((without - plan.expected_cost).abs() < 1e-4, "{without}");
+            assert!((without - plan.expected_cost).abs() < 1e-9, "{without}");
+            let figures = format!("from {without:.4} to {with:.4}");
+            assert!(left_out.reason.contains(&figures), "{} states other figures than {figures}", left_out.reason);
             assert!(
-                (with - least).abs() < 1e-4,
+                (with - least).abs() < 1e-9,
                 "seed {seed}: {} states {with}, the cheapest costs {least}",
                 left_out.target
             );

@@ -6,7 +6,7 @@ use super::reader::RecordReader;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId};
-use apex_model::event::{EventKind, SolverReport};
+use apex_model::event::{Event, EventKind, SolverReport};
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -87,16 +87,21 @@ impl RecordReader {
 
     /// Returns the source of the plan that the step `batch` adopted.
     fn plan_source(&self, batch: i64, request: SolveRequestId) -> Result<Option<SourceFile>, RecordError> {
-        let sql = "SELECT t_ns, events FROM main.batch WHERE id = ?1";
-        let row = self.connection.query_row(sql, [batch], |row| Ok((row.get(0)?, row.get::<_, Vec<u8>>(1)?)));
-        let row = row.optional().map_err(|error| self.damaged("the steps", error))?;
-        let Some((now, bytes)) = row else { return Ok(None) };
-        let decoded = codec::decode(Time(now), &bytes, &self.variable_table()?);
-        let decoded = decoded.map_err(|fault| self.garbled(format!("batch {batch} cannot be read: {fault}")))?;
-        Ok(decoded.events.into_iter().find_map(|event| match event.kind {
+        Ok(self.inputs_of(batch)?.into_iter().find_map(|event| match event.kind {
             EventKind::SolverReported(reported, SolverReport::Plan(plan)) if reported == request => Some(plan.source),
             _ => None,
         }))
+    }
+
+    /// Returns the inputs of the step `batch`; none if the record does not have it.
+    fn inputs_of(&self, batch: i64) -> Result<Vec<Event>, RecordError> {
+        let sql = "SELECT t_ns, events FROM main.batch WHERE id = ?1";
+        let row = self.connection.query_row(sql, [batch], |row| Ok((row.get(0)?, row.get::<_, Vec<u8>>(1)?)));
+        let row = row.optional().map_err(|error| self.damaged("the steps", error))?;
+        let Some((now, bytes)) = row else { return Ok(Vec::new()) };
+        let decoded = codec::decode(Time(now), &bytes, &self.variable_table()?);
+        let decoded = decoded.map_err(|fault| self.garbled(format!("batch {batch} cannot be read: {fault}")))?;
+        Ok(decoded.events)
     }
 }
 
@@ -160,6 +165,11 @@ impl Effects<'_> {
         let sql = "SELECT body FROM main.effects WHERE batch = ?1";
         let mut statement = self.reader.connection.prepare_cached(sql).map_err(broken)?;
         statement.query_row([step.batch], |row| row.get(0)).map_err(broken)
+    }
+
+    /// Returns the inputs of the step of the effect at a place.
+    pub(crate) fn inputs(&self, place: usize) -> Result<Vec<Event>, RecordError> {
+        self.table.step_of(place).map_or(Ok(Vec::new()), |(step, _)| self.reader.inputs_of(step.batch))
     }
 
     /// Returns the instant of the effect at a place.

@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::view::{EventsQuery, RecordView};
+use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView};
 
 const ASKING: &str = r#"
 (procedure (index (do-domain))
@@ -39,11 +39,37 @@ fn questions_are_open_from_their_effect_until_they_are_answered_or_withdrawn() {
     assert_eq!((first.text.as_str(), first.options.join(" ")), ("Continue?", "yes no".to_owned()));
     assert_eq!((first.by_ns, first.default.as_deref()), (Some(30_000_000_000), Some("no")));
     let [first, second] = shown(50.0).try_into().unwrap();
-    assert_eq!((first.closed_ns, first.withdrawn), (Some(5_000_000_000), None));
+    let answered = QuestionEnd::Answered { answer: "yes".into(), author: None };
+    assert_eq!((first.closed_ns, first.ended), (Some(5_000_000_000), Some(answered)));
+    let default = QuestionEnd::Default { answer: "(left)".into() };
     assert_eq!((second.asked_ns, second.closed_ns), (5_000_000_000, Some(15_000_000_000)));
-    assert!(second.withdrawn.unwrap().contains("time is over"));
+    assert_eq!(second.ended, Some(default));
     // What happens later is not known.
-    assert_eq!(shown(6.0).last().map(|one| (one.closed_ns, one.withdrawn.clone())), Some((None, None)));
+    assert_eq!(shown(6.0).last().map(|one| (one.closed_ns, one.ended.clone())), Some((None, None)));
+}
+
+#[test]
+fn a_question_states_who_answered_it_and_why_others_were_withdrawn() {
+    let asking = r#"
+(procedure (index (do-domain))
+  (step first (ask operator "Continue?" :options (yes no)))
+  (step mute (ask operator "Which way?" :by 10s))
+  (step cut (ask operator "How far?")))
+"#;
+    // The run records a command and its answer at one instant; another command of this instant has another author.
+    let entry = |number: u32, rest: &str| event(5.0, &format!("(operator-command {number} \"x\" accepted {rest})"));
+    let inputs = vec![
+        entry(1, ":by \"bob\""),
+        entry(2, ":by \"ann\" :epoch 1 :answers 0"),
+        answer(5.0, 0, "yes"),
+        entry(3, ":by \"cleo\" :answers 1"),
+    ];
+    let flight = record(asking, inputs, &mut NoDeliberator, &mut []);
+    let view = RecordView::open(&flight.path, 0).unwrap();
+    let ends: Vec<_> = view.questions(None).unwrap().questions.into_iter().map(|asked| asked.ended).collect();
+    let withdrawn = |reason: &str| Some(QuestionEnd::Withdrawn { reason: reason.into() });
+    let answered = QuestionEnd::Answered { answer: "yes".into(), author: Some("ann".into()) };
+    assert_eq!(ends, [Some(answered), withdrawn("the operator's time is over"), withdrawn("its task ended")]);
 }
 
 const TICKING: &str = r#"

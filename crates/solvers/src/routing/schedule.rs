@@ -60,8 +60,13 @@ impl Judged {
 /// Reason for which an order cannot be flown.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Infeasibility {
-    /// No path or no time window; the phrase states which.
+    /// No path; the phrase states why.
     Impossible(String),
+    /// The last time window of a target closes too early.
+    Closed {
+        /// The target's index.
+        target: usize,
+    },
     /// The flight would end too late.
     TooLate {
         /// Time by which it would exceed its limit.
@@ -218,6 +223,7 @@ impl<'a> Schedule<'a> {
                 self.limit
             ),
             Infeasibility::Impossible(why) => format!("there is no plan: {why}"),
+            Infeasibility::Closed { target } => format!("there is no plan: {}", self.closed_window(*target)),
             Infeasibility::Order => "there is no plan: the order of the targets cannot be kept".to_string(),
         }
     }
@@ -261,8 +267,14 @@ impl<'a> Schedule<'a> {
         let begin_s = if target.windows.is_empty() { Some(ready_s) } else { opens_s };
         match begin_s.map(|begin_s| begin_s + duration_s - self.limit_s).filter(|over_s| *over_s > 0.0) {
             Some(over_s) => Infeasibility::TooLate { over_s },
-            None => Infeasibility::Impossible(closed_window(&target.name)),
+            None => Infeasibility::Closed { target: choice.target },
         }
+    }
+
+    /// Returns the phrase that the windows of a target have closed.
+    pub(crate) fn closed_window(&self, target: usize) -> String {
+        let name = self.problem.targets.get(target).map_or("the target", |target| &target.name);
+        format!("the last time window of {name} closes before the vehicle can be there")
     }
 
     /// Checks that the manoeuvre's lines are allowed while they are flown.
@@ -325,11 +337,6 @@ impl<'a> Schedule<'a> {
     pub(crate) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
     }
-}
-
-/// Returns the phrase that the windows of a target have closed.
-pub(crate) fn closed_window(target: &str) -> String {
-    format!("the last time window of {target} closes before the vehicle can be there")
 }
 
 /// Cost of a flight, prepared for many evaluations; equal to [`mission_score::flight_cost`].

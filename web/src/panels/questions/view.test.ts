@@ -11,14 +11,14 @@ const asked: AskedQuestion = {
   asked_ns: 10e9,
   by_ns: 40e9,
   closed_ns: 40e9,
-  withdrawn: "the operator's time is over",
+  ended: { how: 'default', answer: 'b' },
 };
 
 describe('open questions', () => {
   it('are those asked by then and not yet closed', () => {
     const open = (atNs: number) => openAt([asked], atNs).length;
     expect([9e9, 10e9, 39e9, 40e9].map(open)).toEqual([0, 1, 1, 0]);
-    expect(openAt([{ ...asked, closed_ns: null, withdrawn: null }], 90e9).length).toBe(1);
+    expect(openAt([{ ...asked, closed_ns: null, ended: null }], 90e9).length).toBe(1);
   });
 
   it('say what happens without an answer', () => {

@@ -521,7 +521,8 @@ target: string,
  */
 reason: string, 
 /**
- * Change that a visit would need, by the planner's own arithmetic; none where it states no figure.
+ * Change that a visit would need, by the planner's own arithmetic; none where it states no obstacle as a value, and in records
+ * of earlier versions.
  */
 needs: VisitNeed | null, };
 
@@ -1080,9 +1081,30 @@ by_ns: number | null,
  */
 closed_ns: number | null, 
 /**
- * Reason of its withdrawal; null while it is open, and if the task ended, as by an answer.
+ * End of it; null while it is open.
  */
-withdrawn: string | null, };
+ended: QuestionEnd | null, };
+
+/**
+ * End of a question.
+ */
+export type QuestionEnd = { "how": "answered", 
+/**
+ * The answer.
+ */
+answer: string, 
+/**
+ * Name of the operator, if the record states it: that of a command to a run.
+ */
+author: string | null, } | { "how": "default", 
+/**
+ * The default.
+ */
+answer: string, } | { "how": "withdrawn", 
+/**
+ * Reason.
+ */
+reason: string, } | { "how": "task-ended" };
 
 /**
  * Questions by an instant.

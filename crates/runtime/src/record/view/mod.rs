@@ -41,7 +41,7 @@ pub use holdings::{Holding, Holdings, ResourceRow};
 pub use library::{DeclaredName, ProcedureRow, ProgramContents, ProgramFile, ProgramText, StepRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
 pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans, VisitNeed};
-pub use question_index::AskedQuestion;
+pub use question_index::{AskedQuestion, QuestionEnd};
 pub use questions::Questions;
 pub use report::{Report, Section};
 pub use signals::{

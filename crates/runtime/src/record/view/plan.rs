@@ -4,9 +4,8 @@ use super::RecordView;
 use crate::error::RecordError;
 use crate::record::Effects;
 use apex_model::effect::{Decision, DecisionKind, Effect};
-use apex_model::problem::{LeftOut, Plan, Position, SurveillanceVisit};
+use apex_model::problem::{LeftOut, Obstacle, Plan, Position, SurveillanceVisit, TimeLimit};
 use apex_model::time::Time;
-use apex_planning::obstacle::{Obstacle, TimeLimit};
 use rusqlite::OptionalExtension;
 use serde::Serialize;
 
@@ -48,7 +47,8 @@ pub struct LeftOutTarget {
     pub target: String,
     /// Reason.
     pub reason: String,
-    /// Change that a visit would need, by the planner's own arithmetic; none where it states no figure.
+    /// Change that a visit would need, by the planner's own arithmetic; none where it states no obstacle as a value, and in records
+    /// of earlier versions.
     pub needs: Option<VisitNeed>,
 }
 
@@ -87,12 +87,11 @@ impl VisitNeed {
     fn of(obstacle: Obstacle) -> VisitNeed {
         match obstacle {
             Obstacle::Late { over_s, limit, alone } => {
-                let limit = match limit {
-                    TimeLimit::Flight { name, .. } => name,
-                    TimeLimit::Horizon => "the horizon".into(),
-                    TimeLimit::OtherVisits => "the time between the others".into(),
+                let (limit, is_energy) = match limit {
+                    TimeLimit::Flight { name, is_energy, .. } => (name, is_energy),
+                    TimeLimit::Horizon => ("the horizon".into(), false),
+                    TimeLimit::OtherVisits => ("the time between the others".into(), false),
                 };
-                let is_energy = ["endurance", "battery", "fuel"].iter().any(|word| limit.contains(word));
                 VisitNeed::Time { more_s: over_s, limit, is_energy, alone }
             }
             Obstacle::Score { loss } => VisitNeed::Value { more: Some(loss) },
@@ -206,8 +205,8 @@ fn shown(plan: Plan, posed_ns: i64) -> Shown {
         end_ns: Time::from_seconds(end_s).0,
     };
     let left_out = |list: Vec<LeftOut>| {
-        list.into_iter().map(|LeftOut { target, reason }| {
-            let needs = Obstacle::parse(&reason).map(VisitNeed::of);
+        list.into_iter().map(|LeftOut { target, reason, obstacle }| {
+            let needs = obstacle.map(VisitNeed::of);
             LeftOutTarget { target, reason, needs }
         })
     };
@@ -227,5 +226,39 @@ fn shown(plan: Plan, posed_ns: i64) -> Shown {
             let visits = plan.visits.into_iter().map(|one| visit(one.target, one.begin_s, one.end_s)).collect();
             (visits, route, left_out(plan.left_out).collect())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::problem::SurveillancePlan;
+
+    fn needs(left_out: &str) -> Option<VisitNeed> {
+        let plan = format!(
+            r#"{{"solver": "x", "cycle": [], "visits": [], "return_s": null, "expected_cost": 1.0, "expected_cost_bound": null,
+                "left_out": [{left_out}], "summary": ""}}"#
+        );
+        let plan: SurveillancePlan = serde_json::from_str(&plan).unwrap();
+        PlanInForce::of_plan(Plan::Surveillance(plan), 0).left_out.pop().unwrap().needs
+    }
+
+    #[test]
+    fn needs_are_those_of_the_obstacle_and_never_read_from_the_text() {
+        let late = |limit: &str| {
+            let obstacle = format!(r#"{{"Late": {{"over_s": 90.25, "limit": {limit}, "alone": true}}}}"#);
+            needs(&format!(r#"{{"target": "barn", "reason": "needs 2 min more", "obstacle": {obstacle}}}"#))
+        };
+        let time = |limit: &str, is_energy| {
+            Some(VisitNeed::Time { more_s: 90.25, limit: limit.into(), is_energy, alone: true })
+        };
+        let flight = |name: &str, is_energy: bool| {
+            late(&format!(r#"{{"Flight": {{"name": "{name}", "cause": null, "is_energy": {is_energy}}}}}"#))
+        };
+        assert_eq!(flight("the cells", true), time("the cells", true));
+        assert_eq!(flight("the closing of the fuel depot", false), time("the closing of the fuel depot", false));
+        assert_eq!(late(r#""Horizon""#), time("the horizon", false));
+        // A plan of a record of an earlier version.
+        assert_eq!(needs(r#"{"target": "barn", "reason": "needs 2 min more than endurance leaves"}"#), None);
     }
 }

@@ -1,11 +1,13 @@
 //! The questions that an agent has asked operators, as known at an instant, kept in memory and extended with the record.
 //!
 //! A question is open from its effect until it is withdrawn (its time is over, its task was interrupted) or its task ends; an answer ends
-//! the task. Bound: each effect is read once.
+//! the task. The cause of the task's end tells answers and defaults from other ends. Bound: each effect is read once.
 
+use crate::commands::author_of_answer;
 use crate::error::RecordError;
-use crate::record::RecordReader;
-use apex_model::effect::Effect;
+use crate::record::{Effects, RecordReader};
+use apex_model::cause::Cause;
+use apex_model::effect::{Decision, Effect, QuestionId};
 use apex_model::task::TaskState;
 use apex_model::value::Value;
 use serde::Serialize;
@@ -31,8 +33,34 @@ pub struct AskedQuestion {
     pub by_ns: Option<i64>,
     /// Mission time in nanoseconds from which it was open no longer; null while it is open.
     pub closed_ns: Option<i64>,
-    /// Reason of its withdrawal; null while it is open, and if the task ended, as by an answer.
-    pub withdrawn: Option<String>,
+    /// End of it; null while it is open.
+    pub ended: Option<QuestionEnd>,
+}
+
+/// End of a question.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(tag = "how", rename_all = "kebab-case")]
+pub enum QuestionEnd {
+    /// It was answered.
+    Answered {
+        /// The answer.
+        answer: String,
+        /// Name of the operator, if the record states it: that of a command to a run.
+        author: Option<String>,
+    },
+    /// The time of the operators was over, and the default was taken.
+    Default {
+        /// The default.
+        answer: String,
+    },
+    /// It was withdrawn.
+    Withdrawn {
+        /// Reason.
+        reason: String,
+    },
+    /// Its task ended, and the record does not state more.
+    TaskEnded,
 }
 
 /// All questions, kept in memory and grown with the record.
@@ -43,6 +71,8 @@ pub(super) struct QuestionIndex {
     questions: Vec<AskedQuestion>,
     /// Places of the open questions by task.
     open: BTreeMap<u64, usize>,
+    /// Places of the questions withdrawn at one instant, which is the last one: the default may be taken at this instant.
+    withdrawn: (i64, Vec<usize>),
 }
 
 impl QuestionIndex {
@@ -58,10 +88,7 @@ impl QuestionIndex {
             let Some(kind) = effects.table.kind(place) else { continue };
             match kind.word {
                 "ask" | "withdraw-question" => self.take(effects.at(place).0, effects.effect(place)?),
-                "transition" if kind.to == Some(TaskState::Terminated) && !self.open.is_empty() => {
-                    let asked = effects.table.task(place).and_then(|task| self.open.remove(&task));
-                    self.close(asked, effects.at(place).0, None);
-                }
+                "transition" if kind.to == Some(TaskState::Terminated) => self.end_task(&effects, place)?,
                 _ => {}
             }
         }
@@ -75,7 +102,7 @@ impl QuestionIndex {
         let as_known = |asked: &AskedQuestion| {
             let is_open = asked.closed_ns.is_none_or(|closed_ns| closed_ns > at_ns);
             let closed_ns = asked.closed_ns.filter(|_| !is_open);
-            AskedQuestion { closed_ns, withdrawn: asked.withdrawn.clone().filter(|_| !is_open), ..asked.clone() }
+            AskedQuestion { closed_ns, ended: asked.ended.clone().filter(|_| !is_open), ..asked.clone() }
         };
         self.questions.iter().take(known).map(as_known).collect()
     }
@@ -93,22 +120,63 @@ impl QuestionIndex {
                     asked_ns: at_ns,
                     by_ns: by.map(|by| by.0),
                     closed_ns: None,
-                    withdrawn: None,
+                    ended: None,
                 });
             }
             Effect::WithdrawQuestion { question, reason } => {
-                let is_asked = |place: &usize| self.questions.get(*place).is_some_and(|one| one.question == question.0);
+                let is_asked = |place: &usize| self.is_question(*place, question);
                 let task = self.open.iter().find(|(_, place)| is_asked(place)).map(|(task, _)| *task);
-                let asked = task.and_then(|task| self.open.remove(&task));
-                self.close(asked, at_ns, Some(reason));
+                let Some(place) = task.and_then(|task| self.open.remove(&task)) else { return };
+                if self.withdrawn.0 != at_ns {
+                    self.withdrawn = (at_ns, Vec::new());
+                }
+                self.withdrawn.1.push(place);
+                self.close(place, at_ns, QuestionEnd::Withdrawn { reason });
             }
             _ => {}
         }
     }
 
-    fn close(&mut self, place: Option<usize>, at_ns: i64, withdrawn: Option<String>) {
-        if let Some(asked) = place.and_then(|place| self.questions.get_mut(place)) {
-            (asked.closed_ns, asked.withdrawn) = (Some(at_ns), withdrawn);
+    /// Ends the open question of a task that has ended, by the cause of its end.
+    fn end_task(&mut self, effects: &Effects<'_>, place: usize) -> Result<(), RecordError> {
+        let (at_ns, task) = (effects.at(place).0, effects.table.task(place));
+        let open = task.and_then(|task| self.open.remove(&task));
+        let is_withdrawn_now = self.withdrawn.0 == at_ns && !self.withdrawn.1.is_empty();
+        if open.is_none() && !is_withdrawn_now {
+            return Ok(());
+        }
+        let Effect::Decided(Decision { because, .. }) = effects.effect(place)? else { return Ok(()) };
+        match because.cause {
+            Cause::OperatorAnswered { question, answer } => {
+                if let Some(asked) = open {
+                    let inputs = effects.inputs(place)?;
+                    let author = inputs.iter().find_map(|event| author_of_answer(&event.kind, question.0));
+                    self.close(asked, at_ns, QuestionEnd::Answered { answer: answer.to_string(), author });
+                }
+            }
+            Cause::OperatorSilent { question, default } => {
+                let withdrawn = self.withdrawn.1.iter().copied().filter(|_| is_withdrawn_now);
+                let asked = withdrawn.chain(open).find(|asked| self.is_question(*asked, question));
+                if let Some(asked) = asked {
+                    self.close(asked, at_ns, QuestionEnd::Default { answer: default.to_string() });
+                }
+            }
+            _ => {
+                if let Some(asked) = open {
+                    self.close(asked, at_ns, QuestionEnd::TaskEnded);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn is_question(&self, place: usize, question: QuestionId) -> bool {
+        self.questions.get(place).is_some_and(|asked| asked.question == question.0)
+    }
+
+    fn close(&mut self, place: usize, at_ns: i64, end: QuestionEnd) {
+        if let Some(asked) = self.questions.get_mut(place) {
+            (asked.closed_ns, asked.ended) = (Some(at_ns), Some(end));
         }
     }
 }

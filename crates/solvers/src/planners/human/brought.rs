@@ -12,6 +12,7 @@ use apex_metrics::eci;
 use apex_model::problem::{
     LeftOut, Plan, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan, SurveillanceProblem,
 };
+use apex_planning::obstacle::LeftOutReason;
 use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
 
@@ -115,11 +116,11 @@ fn left_out<'a>(
     is_visited: impl Fn(&str) -> bool,
     given: &[LeftOut],
 ) -> Vec<LeftOut> {
-    let reason = |name: &str| {
-        let given = given.iter().find(|left_out| left_out.target == name).map(|left_out| left_out.reason.clone());
-        LeftOut { target: name.to_string(), reason: given.unwrap_or_else(|| NOT_WANTED.to_string()) }
+    let left_out = |name: &str| {
+        let given = given.iter().find(|left_out| left_out.target == name).cloned();
+        given.unwrap_or_else(|| LeftOutReason::from(NOT_WANTED).of(name.to_string()))
     };
-    names.filter(|name| !is_visited(name)).map(reason).collect()
+    names.filter(|name| !is_visited(name)).map(left_out).collect()
 }
 
 fn watched(problem: &SurveillanceProblem, plan: SurveillancePlan) -> Result<SurveillancePlan, String> {

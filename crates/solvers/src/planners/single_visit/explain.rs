@@ -1,11 +1,11 @@
 //! Reasons for which a target is not visited, as text for operators.
 
 use crate::routing::reach;
-use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule, closed_window};
+use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
 use crate::routing::travel::PointKey;
 use apex_geo::sun;
-use apex_model::problem::{LeftOut, Light, SingleVisitProblem, SingleVisitTarget, TimeWindow};
-use apex_planning::obstacle::Obstacle;
+use apex_model::problem::{LeftOut, Light, Obstacle, SingleVisitProblem, SingleVisitTarget, TimeWindow};
+use apex_planning::obstacle::LeftOutReason;
 use apex_planning::solver::{Budget, WorkBudget};
 
 /// Number of positions, those with the shortest detours, that are examined to explain why a target does not fit.
@@ -14,10 +14,13 @@ const GAPS_EXPLAINED: usize = 6;
 /// Time by which limits are extended, in addition to twice the time of the flight, to explain which time a target needs.
 const MORE_S: f64 = 86_400.0;
 
+/// Begin of the reason of a target that could be visited alone.
+const BETWEEN: &str = "does not fit between the others: ";
+
 /// Obstacles of visits of single targets.
 pub(super) struct Troubles {
     /// For each target the reason why it cannot be the only visit; `None` if it can.
-    alone: Vec<Option<String>>,
+    alone: Vec<Option<LeftOutReason>>,
     /// For each target true if no plan can visit it.
     impossible: Vec<bool>,
 }
@@ -26,7 +29,7 @@ impl Troubles {
     /// Tries each target as the only visit, and proves which of the failing ones no plan can visit.
     pub(super) fn new(schedule: &mut Schedule<'_>) -> Troubles {
         let count = schedule.problem.targets.len();
-        let mut alone: Vec<Option<String>> = Vec::with_capacity(count);
+        let mut alone: Vec<Option<LeftOutReason>> = Vec::with_capacity(count);
         let mut late: Vec<usize> = Vec::new();
         for target in 0..count {
             alone.push(match trouble_alone(schedule, target) {
@@ -66,7 +69,7 @@ impl Troubles {
         let slots = self.alone.get_mut(target).zip(self.impossible.get_mut(target));
         if let (Some(name), Some((alone, impossible @ false))) = (name, slots) {
             *impossible = true;
-            alone.get_or_insert_with(|| format!("must follow {name}, which cannot be visited"));
+            alone.get_or_insert_with(|| format!("must follow {name}, which cannot be visited").into());
         }
     }
 
@@ -87,21 +90,21 @@ impl Troubles {
     }
 
     /// Returns the reason for which no plan visits the target; `None` if one may.
-    pub(super) fn of_impossible(&self, target: usize) -> Option<&String> {
+    pub(super) fn of_impossible(&self, target: usize) -> Option<&LeftOutReason> {
         self.alone(target).filter(|_| !self.is_possible(target))
     }
 
     /// Returns the reason for which the target cannot be the only visit; `None` if it can.
-    fn alone(&self, target: usize) -> Option<&String> {
+    fn alone(&self, target: usize) -> Option<&LeftOutReason> {
         self.alone.get(target).and_then(Option::as_ref)
     }
 }
 
 /// Returns the reason for which a visit of the target earns nothing; `None` if it earns something.
-fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<String> {
+fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<LeftOutReason> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-    (data.value * best_quality * best_timing(data) <= 0.0).then(|| Obstacle::Worthless.to_string())
+    (data.value * best_quality * best_timing(data) <= 0.0).then(|| Obstacle::Worthless.into())
 }
 
 /// Returns the greatest timing factor in the windows of a target: between its corners the factor changes linearly.
@@ -122,7 +125,7 @@ enum AloneTrouble {
     /// The flight would end this many seconds too late, at least.
     Late(f64),
     /// Another reason.
-    Other(String),
+    Other(LeftOutReason),
 }
 
 /// Returns, for those of the `late` targets that can be visited alone in a longer flight, the time by which it exceeds the limit of this
@@ -156,7 +159,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
         .flat_map(|zone| [zone.active.from_s, zone.active.until_s])
         .filter(|time_s| *time_s > schedule.problem.start_s && *time_s < schedule.limit_s)
         .collect();
-    let mut first_trouble: Option<String> = None;
+    let mut first_trouble: Option<LeftOutReason> = None;
     let mut least_over_s = f64::INFINITY;
     for manoeuvre in 0..data.manoeuvres.len() {
         let choice = Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
@@ -168,7 +171,10 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
             Ok(()) => {}
             Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
             Err(Infeasibility::Impossible(trouble)) => {
-                first_trouble.get_or_insert(trouble);
+                first_trouble.get_or_insert_with(|| trouble.into());
+            }
+            Err(Infeasibility::Closed { target: closed }) => {
+                first_trouble.get_or_insert_with(|| window_trouble(schedule, target, closed));
             }
             Err(Infeasibility::Order) => {}
         }
@@ -176,18 +182,17 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
     if least_over_s.is_finite() {
         return Some(AloneTrouble::Late(least_over_s));
     }
-    first_trouble
-        .map(|trouble| if trouble.contains("window") { window_trouble(schedule, target, trouble) } else { trouble })
-        .map(AloneTrouble::Other)
+    first_trouble.map(AloneTrouble::Other)
 }
 
 /// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
-fn late_text(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> String {
-    Obstacle::Late { over_s, limit: schedule.limit.of_visit(), alone }.to_string()
+fn late_text(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> LeftOutReason {
+    Obstacle::Late { over_s, limit: schedule.limit.of_visit(), alone }.into()
 }
 
-fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
-    let trouble = of_itself(schedule, target, trouble);
+/// Returns the reason for a target that cannot be visited because the windows of `closed` are over, with the light that it needs.
+fn window_trouble(schedule: &Schedule<'_>, target: usize, closed: usize) -> LeftOutReason {
+    let trouble = closed_window(schedule, target, closed);
     let problem = schedule.problem;
     let Some(target) = problem.targets.get(target) else { return trouble };
     let (noun, time) = match target.light {
@@ -197,15 +202,14 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     };
     let (from_s, until_s) = (problem.start_s, schedule.limit_s);
     match sun::light_windows(target.light, target.position, problem.zero_unix_s, from_s, until_s).is_empty() {
-        true => format!("it is not {noun} there before the flight must end"),
-        false => format!("{trouble} {time}"),
+        true => format!("it is not {noun} there before the flight must end").into(),
+        false => LeftOutReason { text: format!("{} {time}", trouble.text), ..trouble },
     }
 }
 
-/// Returns the reason for a target without the target's name if the reason is its closed time window.
-fn of_itself(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
-    let Some(target) = schedule.problem.targets.get(target) else { return trouble };
-    if trouble == closed_window(&target.name) { Obstacle::Window.to_string() } else { trouble }
+/// Returns the reason that the windows of `closed` are over: an obstacle of `target` if they are its windows, else one that names them.
+fn closed_window(schedule: &Schedule<'_>, target: usize, closed: usize) -> LeftOutReason {
+    if closed == target { Obstacle::Window.into() } else { schedule.closed_window(closed).into() }
 }
 
 /// Checks that the one target can be flown to, observed, and flown home from, leaving at `start_s`. Names airspace before anything else.
@@ -224,7 +228,7 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     if over_s > 0.0 {
         // Without a limit on the time, the visit may still be impossible, or have to wait.
         return Err(match schedule.visit(PointKey::Start, start_s, choice) {
-            Err(Infeasibility::Impossible(trouble)) => Infeasibility::Impossible(trouble),
+            Err(trouble @ (Infeasibility::Impossible(_) | Infeasibility::Closed { .. })) => trouble,
             Err(Infeasibility::TooLate { over_s: waited_s }) => Infeasibility::TooLate { over_s: over_s.max(waited_s) },
             Ok(_) | Err(Infeasibility::Order) => Infeasibility::TooLate { over_s },
         });
@@ -237,7 +241,7 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
 /// Returns the summary of a plan without visits: the most frequent reason first.
 pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     let mut reasons: Vec<(&String, Vec<&str>)> = Vec::new();
-    for LeftOut { target, reason } in left_out {
+    for LeftOut { target, reason, .. } in left_out {
         match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, names)) => names.push(target),
             None => reasons.push((reason, vec![target])),
@@ -272,7 +276,7 @@ pub(super) fn left_out(
     let endless = without_limits(schedule);
     let mut endless = Schedule::new(&endless).ok();
     for (target, left_out) in unknown {
-        left_out.reason = reason_beside((schedule, endless.as_mut()), order, judged, target);
+        reason_beside((schedule, endless.as_mut()), order, judged, target).replace_in(left_out);
     }
     all
 }
@@ -305,8 +309,7 @@ pub(super) fn left_out_quickly(
     missing
         .map(|(target, data)| {
             let known = worthless(problem, target).or_else(|| troubles.of_impossible(target).cloned());
-            let reason = known.unwrap_or_else(|| "is not in the best plan so far".to_string());
-            LeftOut { target: data.name.clone(), reason }
+            known.unwrap_or_else(|| "is not in the best plan so far".into()).of(data.name.clone())
         })
         .collect()
 }
@@ -318,27 +321,27 @@ fn reason_beside(
     order: &[Choice],
     judged: &Judged,
     target: usize,
-) -> String {
+) -> LeftOutReason {
     let earlier =
         schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));
     if let Some(earlier) = earlier.and_then(|earlier| schedule.problem.targets.get(*earlier)) {
-        return format!("must follow {}, which is left out", earlier.name);
+        return format!("must follow {}, which is left out", earlier.name).into();
     }
     let within = inserted_somewhere(schedule, order, target);
     if let Some((score, _)) = within.best {
         let loss = judged.score - score;
         return if loss > 0.0 {
-            Obstacle::Score { loss }.to_string()
+            Obstacle::Score { loss }.into()
         } else {
-            "was not reached within the planning budget".to_string()
+            "was not reached within the planning budget".into()
         };
     }
     let limit_s = schedule.limit_s;
     match endless.and_then(|endless| inserted_somewhere(endless, order, target).best) {
         // More time would not make the visit pay.
-        Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.to_string(),
+        Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.into(),
         Some((_, end_s)) if end_s > limit_s => late_text(schedule, end_s - limit_s, false),
-        _ => within.trouble.unwrap_or_else(|| "does not fit between the others".to_string()),
+        _ => within.trouble.unwrap_or_else(|| "does not fit between the others".into()),
     }
 }
 
@@ -347,7 +350,7 @@ struct Inserted {
     /// Highest score, and the end of that flight; `None` if no insertion can be flown.
     best: Option<(f64, f64)>,
     /// Reason of an insertion that cannot be flown at all.
-    trouble: Option<String>,
+    trouble: Option<LeftOutReason>,
 }
 
 fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usize) -> Inserted {
@@ -364,8 +367,10 @@ fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usi
                     inserted.best = Some((score, end_s));
                 }
                 Err(Infeasibility::Impossible(why)) => {
-                    let why = of_itself(schedule, target, why);
-                    inserted.trouble = Some(format!("does not fit between the others: {why}"));
+                    inserted.trouble = Some(LeftOutReason::from(why).after(BETWEEN));
+                }
+                Err(Infeasibility::Closed { target: closed }) => {
+                    inserted.trouble = Some(closed_window(schedule, target, closed).after(BETWEEN));
                 }
                 Ok(_) | Err(Infeasibility::TooLate { .. } | Infeasibility::Order) => {}
             }

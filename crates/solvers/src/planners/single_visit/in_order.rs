@@ -33,7 +33,7 @@ pub fn in_order(
         let is_last = at + 1 == targets.len();
         let with = added(&mut schedule, best.as_ref(), ((*target, *manoeuvre), is_last), environment.budget);
         // The reason against the target as the only visit is more specific than the reason against it in the plan.
-        let alone = troubles.of_impossible(*target);
+        let alone = troubles.of_impossible(*target).map(|reason| &reason.text);
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }
     let best = improved(&mut schedule, best.ok_or("no visits are given")?, targets, environment.budget);
@@ -81,6 +81,7 @@ fn added(
                 trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit);
             }
             Err(Infeasibility::Impossible(why)) => trouble = why,
+            Err(Infeasibility::Closed { target }) => trouble = schedule.closed_window(target),
             Err(Infeasibility::Order) => trouble = "another target must be visited before it".to_string(),
         }
     }

@@ -26,6 +26,7 @@ pub use plan::{bounded_by, scored};
 use crate::routing::{schedule, travel};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_planning::meter::Meter;
+use apex_planning::obstacle::LeftOutReason;
 use apex_planning::solver::{Environment, Solver};
 use explain::Troubles;
 use std::collections::BTreeMap;
@@ -119,11 +120,11 @@ fn solve(
         plan.summary = plan::summary(problem, &plan);
     }
     let name = |target: usize| problem.targets.get(target).map(|target| target.name.as_str());
-    let reasons: BTreeMap<&str, String> =
+    let mut reasons: BTreeMap<&str, LeftOutReason> =
         found.reasons.into_iter().filter_map(|(target, reason)| Some((name(target)?, reason))).collect();
     for left_out in plan.left_out.iter_mut().filter(|_| given) {
-        if let Some(reason) = reasons.get(left_out.target.as_str()) {
-            left_out.reason.clone_from(reason);
+        if let Some(reason) = reasons.remove(left_out.target.as_str()) {
+            reason.replace_in(left_out);
         }
     }
     Ok(Plan::SingleVisit(plan))

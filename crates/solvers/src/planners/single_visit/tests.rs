@@ -2,10 +2,10 @@
 
 use super::*;
 use apex_model::problem::{
-    CrewMember, LandingPlace, Light, PlannedVisit, Position, SingleVisitPlan, SingleVisitProblem, TimeWindow,
+    CrewMember, LandingPlace, Light, Obstacle, PlannedVisit, Position, SingleVisitPlan, SingleVisitProblem, TimeLimit,
+    TimeWindow,
 };
 use apex_planning::examples::single_visit as examples;
-use apex_planning::obstacle::Obstacle;
 use apex_planning::solver::WorkBudget;
 use proptest::prelude::*;
 
@@ -28,6 +28,10 @@ fn reason<'a>(plan: &'a SingleVisitPlan, name: &str) -> &'a str {
     &plan.left_out.iter().find(|left_out| left_out.target == name).unwrap().reason
 }
 
+fn obstacle(plan: &SingleVisitPlan, name: &str) -> Option<Obstacle> {
+    plan.left_out.iter().find(|left_out| left_out.target == name).unwrap().obstacle.clone()
+}
+
 #[test]
 fn a_day_of_flight_sees_every_fire_and_an_afternoon_the_best() {
     let long = solve(&examples::western_states(86_400.0), 200_000).unwrap();
@@ -46,6 +50,14 @@ fn fuel_binds_where_it_is_shorter_than_endurance() {
     let plan = solve(&problem, 50_000).unwrap();
     assert!(plan.fuel_used_kg <= 350.0);
     assert!(reason(&plan, "Domke Lake").contains("fuel"), "{}", reason(&plan, "Domke Lake"));
+    let fuel = |limit: &TimeLimit| matches!(limit, TimeLimit::Flight { name, is_energy: true, .. } if name == "fuel");
+    assert!(matches!(obstacle(&plan, "Domke Lake"), Some(Obstacle::Late { limit, .. }) if fuel(&limit)));
+    // The end of the mission is not a limit of energy.
+    let mut problem = examples::western_states(86_400.0);
+    problem.end_s = Some(problem.start_s + 3_000.0);
+    let plan = solve(&problem, 50_000).unwrap();
+    let is_end = |limit: &TimeLimit| matches!(limit, TimeLimit::Flight { is_energy: false, .. });
+    assert!(matches!(obstacle(&plan, "Domke Lake"), Some(Obstacle::Late { limit, .. }) if is_end(&limit)));
 }
 
 #[test]
@@ -63,6 +75,17 @@ fn a_target_inside_restricted_airspace_is_named_and_others_are_flown_around() {
     assert_eq!(apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)), Vec::<String>::new());
 }
 
+/// The word window in a name was taken for a closed time window, and the reason ended in "by daylight".
+#[test]
+fn a_zone_called_window_is_not_a_time_window() {
+    let mut problem = few(3, 40_000.0);
+    problem.zones = vec![examples::restricted("window rock", 34.2, 35.2, -120.3, -119.3)];
+    problem.targets[0].light = Light::Day;
+    let plan = solve(&problem, 20_000).unwrap();
+    assert_eq!(reason(&plan, "Zaca"), "inside restricted area window rock");
+    assert_eq!(obstacle(&plan, "Zaca"), None);
+}
+
 #[test]
 fn more_time_is_named_only_where_it_would_help() {
     let mut problem = few(4, 60_000.0);
@@ -73,6 +96,7 @@ fn more_time_is_named_only_where_it_would_help() {
     problem.vehicle.endurance_s = problem.vehicle.endurance_reserve_s + 600.0;
     let short = solve(&problem, 50_000).unwrap();
     assert_eq!(reason(&short, "Zaca"), "its last time window closes before the vehicle can be there");
+    assert_eq!(obstacle(&short, "Zaca"), Some(Obstacle::Window));
     // A window after the end of the flight: with the time named, and a minute for the way home, it is visited.
     problem.vehicle.endurance_s = problem.vehicle.endurance_reserve_s + 2.0 * begin_s + 9_000.0;
     let opens_s = 4.0 * begin_s + 30_000.0;
@@ -90,7 +114,7 @@ fn the_time_that_is_named_suffices_in_the_order_of_the_plan() {
         let problem = examples::random(9, seed);
         let plan = solve(&problem, 20_000).unwrap();
         for left_out in &plan.left_out {
-            let Some(Obstacle::Late { over_s, alone: false, .. }) = Obstacle::parse(&left_out.reason) else { continue };
+            let Some(Obstacle::Late { over_s, alone: false, .. }) = left_out.obstacle else { continue };
             claims += 1;
             let target = problem.targets.iter().position(|target| target.name == left_out.target).unwrap();
             let mut longer = problem.clone();

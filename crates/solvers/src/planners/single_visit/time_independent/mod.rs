@@ -25,6 +25,7 @@ use crate::routing::schedule::{Choice, Schedule};
 use annealing::Annealing;
 use apex_model::problem::SingleVisitPlan;
 use apex_planning::meter::Meter;
+use apex_planning::obstacle::LeftOutReason;
 use apex_planning::solver::Environment;
 use route::Route;
 use search::SearchDriver;
@@ -36,7 +37,7 @@ pub(super) struct Found {
     /// Upper bound on the value of all routes, if a proof found one.
     pub(super) bound: Option<f64>,
     /// Targets that are left out, each with the reason.
-    pub(super) reasons: Vec<(usize, String)>,
+    pub(super) reasons: Vec<(usize, LeftOutReason)>,
 }
 
 /// Receives the first order found.

@@ -2,10 +2,11 @@
 
 use super::route::Route;
 use crate::routing::network::Network;
-use apex_planning::obstacle::{Obstacle, TimeLimit};
+use apex_model::problem::{Obstacle, TimeLimit};
+use apex_planning::obstacle::LeftOutReason;
 
 /// Returns the numbers of the targets that have nodes and are not visited, with the reasons.
-pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)> {
+pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, LeftOutReason)> {
     let mut found: Vec<(usize, Option<i32>)> = Vec::new();
     for node in network.visits().filter(|node| !route.sees(network, *node)) {
         let target = network.node(node).target as usize;
@@ -15,13 +16,15 @@ pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)>
             None => found.push((target, over)),
         }
     }
-    let told = |over: Option<i32>| match over {
-        Some(over) if over > 0 => {
-            let over_s = f64::from(over) * network.tick_s;
-            Obstacle::Late { over_s, limit: TimeLimit::OtherVisits, alone: false }.to_string()
+    let told = |over: Option<i32>| -> LeftOutReason {
+        match over {
+            Some(over) if over > 0 => {
+                let over_s = f64::from(over) * network.tick_s;
+                Obstacle::Late { over_s, limit: TimeLimit::OtherVisits, alone: false }.into()
+            }
+            Some(_) => "fits, but is not worth its time, or was not reached within the planning budget".into(),
+            None => "no place between the others is within its time windows".into(),
         }
-        Some(_) => "fits, but is not worth its time, or was not reached within the planning budget".to_string(),
-        None => "no place between the others is within its time windows".to_string(),
     };
     found.into_iter().map(|(target, over)| (target, told(over))).collect()
 }
