@@ -66,6 +66,7 @@ fn distance_m(from: Position, to: Position) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use apex_model::quantity::Dimension;
 
     fn at(latitude_deg: f64, altitude_m: f64) -> Location {
         Location { position: Position::new(latitude_deg, -121.0), altitude_m }
@@ -99,5 +100,21 @@ mod tests {
         let (mut filter, model) = (PositionFilter::default(), model());
         assert!(filter.accepts(&model, 0.0, at(37.0, 60.0)));
         assert!(filter.accepts(&model, 600.0, at(37.5, 60.0)));
+    }
+
+    #[test]
+    fn numbers_are_degrees_and_metres_and_quantities_have_their_units() {
+        let read = |items: [Value; 3]| Location::from_value(&Value::list(items));
+        let plain = read([37.5, -121.0, 60.0].map(Value::Real)).unwrap();
+        let angle = |degrees: f64| Value::measured(degrees.to_radians(), Dimension::ANGLE);
+        let stated = read([angle(37.5), angle(-121.0), Value::measured(60.0, Dimension::LENGTH)]).unwrap();
+        assert!((stated.position.latitude_deg - plain.position.latitude_deg).abs() < 1e-9);
+        assert!((stated.position.longitude_deg - plain.position.longitude_deg).abs() < 1e-9);
+        assert_eq!(stated.altitude_m, 60.0);
+        let seconds = Value::measured(60.0, Dimension::TIME);
+        assert_eq!(read([Value::Real(37.5), Value::Real(-121.0), seconds]), None);
+        for wrong in [[95.0, -121.0, 0.0], [37.0, 500.0, 0.0], [37.0, -121.0, 1e9], [f64::NAN, 0.0, 0.0]] {
+            assert_eq!(read(wrong.map(Value::Real)), None, "{wrong:?}");
+        }
     }
 }

@@ -17,8 +17,7 @@ pub struct BuiltIn {
     pub arguments_min: usize,
     /// Maximum number of arguments; `None` if it is unlimited.
     pub arguments_max: Option<usize>,
-    /// True if the function has no effect and may occur everywhere, such as in conditions and guards. Impure functions occur in hooks
-    /// only.
+    /// True if the function has no effect and may occur everywhere; impure functions occur in hooks only.
     pub pure: bool,
     /// Parameters and result in one line, for operators.
     pub summary: &'static str,

@@ -93,8 +93,7 @@ pub enum Effect {
         /// Message.
         message: Message,
     },
-    /// No task waits for the answer to this question any longer: its task ended or was interrupted, or the time is
-    /// over.
+    /// No task waits for the answer to this question any longer: its task ended or was interrupted, or its time is over.
     WithdrawQuestion {
         /// The question.
         question: QuestionId,
@@ -132,8 +131,7 @@ pub struct SolveRequest {
     pub solver: Symbol,
     /// Deliberation time; `None` for the runtime's default.
     pub budget: Option<Duration>,
-    /// True if the program handles a failure of the request: by `on-failure` of the task's step or of a step above it, or by a clause that
-    /// names the failure.
+    /// True if the program handles a failure of the request: by `on-failure` here or above, or by a clause that names the failure.
     pub is_failure_handled: bool,
 }
 

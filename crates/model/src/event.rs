@@ -106,8 +106,7 @@ pub struct StateVariable {
     pub object: Value,
 }
 
-/// Returns the measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` contains, as in the original Apex; `None` for other
-/// messages.
+/// Returns the measurement that a message `(ATTRIBUTE OBJECT.. = VALUE)` contains, as in the original Apex; else `None`.
 pub fn measured(form: &Value) -> Option<(StateVariable, Value)> {
     let [attribute, objects @ .., relation, value] = form.as_list()? else { return None };
     let attribute = attribute.as_symbol().filter(|name| !name.folded().starts_with(':'))?;

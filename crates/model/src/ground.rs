@@ -6,8 +6,7 @@ use crate::pattern::Pattern;
 use crate::value::Value;
 
 impl Condition {
-    /// Returns the state variables of all its parts whose objects are literals, in written order, each once. Variables whose object is a
-    /// pattern or is computed are left out.
+    /// Returns the state variables of all its parts whose objects are literals, in written order, each once.
     pub fn ground_variables(&self) -> Vec<StateVariable> {
         let mut found = Vec::new();
         collect(self, &mut found);

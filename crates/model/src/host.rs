@@ -5,8 +5,7 @@ use crate::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A host function: returns a value for its arguments, or an error message about them. It must be pure and deterministic: replay calls it
-/// again and expects the same value.
+/// A host function: returns a value for its arguments, or an error message. It must be pure and deterministic, for replay.
 pub type HostFunction = Arc<dyn Fn(&[Value]) -> Result<Value, String> + Send + Sync>;
 
 /// Registered host functions by name, such as the geometry functions of `apex-geo` (`distance`, `bearing`, ..).

@@ -123,8 +123,7 @@ impl Value {
         }
     }
 
-    /// Compares as PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
-    /// NaN equals nothing.
+    /// Compares as PDL's `=`: numbers by value within a dimension, symbols in any case, lists element-wise. NaN equals nothing.
     pub fn equals(&self, other: &Value) -> bool {
         self.compare_items(other, |a, b| a == b)
     }
@@ -243,8 +242,7 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// Writes PDL text that is read back as the same value, except for tasks, intervals, instants and functions. Quantities are rounded to
-    /// twelve digits.
+    /// Writes PDL text that is read back as the same value to twelve digits, except for tasks, intervals, instants and functions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),

@@ -97,8 +97,7 @@ pub struct WindLayer {
     pub edr: f64,
 }
 
-/// A wind forecast, or the true wind. Where layers overlap, the later one in the list counts; without a layer the air is still and
-/// smooth. Queries are in `apex_geo::wind`.
+/// A wind forecast, or the true wind: the later of overlapping layers counts, else the air is still. See `apex_geo::wind`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindField {

@@ -274,8 +274,7 @@ pub struct PlannedVisit {
     /// vehicle's turn radius. Empty if turns are not limited: the route itself is then flown.
     #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
-    /// Departure from the preceding exit (or from the start); later than the end of the preceding visit if the vehicle holds
-    /// first.
+    /// Departure from the preceding exit, or from the start; after the end of the preceding visit if the vehicle holds first.
     pub depart_s: f64,
     /// Arrival at the entry.
     pub arrive_s: f64,

@@ -135,8 +135,7 @@ impl TravelTimes {
         self.merged(|leg| self.least_of(leg))
     }
 
-    /// Returns constant times, the mean over departures from 0 to `until_s`, for comparing places. A leg without a path at some departure
-    /// has no path.
+    /// Returns the mean times over departures from 0 to `until_s`; a leg without a path at some departure has no path.
     pub fn mean(&self, until_s: f64) -> TravelTimes {
         self.merged(|leg| self.mean_of(leg, until_s))
     }

@@ -369,8 +369,7 @@ impl<'a> Scenario<'a> {
         places.into_iter().map(|(_, at)| at).collect()
     }
 
-    /// Returns the cost of the word with a visit of the target at place `at` (`None` if it would end too late), and the work in
-    /// nanoseconds.
+    /// Returns the cost of the word with a visit of the target at place `at` (`None` if it is too late), and the work in nanoseconds.
     fn price_with(&self, word: &[usize], index: usize, at: usize) -> (Option<f64>, u64) {
         let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
         let longer = before.iter().copied().chain([index]).chain(after.iter().copied());
