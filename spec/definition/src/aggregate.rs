@@ -66,7 +66,7 @@ fn wanted(episode: &Episode) -> Span {
 }
 
 /// Returns the instants of all samples and, if a gap permits time to pass, the instants at which the length is reached or a sample leaves
-/// the window. Time-weighted statistics also change between these instants, but are judged only at them.
+/// the window. Between these instants the value held last gains weight, so that a statistic weighted by time may cross its limit there.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);
     let instants: Vec<Time> = run.samples.iter().map(|sample| sample.at).collect();
@@ -78,10 +78,53 @@ fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
         let next = run.samples.get(index + 1).or(run.next).map(|next| next.at);
         let licensed = sample.at..=held(episode, sample, next, view);
         ends.extend(by_time.iter().filter(|end| licensed.contains(end)));
+        let weighted = episode.stats.iter().filter(|(statistic, ..)| crate::statistics::is_weighted(*statistic));
+        for (statistic, _, limit) in weighted {
+            // The weights of values change evenly between these instants: one gains, and one leaves the window.
+            let turns = by_time.iter().flat_map(|end| [end - 1, *end]).filter(|end| licensed.contains(end));
+            let mut bends: Vec<Time> = turns.chain([*licensed.start(), *licensed.end()]).collect();
+            bends.sort_unstable();
+            let value = |end: Time| {
+                inside(episode, run, end).and_then(|inside| crate::statistics::value_of(*statistic, episode, &inside))
+            };
+            ends.extend(bends.windows(2).flat_map(|two| crossings((two[0], two[1]), *limit, &value)));
+        }
     }
     ends.sort_unstable();
     ends.dedup();
     ends
+}
+
+/// Returns the instants at which the value begins or ceases to be above the limit, or to have a value. It rises to its greatest value,
+/// if that lies inside, and then falls, or only rises or falls.
+fn crossings((from, to): (Time, Time), limit: f64, value: &dyn Fn(Time) -> Option<f64>) -> Vec<Time> {
+    if from >= to {
+        return Vec::new();
+    }
+    // The first value has no weight at its own instant.
+    let from = if value(from).is_none() { from + 1 } else { from };
+    let (mut low, mut high) = (from, to);
+    while high - low > 2 {
+        let third = (high - low) / 3;
+        if value(low + third) < value(high - third) { low += third } else { high -= third }
+    }
+    let bends = [from, low, (low + 1).min(high), high, to];
+    let rising =
+        bends.windows(2).filter_map(|two| first_other((two[0], two[1]), &|at| value(at).map(|value| value > limit)));
+    std::iter::once(from).chain(rising).collect()
+}
+
+/// Returns the first instant of a span at which the answer differs from that at its begin, if its end differs; it changes once.
+fn first_other((mut same, mut other): (Time, Time), answer: &dyn Fn(Time) -> Option<bool>) -> Option<Time> {
+    let begin = answer(same);
+    if same >= other || answer(other) == begin {
+        return None;
+    }
+    while other - same > 1 {
+        let middle = same + (other - same) / 2;
+        if answer(middle) == begin { same = middle } else { other = middle }
+    }
+    Some(other)
 }
 
 /// Samples in the run, or in the window that ends at an instant.

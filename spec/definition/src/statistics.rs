@@ -20,7 +20,8 @@ pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     })
 }
 
-fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<f64> {
+/// Returns the statistic of the samples, or of the values by time; `None` if it is unknown.
+pub(crate) fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<f64> {
     let counted = counted(episode, &inside.samples);
     match statistic {
         // Without a number inside the window nothing is known, even if an earlier number still holds.
@@ -30,6 +31,14 @@ fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<
         Statistic::TimeWeightedDeviation => weighted(&inside.held).map(|(_, variance)| variance.sqrt()),
         _ => of(statistic, &counted),
     }
+}
+
+/// Returns true for a statistic that is weighted by time.
+pub(crate) fn is_weighted(statistic: Statistic) -> bool {
+    matches!(
+        statistic,
+        Statistic::TimeWeightedMean | Statistic::TimeWeightedVariance | Statistic::TimeWeightedDeviation
+    )
 }
 
 /// Returns the mean and variance of values weighted by the seconds for which they held; `None` if the total is zero.

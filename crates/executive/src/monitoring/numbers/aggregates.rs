@@ -106,7 +106,8 @@ fn bare(measure: &Measure, unit: Option<&'static Unit>) -> Option<(f64, Dimensio
     }
 }
 
-fn reading(bare: Option<(f64, Dimension)>) -> RightSide {
+/// Returns how a right side is read: a bare number is scaled.
+pub(crate) fn reading(bare: Option<(f64, Dimension)>) -> RightSide {
     bare.map_or(RightSide::Value(None), |(factor, dimension)| RightSide::Scaled(factor, dimension))
 }
 

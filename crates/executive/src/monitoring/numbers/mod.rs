@@ -9,3 +9,4 @@ pub(crate) mod significance;
 pub(crate) mod sliding_window;
 pub(crate) mod statistic_runs;
 pub(crate) mod statistics;
+pub(crate) mod weighted_crossing;

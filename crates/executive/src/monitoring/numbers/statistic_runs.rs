@@ -11,6 +11,7 @@ use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::numbers::aggregates::{CriterionContext, CriterionResult, RunStatistics};
 use crate::monitoring::numbers::sliding_window::{contents, drop_before, leaving, push};
+use crate::monitoring::numbers::weighted_crossing::{WeightedLimits, is_weighted};
 use crate::monitoring::part::{ConditionFaults, PartContext};
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::verdict_query::VerdictQuery;
@@ -29,7 +30,7 @@ fn wants(part: &StatisticalPart, wanted: impl Fn(&Measure) -> bool) -> bool {
 }
 
 fn wants_held(part: &StatisticalPart) -> bool {
-    wants(part, |measure| matches!(measure, Measure::HeldMean | Measure::HeldVariance | Measure::HeldStandardDeviation))
+    wants(part, is_weighted)
 }
 
 /// Returns the gap that separates the newest sample from the preceding run.
@@ -219,9 +220,8 @@ impl Evaluation<'_> {
             }
             return Ok(());
         }
-        let instants = self.licensed(state, start, newest.at - TICK, usize::MAX);
-        for at in std::iter::once(newest.at).chain(instants.into_iter().filter(|at| *at > newest.at && *at <= horizon))
-        {
+        let instants = self.licensed(state, start, (newest.at - TICK, horizon), usize::MAX);
+        for at in std::iter::once(newest.at).chain(instants.into_iter().filter(|at| *at > newest.at)) {
             self.step(state, at, evaluated)?;
             if self.site.keep == Keep::First && evaluated.found.is_some() {
                 return Ok(());
@@ -246,12 +246,12 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Returns the instants after `after` at which time alone may change the verdict, within the span for which the sampling quality
-    /// extends the last value.
-    fn licensed(&self, state: &NumberRun, start: Time, after: Time, count: usize) -> Vec<Time> {
+    /// Returns the instants after `after` and up to `horizon` at which time alone may change the verdict, within the span for which the
+    /// sampling quality extends the last value.
+    fn licensed(&self, state: &NumberRun, start: Time, (after, horizon): (Time, Time), count: usize) -> Vec<Time> {
         let part = self.part;
         let Some(most) = part.gap_max else { return Vec::new() };
-        let (newest, until) = (state.newest.at, state.newest.at + most);
+        let (newest, until) = (state.newest.at, horizon.min(state.newest.at + most));
         let long_enough = start + part.duration_min;
         let mut instants = Vec::new();
         if long_enough > newest && long_enough > after && part.duration_min > Duration::ZERO {
@@ -265,6 +265,10 @@ impl Evaluation<'_> {
             instants.extend((empty > after && instants.len() < count).then_some(empty));
         }
         instants.retain(|at| *at <= until);
+        if let Some(limits) = WeightedLimits::of(&part.criteria, self.context) {
+            let first = newest.max(after).max(long_enough);
+            limits.add_crossings((first, until), &mut instants, &|at| self.gather(state, true, at).held);
+        }
         instants.truncate(count);
         instants
     }
@@ -278,7 +282,7 @@ impl Evaluation<'_> {
             }
             return;
         }
-        let instants = self.licensed(state, start, query.now, WINDOW_FORESIGHT_MAX);
+        let instants = self.licensed(state, start, (query.now, Time::END), WINDOW_FORESIGHT_MAX);
         let more = instants.len() == WINDOW_FORESIGHT_MAX;
         let last = instants.last().copied().filter(|_| more);
         let decides = |then: CriteriaVerdict| match then {

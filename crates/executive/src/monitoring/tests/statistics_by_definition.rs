@@ -18,9 +18,11 @@ enum Kind {
     Step,
     Frequency,
     HeldMean,
+    HeldVariance,
+    HeldDeviation,
 }
 
-const KINDS: [(Kind, &str); 12] = [
+const KINDS: [(Kind, &str); 14] = [
     (Kind::Mean, "mean"),
     (Kind::Count, "count"),
     (Kind::Variance, "variance"),
@@ -33,6 +35,8 @@ const KINDS: [(Kind, &str); 12] = [
     (Kind::Step, "step"),
     (Kind::Frequency, "frequency"),
     (Kind::HeldMean, "time-weighted-mean"),
+    (Kind::HeldVariance, "time-weighted-variance"),
+    (Kind::HeldDeviation, "time-weighted-stddev"),
 ];
 
 /// `(:episode (a uav) [:value (>= 5)] :quality G [:timing (:duration (>= D))] :stats (:KIND (REL LIMIT)))`
@@ -128,19 +132,28 @@ impl Wanted {
                 }
                 ((count - 1) * 1_000_000_000, span)
             }
-            Kind::HeldMean => {
+            Kind::HeldMean | Kind::HeldVariance | Kind::HeldDeviation => {
                 let next = |index: usize| samples.get(index + 1).map_or(end, |next| next.0);
-                let held = |index: usize, (at, value): &(i64, i64)| i128::from(next(index) - at) * i128::from(*value);
-                let mut area: i128 = samples.iter().enumerate().map(|(index, sample)| held(index, sample)).sum();
-                let mut time = i128::from(end - first.0);
-                if let Some(before) = before {
-                    area += i128::from(before) * i128::from(first.0 - from);
-                    time += i128::from(first.0 - from);
-                }
+                let held =
+                    |(index, sample): (usize, &(i64, i64))| (i128::from(next(index) - sample.0), i128::from(sample.1));
+                let edge = before.map(|before| (i128::from(first.0 - from), i128::from(before)));
+                let weights: Vec<(i128, i128)> = samples.iter().enumerate().map(held).chain(edge).collect();
+                let sum = |power: u32| weights.iter().map(|(time, value)| time * value.pow(power)).sum::<i128>();
+                let (time, area, squares) = (sum(0), sum(1), sum(2));
                 if time == 0 {
                     return None;
                 }
-                (area, time)
+                let variance = (squares * time - area * area, time * time);
+                match self.kind.0 {
+                    Kind::HeldMean => (area, time),
+                    Kind::HeldVariance => variance,
+                    // The deviation is compared by its square.
+                    _ => {
+                        let (limit, scale) = self.limit();
+                        let more = limit < 0 || variance.0 * scale * scale > limit * limit * variance.1;
+                        return Some(more == self.above);
+                    }
+                }
             }
         };
         Some(self.satisfied(value))
@@ -186,23 +199,9 @@ impl Wanted {
         (first.0..=now)
             .filter(|end| {
                 let newest = samples.iter().map(|(at, _)| *at).rfind(|at| at <= end).unwrap();
-                newest == *end || self.licensed_at(samples, newest, *end)
+                newest == *end || self.gap.is_some_and(|gap| end - newest <= gap)
             })
             .collect()
-    }
-
-    fn licensed_at(self, samples: &[(i64, i64)], newest: i64, end: i64) -> bool {
-        if self.gap.is_none_or(|gap| end - newest > gap) {
-            return false;
-        }
-        // Averages over time change at every tick; they are evaluated only at instants at which samples enter or leave the window.
-        let known: Vec<(i64, i64)> = samples.iter().copied().filter(|(at, _)| *at <= newest).collect();
-        let run = self.run(&known);
-        let Some(start) = run.first().map(|sample| sample.0) else { return false };
-        let long_enough = end == start + self.duration;
-        let leaves =
-            self.slides() && end > start + self.duration && run.iter().any(|(at, _)| *at + self.duration + 1 == end);
-        self.kind.0 != Kind::HeldMean || long_enough || leaves
     }
 
     fn result(self, samples: &[(i64, i64)], now: i64) -> Option<(i64, i64, i64)> {

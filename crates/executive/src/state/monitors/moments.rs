@@ -238,6 +238,11 @@ impl HeldMoments {
         self.spread += other.spread + off * off * own * share;
     }
 
+    /// Returns the sum of the weights, in nanoseconds.
+    pub fn weight_ns(&self) -> f64 {
+        self.weight_ns
+    }
+
     /// Returns the mean over time; `None` if no value held for any time.
     pub fn mean(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then_some(self.anchor + self.mean)
