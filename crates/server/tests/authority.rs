@@ -137,11 +137,8 @@ fn authority_is_offered_taken_refused_and_recorded() {
     let free = authority(&tower);
     assert_eq!((&free["holder"], &free["epoch"], &free["may_take"]), (&Value::Null, &json!(0), &json!(true)));
     ends(&tower, json!({"do": "pause"}), "accepted", "");
-    assert_eq!(
-        authority(&tower)["holder"],
-        json!({"name": "tower", "role": "operator"}),
-        "a command takes free authority"
-    );
+    let holder = json!({"name": "tower", "role": "operator"});
+    assert_eq!(authority(&tower)["holder"], holder, "a command takes free authority");
     ends(&van, json!({"do": "resume"}), "rejected", "tower holds authority");
     ends(&van, json!({"do": "take-authority"}), "rejected", "tower holds authority");
     check_stations(&authority(&tower)["stations"]);
