@@ -6,6 +6,7 @@
 
 use crate::attitude::{Attitude, Vector};
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
+use std::sync::LazyLock;
 
 /// Greatest angle off the vertical of a line of sight that counts.
 pub const OFF_NADIR_DEG_MAX: f64 = 75.0;
@@ -141,16 +142,37 @@ pub fn hit_terrain(
 
 /// Returns the ray of a scanner's pixel at a scan angle (positive to the right), in north-east-down axes.
 pub fn scan_ray(attitude: &Attitude, scan_rad: f64) -> Vector {
-    attitude.rotation().to_ground(Vector::new(0.0, libm::sin(scan_rad), libm::cos(scan_rad)))
+    attitude.rotation().to_ground(scan_axis(scan_rad))
 }
+
+/// Returns the ray at a scan angle in body axes.
+fn scan_axis(scan_rad: f64) -> Vector {
+    Vector::new(0.0, libm::sin(scan_rad), libm::cos(scan_rad))
+}
+
+/// Bounds of scan lines in every attitude: computed once, because a flight has hundreds of thousands of lines.
+#[derive(Clone, Copy)]
+struct ScanLimits {
+    /// Least down component of a ray of length 1.
+    least_down: f64,
+    /// Rays at right angles to the nadir and along it, in body axes.
+    sideways: Vector,
+    straight: Vector,
+}
+
+static SCAN_LIMITS: LazyLock<ScanLimits> = LazyLock::new(|| ScanLimits {
+    least_down: libm::cos(OFF_NADIR_DEG_MAX * RAD_PER_DEG),
+    sideways: scan_axis(0.5 * std::f64::consts::PI),
+    straight: scan_axis(0.0),
+});
 
 /// Returns the left and right edge rays of a scan line, cut at [`OFF_NADIR_DEG_MAX`]; `None` if the whole line is beyond it.
 pub fn scan_edges(attitude: &Attitude, half_field_rad: f64) -> Option<[Vector; 2]> {
     let rotation = attitude.rotation();
-    let ray = |scan_rad: f64| rotation.to_ground(Vector::new(0.0, libm::sin(scan_rad), libm::cos(scan_rad)));
-    let least_down = libm::cos(OFF_NADIR_DEG_MAX * RAD_PER_DEG);
+    let ray = |scan_rad: f64| rotation.to_ground(scan_axis(scan_rad));
+    let ScanLimits { least_down, sideways, straight } = *SCAN_LIMITS;
     // Along the scan the down component is a cosine with its greatest value at the roll angle's opposite.
-    let (across, down) = (ray(0.5 * std::f64::consts::PI).z, ray(0.0).z);
+    let (across, down) = (rotation.to_ground(sideways).z, rotation.to_ground(straight).z);
     let (amplitude, middle_rad) = (libm::hypot(across, down), libm::atan2(across, down));
     if amplitude.is_nan() || amplitude <= least_down {
         return None;

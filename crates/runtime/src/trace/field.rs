@@ -38,11 +38,18 @@ impl From<Time> for FieldValue {
 impl From<&Value> for FieldValue {
     /// Returns a number for a plain number, otherwise PDL text.
     fn from(value: &Value) -> FieldValue {
+        FieldValue::of(value, value.to_string())
+    }
+}
+
+impl FieldValue {
+    /// Returns what `from` returns for a value whose PDL text is known.
+    pub(super) fn of(value: &Value, text: String) -> FieldValue {
         match value {
             Value::Integer(integer) => FieldValue::Integer(*integer),
             Value::Real(real) if real.is_finite() => FieldValue::Real(*real),
             Value::Text(text) => FieldValue::Text(text.to_string()),
-            other => FieldValue::Text(other.to_string()),
+            _ => FieldValue::Text(text),
         }
     }
 }

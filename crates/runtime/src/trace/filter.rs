@@ -66,15 +66,21 @@ impl TraceFilter {
         }
     }
 
-    /// Returns true if kind, time and object of this line are selected.
+    /// Returns true if lines of this kind and instant are selected, unless they are refused for another reason.
+    pub(super) fn admits_kind(&self, kind: &str, at: Time) -> bool {
+        let is_selected = if self.kinds.is_empty() { kind != "wake" } else { self.kinds.contains(kind) };
+        is_selected && self.from.is_none_or(|from| at >= from) && self.to.is_none_or(|to| at <= to)
+    }
+
+    /// Returns true if kind, time, agent and object of this line are selected.
     pub(super) fn admits(&self, line: &TraceLine) -> bool {
-        let kind = if self.kinds.is_empty() { line.kind != "wake" } else { self.kinds.contains(line.kind) };
-        let time = self.from.is_none_or(|from| line.at >= from) && self.to.is_none_or(|to| line.at <= to);
         let agent = match (self.agent.as_deref(), line.agent.as_deref()) {
             (Some(wanted), Some(found)) => found.eq_ignore_ascii_case(wanted),
             (_, None) | (None, _) => true,
         };
-        kind && time && agent && self.object.as_deref().is_none_or(|object| concerns(line, object))
+        self.admits_kind(line.kind, line.at)
+            && agent
+            && self.object.as_deref().is_none_or(|object| concerns(line, object))
     }
 }
 

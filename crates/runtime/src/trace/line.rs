@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// Number of columns of the instant in text, so that lines within one hour are aligned.
 const TIME_COLUMNS: usize = 12;
 
+/// Kind of the line of a sample.
+pub(super) const MEASUREMENT: &str = "measurement";
+
 /// A line before it is written.
 #[derive(Clone, Debug)]
 pub(super) struct TraceLine {
@@ -119,9 +122,10 @@ impl TraceLine {
     }
 
     fn of_measurement(at: Time, variable: &StateVariable, value: &Value) -> TraceLine {
-        let name = variable.to_string();
-        let mut line = TraceLine::new(at, "measurement", name.clone(), format!("{name} = {value}"));
-        line.text_field("variable", &name).field("value", value);
+        let (name, text) = (variable.to_string(), value.to_string());
+        let words = format!("{name} = {text}");
+        let mut line = TraceLine::new(at, MEASUREMENT, name.clone(), words);
+        line.field("variable", FieldValue::Text(name)).field("value", FieldValue::of(value, text));
         line
     }
 

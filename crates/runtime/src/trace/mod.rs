@@ -14,7 +14,7 @@ use crate::error::RecordError;
 use crate::ports::Observer;
 use crate::record::RecordReader;
 use apex_model::effect::{DecisionKind, Effect, Method};
-use apex_model::event::Batch;
+use apex_model::event::{Batch, EventKind, Message};
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -83,6 +83,12 @@ impl<W: Write> Tracer<W> {
         let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
         agent.describer.hear(batch);
         for event in &batch.events {
+            let is_sample =
+                matches!(event.kind, EventKind::Measurement(..) | EventKind::Told(_, Message::Measurement(..)));
+            // Most events are samples: those that the filter refuses by their kind or time are not put into words.
+            if is_sample && !self.filter.admits_kind(line::MEASUREMENT, event.at) {
+                continue;
+            }
             self.write_own(TraceLine::of_event(event))?;
         }
         for effect in effects {
