@@ -268,6 +268,8 @@ fn a_span_of_a_log_is_watched() {
             assert!(said.out.contains(line), "{options:?}: {}", said.out);
         }
     }
+    let beyond = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--from", "1h"]);
+    beyond.complained(2, &["the input ends at 7.9s, before `--from", "give an earlier `--from`"]);
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--from", "3", "--until", "2"]);
     said.complained(2, &["`--until", "is before `--from"]);
 }

@@ -63,6 +63,8 @@ pub struct LogMonitor<'a> {
     /// The state variables that the input is known to have.
     known: Vec<StateVariable>,
     heard: bool,
+    /// The instant of the last input, also if it is outside of the span.
+    last: Option<Time>,
     /// True once the input contained something after the span: the input then continues beyond the span.
     over: bool,
 }
@@ -86,6 +88,7 @@ impl<'a> LogMonitor<'a> {
             absences: Absences::default(),
             known: Vec::new(),
             heard: false,
+            last: None,
             over: false,
         })
     }
@@ -124,6 +127,7 @@ impl<'a> LogMonitor<'a> {
         let (from, until) = self.terms.span;
         let over = until.is_some_and(|until| at > until);
         self.over |= over;
+        self.last = self.last.max(Some(at));
         if over || from.is_some_and(|from| at < from) {
             return Ok(());
         }
@@ -189,6 +193,11 @@ impl<'a> LogMonitor<'a> {
     /// Reports the remaining results, the verdicts, and the variables without samples.
     fn end(&mut self) -> MissionResult<Vec<String>> {
         let created = self.terms.created.unwrap_or(Time::ZERO);
+        if let (false, Some(from), Some(last)) = (self.heard || self.over, self.terms.span.0, self.last) {
+            return Err(MissionError::data(format!("the input ends at {last}, before `--from {from}`"))
+                .because("nothing is known of the time from then on")
+                .help("give an earlier `--from`"));
+        }
         if !self.heard {
             self.begin(created)?;
         }
