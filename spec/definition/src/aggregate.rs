@@ -67,7 +67,7 @@ fn wanted(episode: &Episode) -> Span {
 
 /// Returns the instants of all samples and, if a gap permits time to pass, the instants at which the length is reached or a sample leaves
 /// the window. Between these instants the value held last gains weight, so that a statistic weighted by time may cross its limit there.
-fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
+pub(crate) fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);
     let instants: Vec<Time> = run.samples.iter().map(|sample| sample.at).collect();
     let mut ends = instants.clone();

@@ -2,9 +2,10 @@
 
 use crate::aggregate;
 use crate::condition::{Episode, Relation, Time};
-use crate::history::{Sample, Series};
+use crate::history::{Past, Sample, Series};
 use crate::measurement::{heard_of, in_window, series_of};
 use crate::value::{Bindings, fits, numbers};
+use crate::verdict::Question;
 use crate::ways::{Runs, View, Way, Ways, instant_fits};
 
 /// A run: consecutive samples without a gap that all satisfy the constraints, as far as known.
@@ -63,6 +64,19 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         found.doubt = true;
     }
     found
+}
+
+/// Returns the instants at which statistics are judged, up to `until` and by the knowledge of `past`: among them those at which values
+/// that are held cross the limits of statistics weighted by time.
+pub(crate) fn foreseen(episode: &Episode, question: &Question, past: &Past, until: Time) -> Vec<Time> {
+    let view = View { question, past, created: question.created, now: until, runs: Runs::Begun };
+    let timed = !episode.start.is_empty() || !episode.end.is_empty();
+    let all = series_of(&episode.variable, |_| if timed { Time::MIN } else { view.created }, view);
+    let of_series = |series: &Series| {
+        let runs = runs(episode, windowed(episode, series, view), view);
+        runs.iter().flat_map(|run| aggregate::ends(episode, run, view)).collect::<Vec<Time>>()
+    };
+    all.iter().flat_map(|(series, _)| of_series(series)).collect()
 }
 
 /// Returns the samples that count: from the creation on, unless the condition constrains the start or end of the episode (rule 2).

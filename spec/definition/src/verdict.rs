@@ -1,6 +1,6 @@
 //! The answer at an instant, and the instant since which the condition is satisfied (rules 2, 3, 21, 22).
 
-use crate::condition::{Condition, Estimation, Kind, Measurement, Span, Time};
+use crate::condition::{Condition, Episode, Estimation, Kind, Measurement, Span, Time};
 use crate::history::{Arrival, Past, What, known};
 use crate::value::Bindings;
 use crate::ways::{Interval, Runs, View, Way, ways};
@@ -104,15 +104,18 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
         begins.extend([arrival.at, arrival.arrives]);
     }
     begins.extend(instants_of(&question.condition));
-    // The instants at which lines meet constraints become known as samples arrive.
+    // The instants at which lines meet constraints, and held values limits of weighted statistics, become known as samples arrive.
     let mut lines = Vec::new();
     lines_of(&question.condition, &mut lines);
-    for arrival in question.arrivals.iter().filter(|_| !lines.is_empty()) {
+    let mut weighted = Vec::new();
+    weighted_of(&question.condition, &mut weighted);
+    for arrival in question.arrivals.iter().filter(|_| !lines.is_empty() || !weighted.is_empty()) {
         let past = known(&question.arrivals, &question.lateness, arrival.arrives);
         let at = arrival.arrives.max(question.created);
         let mut meets = |past: &Past, at: Time| {
             let meets = lines.iter().flat_map(|line| crate::regression::foreseen(line, question, past, at));
-            begins.extend(meets.filter(|at| *at <= until));
+            let ends = weighted.iter().flat_map(|episode| crate::episode::foreseen(episode, question, past, until));
+            begins.extend(meets.chain(ends).filter(|at| *at <= until));
         };
         meets(&past, at);
         // A late arrival also determines the lines at instants since it was taken.
@@ -190,6 +193,21 @@ fn lines_of<'a>(condition: &'a Condition, lines: &mut Vec<&'a Measurement>) {
             parts.iter().for_each(|part| lines_of(part, lines));
         }
         Kind::Not(part) | Kind::Absent(part, _) => lines_of(part, lines),
+        _ => {}
+    }
+}
+
+/// Adds to `weighted` every episode with a statistic that is weighted by time.
+fn weighted_of<'a>(condition: &'a Condition, weighted: &mut Vec<&'a Episode>) {
+    match &condition.kind {
+        Kind::Episode(episode) => {
+            let is_weighted = episode.stats.iter().any(|(statistic, ..)| crate::statistics::is_weighted(*statistic));
+            weighted.extend(Some(episode).filter(|_| is_weighted));
+        }
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().for_each(|part| weighted_of(part, weighted));
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => weighted_of(part, weighted),
         _ => {}
     }
 }
