@@ -153,7 +153,7 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Contro
     cycle.agent.task_mut(id)?.controller.as_deref_mut()
 }
 
-/// Handles the final end of a step: the step whose turn has come is freed, or the procedure is complete.
+/// Handles the final end of a step: the next step in turn is freed, or the procedure is complete.
 pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return };
     let index = cycle.agent.procedure_index(step.procedure);
