@@ -49,15 +49,14 @@ impl Absences {
         }
     }
 
-    /// Returns the absences that last until the input ends, each up to the instant that `end_of` returns for the monitors of the absence
-    /// and of the absent condition.
-    pub(crate) fn finish(&mut self, end_of: impl Fn(MonitorId, MonitorId) -> Time) -> Vec<MonitorResult> {
+    /// Returns the absences that last until the input ends, each with the monitor of the absent condition.
+    pub(crate) fn finish(&mut self) -> Vec<(MonitorResult, MonitorId)> {
         let mut found = Vec::new();
         for (part, absence) in &self.watched {
             let known = self.lasting.get_mut(absence).and_then(Option::take);
-            found.extend(known.map(|known| until(known, end_of(*absence, *part))));
+            found.extend(known.map(|known| (known, *part)));
         }
-        found.sort_by_key(|known| known.watch);
+        found.sort_by_key(|(known, _)| known.watch);
         found
     }
 }
@@ -84,7 +83,7 @@ fn is_past_run(result: &MonitorResult) -> bool {
 }
 
 /// Returns the absence with its interval and evidence up to `end`.
-fn until(mut known: MonitorResult, end: Time) -> MonitorResult {
+pub(crate) fn until(mut known: MonitorResult, end: Time) -> MonitorResult {
     let interval = &mut known.result.interval;
     interval.1 = interval.1.max(end);
     let end = interval.1;

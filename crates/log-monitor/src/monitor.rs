@@ -207,9 +207,9 @@ impl<'a> LogMonitor<'a> {
         self.session.advance(now);
         self.session.finish();
         self.tell()?;
-        let end_of = |absence, part| if self.session.is_in_doubt(absence) { self.last_known(part) } else { now };
-        for result in self.absences.finish(end_of) {
-            self.report(&result)?;
+        for (known, part) in self.absences.finish() {
+            let end = if self.session.is_in_doubt(known.watch) { self.last_known(part) } else { now };
+            self.report(&absences::until(known, end))?;
         }
         let missing = self.session.without_samples();
         let mut verdicts = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::generate::Case;
 use crate::print;
-use apex_reference::{BEFORE_ITS_TURN, Run, What};
+use apex_reference::{Run, What};
 use std::collections::BTreeMap;
 
 /// Words of PDL; the programs that contain each are counted.
@@ -95,13 +95,11 @@ impl Coverage {
         for construct in CONSTRUCTS {
             *self.constructs.entry(construct).or_default() += u64::from(text.contains(construct));
         }
+        *self.moves.entry("ends before its turn".to_string()).or_default() += run.early_ends;
         for line in &run.lines {
             if let What::Moved(from, to, _, cause) = &line.what {
                 *self.moves.entry(format!("{from} -> {to}")).or_default() += 1;
                 let numbered = |word: &&str| !word.starts_with('T');
-                if cause.starts_with(BEFORE_ITS_TURN) {
-                    *self.moves.entry("ends before its turn".to_string()).or_default() += 1;
-                }
                 let words: Vec<&str> = cause.split(' ').take_while(numbered).collect();
                 *self.moves.entry(format!("because {}", words.join(" "))).or_default() += 1;
             }

@@ -107,6 +107,8 @@ pub(crate) struct Agent<'p> {
     pub(crate) changed: bool,
     pub(crate) finished: bool,
     pub(crate) cut: Option<Cut>,
+    /// Ends of steps while earlier steps of their sequence have not ended.
+    pub(crate) early_ends: u64,
 }
 
 /// Runs `program` with `inputs`, in order of arrival, up to `until`.
@@ -136,6 +138,7 @@ pub fn run(program: &Program, inputs: &[Input], until: Time) -> Run {
         changed: false,
         finished: false,
         cut: None,
+        early_ends: 0,
     };
     agent.live(inputs, until);
     agent.told()
@@ -335,6 +338,6 @@ impl Agent<'_> {
             holders.extend(task.needs().into_iter().map(|(name, amount)| (name, id, amount.to_string())));
         }
         let totals = self.totals.iter().map(|(name, total)| (name.clone(), total.to_string())).collect();
-        Run { lines: self.lines, states, holders, totals, cut: self.cut }
+        Run { lines: self.lines, states, holders, totals, cut: self.cut, early_ends: self.early_ends }
     }
 }

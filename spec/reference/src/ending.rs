@@ -13,9 +13,6 @@ fn ends_by_itself(step: &Step) -> bool {
         .is_none_or(|clause| !clause.responding && (clause.while_true.is_some() || clause.until.is_some()))
 }
 
-/// The cause of an end begins so if earlier steps of the sequence have not ended.
-pub const BEFORE_ITS_TURN: &str = "before its turn:";
-
 impl Agent<'_> {
     /// Ends the task with its subtree.
     pub(crate) fn end(&mut self, id: usize, outcome: Outcome, cause: String) {
@@ -39,8 +36,7 @@ impl Agent<'_> {
             self.consume(id);
         }
         self.tasks[id].work = None;
-        let early = self.tasks[id].waits_for_step_before && outcome != Outcome::Cut;
-        let cause = if early { format!("{BEFORE_ITS_TURN} {cause}") } else { cause };
+        self.early_ends += u64::from(self.tasks[id].waits_for_step_before && outcome != Outcome::Cut);
         self.transition(id, State::Terminated, Some(outcome), cause);
         let task = &mut self.tasks[id];
         task.choice = None;

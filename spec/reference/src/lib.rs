@@ -26,7 +26,6 @@ pub mod trace;
 mod value;
 
 pub use agent::{Input, Said, run};
-pub use ending::BEFORE_ITS_TURN;
 pub use program::Program;
 pub use trace::{Cut, Line, Run, What};
 pub use value::Value;

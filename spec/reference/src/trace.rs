@@ -44,6 +44,8 @@ pub struct Run {
     pub totals: BTreeMap<String, String>,
     /// Reason if the run was cut short; the trace is right up to that point.
     pub cut: Option<Cut>,
+    /// Number of steps of sequences that ended while earlier steps had not.
+    pub early_ends: u64,
 }
 
 /// Reasons to cut a run short.

@@ -1,9 +1,11 @@
 //! Dimensions of computed values: results of functions, indexicals and `let`s, requirements of clauses, and uses of goal words in
 //! procedures.
 
+use super::constant_number::constant_number;
 use super::function_calls;
 use super::kinds::{Kind, Kinds, ONE_DIMENSION, is_zero};
 use super::methods::Method;
+use super::negative_spans;
 use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
@@ -39,7 +41,11 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         }
     }
     for primitive in &program.library.primitives {
-        spans_of_primitive(primitive, &mut |span| needs_span(program, span, report));
+        spans_of_primitive(primitive, &mut |span| {
+            needs_span(program, span, report);
+            let negative = negative_spans::of_primitive(program.library, span, &mut report.locator);
+            negative.into_iter().for_each(|each| report.add(each));
+        });
     }
     words(program, report);
 }
@@ -212,6 +218,8 @@ struct Requirement {
     dimension: Dimension,
     /// True if a bare number suffices: it has the unit of a state variable.
     or_bare: bool,
+    /// True if a negative value fails.
+    not_negative: bool,
     place: Place,
 }
 
@@ -257,6 +265,7 @@ fn words(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for (number, procedure) in program.library.procedures.iter().enumerate() {
         for (index, step) in procedure.steps.iter().enumerate() {
             let mut wrong: Vec<(Kind, Requirement, &Pattern)> = Vec::new();
+            let mut negative = None;
             each_word(
                 program,
                 (number, index),
@@ -264,11 +273,19 @@ fn words(program: &Program<'_>, report: &mut FindingCollector<'_>) {
                 &of_procedures,
                 &of_primitives,
                 &mut |word, requirement, served| {
+                    let word = word.selected(step);
                     wrong.extend(word.misfit(program, requirement).map(|kind| (kind, requirement, served)));
+                    if requirement.not_negative && word.is_negative_span(program) {
+                        negative = Some((requirement, served));
+                    }
                 },
             );
             for (kind, requirement, served) in wrong {
                 report_word(step, kind, requirement, served, report);
+            }
+            if let Some((requirement, served)) = negative {
+                let negative = negative_spans::of_goal(step, requirement.place, served, &mut report.locator);
+                report.add(negative);
             }
         }
     }
@@ -304,6 +321,22 @@ impl<'l> Word<'l> {
             Template::Constant(Value::List(items)) => items.iter().map(Word::Value).collect(),
             _ => Vec::new(),
         }
+    }
+
+    /// Returns the expression of the step's `select` if the word is the variable that it computes.
+    fn selected(self, step: &'l Step) -> Word<'l> {
+        let Word::Hole(Expr { kind: ExprKind::Variable { name, .. }, .. }) = self else { return self };
+        step.select.iter().rev().find(|(selected, _)| selected == name).map_or(self, |(_, expr)| Word::Hole(expr))
+    }
+
+    /// Returns true for a span of time below zero that is computed from literals.
+    fn is_negative_span(self, program: &Program<'l>) -> bool {
+        let number = match self {
+            Word::Value(value) => value.as_number(),
+            Word::Hole(expr) => constant_number(program.library, expr),
+            Word::Rest => None,
+        };
+        number.is_some_and(|(number, dimension)| number < 0.0 && dimension == Dimension::TIME)
     }
 
     /// Returns true if the expression is not a number of this dimension. A name may have any value, such as a setting of the vehicle.
@@ -367,13 +400,15 @@ fn report_word(step: &Step, kind: Kind, requirement: Requirement, served: &Patte
 
 fn note<'l>(requirements: &mut Requirements<'l>, expr: &'l Expr, dimension: Dimension, or_bare: bool) {
     if let ExprKind::Variable { name, .. } = &expr.kind {
-        requirements.entry(name).or_insert(Requirement { dimension, or_bare, place: expr.place });
+        let not_negative = false;
+        requirements.entry(name).or_insert(Requirement { dimension, or_bare, not_negative, place: expr.place });
     }
 }
 
 fn of_primitive<'l>(_: &Program<'l>, primitive: &'l Primitive) -> Requirements<'l> {
     let mut requirements = BTreeMap::new();
     spans_of_primitive(primitive, &mut |span| note(&mut requirements, span, Dimension::TIME, false));
+    requirements.values_mut().for_each(|each| each.not_negative = true);
     requirements
 }
 

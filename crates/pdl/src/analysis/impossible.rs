@@ -237,7 +237,7 @@ impl Range {
 }
 
 /// Returns the reason for which no number meets all constraints.
-fn contradiction(constraints: &[Constraint], library: &Library) -> Option<String> {
+pub(super) fn contradiction(constraints: &[Constraint], library: &Library) -> Option<String> {
     let mut range = Range { low: f64::NEG_INFINITY, low_included: true, high: f64::INFINITY, high_included: true };
     for constraint in constraints {
         match constraint {

@@ -5,8 +5,12 @@
 
 mod bindings;
 mod bound;
+mod constant_number;
+mod contradictions;
 mod deadlocks;
+mod derived;
 mod dimensions;
+mod early_ends;
 mod endings;
 mod flow;
 mod function_calls;
@@ -17,6 +21,7 @@ mod limits;
 mod loops;
 mod memory;
 pub(crate) mod methods;
+mod negative_spans;
 mod objects;
 mod operands;
 mod own_tag;
@@ -24,6 +29,7 @@ mod probes;
 mod profiles;
 mod published;
 mod quoted_words;
+mod replenished;
 mod resemblance;
 mod served;
 mod shadows;
@@ -82,6 +88,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     let mut report = FindingCollector { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
+    early_ends::findings(library, &program.endings).into_iter().for_each(|each| report.add(each));
     limits::check(&program, &mut report);
     own_tag::check(&program, &mut report);
     probes::check(&program, &mut report);
@@ -91,6 +98,8 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);
+    let amounts = derived::findings(library).into_iter().chain(replenished::findings(library));
+    amounts.for_each(|each| report.add(each));
     operands(library, &mut report);
     resemblance::check(&program, &mut report);
     let published = published::findings(library).into_iter().chain(objects::findings(library));

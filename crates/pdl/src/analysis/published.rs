@@ -1,4 +1,5 @@
-//! Measurements that a program publishes as messages, `(inform (ATTRIBUTE OBJECT = VALUE))`, against the declared state variables.
+//! Measurements that a program publishes, `(publish (ATTRIBUTE OBJECT) VALUE)` or as messages, `(inform (ATTRIBUTE OBJECT = VALUE))`,
+//! against the declared state variables.
 
 use super::kinds::{Kind, Kinds, is_zero};
 use super::walk;
@@ -13,6 +14,7 @@ use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
+use std::collections::BTreeSet;
 
 /// The places of forms, and the findings.
 type FindingsWithPlaces<'l> = (Locator<'l>, Vec<Diagnostic>);
@@ -25,7 +27,13 @@ pub(super) fn findings(library: &Library) -> Vec<Diagnostic> {
             arguments.first().into_iter().for_each(|form| message(library, form, &mut report));
         }
     }
+    let read = attributes_read(library);
     walk::library(library, &mut |expr| {
+        if let ExprKind::Call { function, arguments } = &expr.kind
+            && let ("publish", [variable, value, ..]) = (function.folded(), arguments.as_slice())
+        {
+            publish(library, &read, (variable, value), &mut report);
+        }
         if let ExprKind::Call { function, arguments } = &expr.kind
             && matches!(function.folded(), "inform" | "cogevent" | "publish")
         {
@@ -33,6 +41,47 @@ pub(super) fn findings(library: &Library) -> Vec<Diagnostic> {
         }
     });
     report.1
+}
+
+/// Returns the attributes that conditions, queries and derivations read.
+fn attributes_read(library: &Library) -> BTreeSet<&Symbol> {
+    let mut read: BTreeSet<&Symbol> =
+        library.derivations.values().flat_map(|each| &each.inputs).map(|input| &input.attribute).collect();
+    for procedure in &library.procedures {
+        walk::conditions_of(procedure, &mut |condition| {
+            read.extend(walk::variable_of(condition).map(|variable| &variable.attribute));
+        });
+    }
+    walk::library(library, &mut |expr| {
+        if let ExprKind::Call { function, arguments } = &expr.kind
+            && walk::QUERIES.contains(&function.folded())
+            && let Some(Expr { kind: ExprKind::Constant(Value::Symbol(attribute)), .. }) = arguments.first()
+        {
+            read.insert(attribute);
+        }
+    });
+    read
+}
+
+/// Checks `(publish (ATTRIBUTE OBJECT) VALUE)`.
+fn publish(
+    library: &Library,
+    read: &BTreeSet<&Symbol>,
+    (variable, value): (&Expr, &Expr),
+    report: &mut FindingsWithPlaces<'_>,
+) {
+    let view = match &variable.kind {
+        ExprKind::Constant(value) => View::Value(value),
+        ExprKind::Template(template) => View::Template(template),
+        _ => return,
+    };
+    let Some(items) = view.items() else { return };
+    let Some(attribute) = items.first().and_then(|item| item.value()?.as_symbol()) else { return };
+    // An attribute that something reads is meant as it is written.
+    if read.contains(attribute) || is_known(library, attribute, variable, report) {
+        let kind = if is_zero(value) { Kind::Unknown } else { Kinds::of(library, value) };
+        value_of_kind(library, attribute, value, kind, report);
+    }
 }
 
 /// Checks a message that has the form of a measurement.
@@ -93,8 +142,6 @@ fn value_of(
     (form, value): (&Expr, View<'_>),
     report: &mut FindingsWithPlaces<'_>,
 ) {
-    let declared = library.state_variables.get(attribute).filter(|declared| declared.unit.is_some());
-    let Some(declared) = declared else { return };
     let found = match value {
         View::Template(Template::Hole(expr)) if is_zero(expr) => return,
         View::Template(Template::Hole(expr)) => Kinds::of(library, expr),
@@ -105,16 +152,31 @@ fn value_of(
             None => return,
         },
     };
+    value_of_kind(library, attribute, form, found, report);
+}
+
+fn value_of_kind(library: &Library, attribute: &Symbol, form: &Expr, found: Kind, report: &mut FindingsWithPlaces<'_>) {
+    let Some(declared) = library.state_variables.get(attribute) else { return };
+    let is_number =
+        declared.value_type.as_ref().is_some_and(|name| matches!(name.folded(), "real" | "integer" | "number"));
+    if declared.unit.is_none() && !is_number {
+        return;
+    }
     let fits = match found {
         Kind::Unknown => true,
         // A bare number is in the variable's unit.
-        Kind::Number(dimension) => dimension == declared.dimension || dimension == Dimension::NONE,
+        Kind::Number(dimension) => {
+            declared.unit.is_none() || dimension == declared.dimension || dimension == Dimension::NONE
+        }
         Kind::Instant | Kind::Other(_) => false,
     };
     if fits {
         return;
     }
-    let wanted = Kind::Number(declared.dimension).words();
+    let wanted = match &declared.value_type {
+        Some(name) if declared.unit.is_none() => format!("of type {name}"),
+        _ => Kind::Number(declared.dimension).words(),
+    };
     let code = if matches!(found, Kind::Number(_)) { codes::DIMENSION } else { codes::VALUE_TYPE };
     let message = format!("`({attribute} ..)` is {wanted}, but this measurement is {}", found.words());
     let diagnostic = Diagnostic::error(code, report.0.span(form.place), message)

@@ -9,9 +9,11 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
 use crate::matching::View;
 use crate::suggest::renames;
-use apex_model::expression::Template;
+use apex_model::condition::ConditionKind;
+use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::interface::{ArgumentType, InterfaceDeclaration, NameKind};
 use apex_model::library::Library;
+use apex_model::pattern::Pattern;
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -32,10 +34,55 @@ pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, fin
         for number in 1..call.items.len() {
             let Some(wanted) = types.wanted(call, number) else { continue };
             let Some(item) = call.items.get(number) else { continue };
-            if let Some(found) = mismatch(library, &wanted, *item) {
+            let item = selected(call, *item);
+            let found = mismatch(library, &wanted, item).or_else(|| of_message(library, call, &wanted, item));
+            if let Some(found) = found {
                 argument(call, number, &wanted, found, findings);
             }
         }
+    }
+}
+
+/// Returns the literal of the step's `select` if the argument is the variable that it computes.
+fn selected<'l>(call: &Call<'l>, item: View<'l>) -> View<'l> {
+    let (Some(name), Some(step)) = (variable(item), call.step) else { return item };
+    match step.select.iter().rev().find(|(selected, _)| selected == name).map(|(_, expr)| &expr.kind) {
+        Some(ExprKind::Constant(value)) => View::Value(value),
+        _ => item,
+    }
+}
+
+/// Returns the mismatch of a variable that the step's `waitfor` takes from a message whose declaration states another dimension.
+fn of_message(library: &Library, call: &Call<'_>, wanted: &ArgumentType, item: View<'_>) -> Option<Mismatch> {
+    let ArgumentType::Quantity(wanted) = wanted else { return None };
+    let (name, step) = (variable(item)?, call.step?);
+    if step.select.iter().any(|(selected, _)| selected == name) {
+        return None;
+    }
+    let mut awaited = step.waitfor.iter().filter_map(|condition| match &condition.kind {
+        ConditionKind::Event { pattern, .. } => Some(&**pattern),
+        _ => None,
+    });
+    awaited.find_map(|pattern| {
+        let Pattern::List(parts) = pattern else { return None };
+        let Some(Pattern::Literal(Value::Symbol(head))) = parts.first() else { return None };
+        let is_plain = |part: &Pattern| matches!(part, Pattern::Literal(_) | Pattern::Variable(_) | Pattern::Anonymous);
+        let at = parts.iter().position(|part| matches!(part, Pattern::Variable(each) if each == name))?;
+        let declared = library.events.get(head).filter(|_| parts.iter().take(at).all(is_plain))?;
+        match declared.parameters.get(at.checked_sub(1)?)?.argument_type {
+            ArgumentType::Quantity(found) if found != *wanted && found != Dimension::NONE => {
+                let words = Kind::Number(found).words();
+                Some(Mismatch::Other(format!("{words}, as `({head} ..)` declares `?{name}`")))
+            }
+            _ => None,
+        }
+    })
+}
+
+fn variable(item: View<'_>) -> Option<&Symbol> {
+    match item {
+        View::Template(Template::Hole(Expr { kind: ExprKind::Variable { name, .. }, .. })) => Some(name),
+        _ => None,
     }
 }
 

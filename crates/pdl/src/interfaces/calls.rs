@@ -9,7 +9,7 @@ use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::interface::InterfaceDeclaration;
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
-use apex_model::procedure::{Activity, BuiltInActivity};
+use apex_model::procedure::{Activity, BuiltInActivity, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -39,6 +39,8 @@ pub(super) struct Call<'l> {
     pub(super) view: View<'l>,
     /// True for a message.
     pub(super) is_message: bool,
+    /// The step whose goal or message this is; `None` for a form in a hook or a function.
+    pub(super) step: Option<&'l Step>,
     /// The place of the form.
     pub(super) place: Place,
 }
@@ -81,6 +83,7 @@ impl<'l> Calls<'l> {
         for (number, procedure) in library.procedures.iter().enumerate() {
             let owner = Some(Method::Procedure(number));
             for step in &procedure.steps {
+                let before = calls.all.len();
                 for activity in walk::activities(step) {
                     match activity {
                         Activity::Goal(goal) => calls.goal(owner, goal, step.place, methods),
@@ -90,6 +93,7 @@ impl<'l> Calls<'l> {
                         Activity::Terminate { .. } | Activity::BuiltIn(..) => {}
                     }
                 }
+                calls.all.iter_mut().skip(before).for_each(|call| call.step = Some(step));
             }
             walk::procedure(procedure, &mut |expr| calls.form(library, owner, expr));
         }
@@ -142,7 +146,7 @@ impl<'l> Calls<'l> {
     fn add(&mut self, owner: Option<Method>, receiver: Receiver<'l>, view: View<'l>, is_message: bool, place: Place) {
         let (items, is_complete) = parts(view);
         if !items.is_empty() {
-            self.all.push(Call { owner, receiver, items, is_complete, view, is_message, place });
+            self.all.push(Call { owner, receiver, items, is_complete, view, is_message, step: None, place });
         }
     }
 
