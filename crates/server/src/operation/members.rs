@@ -115,7 +115,7 @@ mod tests {
             (r#"{"do": "pause", "untilms": 1}"#, "`pause` has no member `untilms`; the nearest is `until_ms`"),
             (r#"{"do": "stop", "epocH": 99}"#, "`stop` has no member `epocH`; the nearest is `epoch`"),
             (r#"{"do": "pause", "x": 1}"#, "`pause` has no member `x`"),
-            (r#"{"do": "pasue"}"#, "there is no command `pasue`; the nearest is `pause`"),
+            (r#"{"do": "pauze"}"#, "there is no command `pauze`; the nearest is `pause`"),
             (r#"{"do": "pause", "do": "resume"}"#, "the key `do` is given twice"),
             (r#"{"do": 1}"#, "`do` is missing"),
             (r#"{"do": "acknowledge", "alarm": " "}"#, "`alarm` is empty"),
