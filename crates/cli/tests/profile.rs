@@ -145,7 +145,8 @@ fn mistakes_are_told_before_anything_is_measured() {
     build(&["--budgets", "0s"]).complained(2, &["expected a duration greater than zero"]);
     build(&["--budgets", "soon"]).complained(2, &["is not a time"]);
     build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);
-    build(&["--cells", "subset", "--missions", "1", "--threads", "0"]).complained(2, &["0 threads"]);
+    build(&["--cells", "subset", "--missions", "1", "--threads", "0"])
+        .complained(2, &["invalid value `0` for `--threads`"]);
     desk.write("new.txt", "my notes");
     build(&[]).complained(2, &["new.txt exists and is not a profile, so it is not overwritten"]);
     assert_eq!(desk.read("new.txt"), "my notes");

@@ -94,7 +94,6 @@ fn no_output_replaces_a_flight_record() {
     for arguments in [
         &["run", "greetings.pdl", "--trace", "kept.apex"][..],
         &["export", "go.jsonl", "--format", "csv", "--out", "kept.apex"],
-        &["monitor", "(go)", "--inputs", "go.jsonl", "--results", "kept.apex"],
     ] {
         desk.apex(arguments).complained(2, &["kept.apex is a flight record, which would be overwritten"]);
     }

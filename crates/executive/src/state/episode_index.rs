@@ -354,7 +354,10 @@ impl EpisodeIndex {
             let Before { held, start, first, contradicted, gap, found_at, .. } = state.before;
             (held.then(|| run(start, first)), contradicted, gap, found_at)
         } else {
-            let contradicted = state.contradicted || (!holds && state.has_seen_any(self.samples.saturating_sub(1)));
+            // After a gap no sample shows where a run began.
+            let apart = self.samples > 1 && self.newest - self.previous > *self.gaps.get(row)?;
+            let is_low = !holds && state.has_seen_any(self.samples.saturating_sub(1));
+            let contradicted = !apart && (state.contradicted || is_low);
             let found_at = state.open.filter(|open| open.newest < self.newest).map(|open| open.recognised_at);
             (holds.then(|| run(state.start, state.first)), contradicted, state.gap, found_at)
         };

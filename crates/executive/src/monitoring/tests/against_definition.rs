@@ -100,12 +100,17 @@ impl Wanted {
             return Truth::True;
         }
         let Some((newest, _)) = samples.last() else { return Truth::Unknown };
+        // Expected samples are missing, whatever the newest one says.
+        if !self.close(*newest, now) {
+            return Truth::Unknown;
+        }
         let last_low = samples.iter().rposition(|(_, value)| *value < 5);
-        let holding = &samples[last_low.map_or(0, |index| index + 1)..];
-        if holding.is_empty() {
+        if last_low.is_some_and(|index| index + 1 == samples.len()) {
             return Truth::False;
         }
-        let gap = holding.windows(2).any(|pair| !self.close(pair[0].0, pair[1].0)) || !self.close(*newest, now);
+        // A run that follows a gap may have begun in it.
+        let since_low = &samples[last_low.unwrap_or(0)..];
+        let gap = since_low.windows(2).any(|pair| !self.close(pair[0].0, pair[1].0));
         if last_low.is_none() || gap { Truth::Unknown } else { Truth::False }
     }
 }

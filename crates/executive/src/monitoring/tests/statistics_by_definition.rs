@@ -227,8 +227,9 @@ impl Wanted {
             return Truth::False;
         }
         let last_low = samples.iter().rposition(|(_, value)| self.value && *value < 5);
-        let holding = &samples[last_low.map_or(0, |index| index + 1)..];
-        let cut = holding.windows(2).any(|pair| self.gap.is_some_and(|gap| pair[1].0 - pair[0].0 > gap));
+        // A run that follows a gap may have begun in it.
+        let since_low = &samples[last_low.unwrap_or(0)..];
+        let cut = since_low.windows(2).any(|pair| self.gap.is_some_and(|gap| pair[1].0 - pair[0].0 > gap));
         Truth::of(false, last_low.is_none() || cut)
     }
 }
