@@ -252,12 +252,22 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   await expect(shown).toHaveCount(plans.length);
   const last = plans.at(-1);
   await expect(shown.first()).toContainText(last?.summary ?? '?');
-  // The column shows the planner's reason, and its tooltip the whole text.
+  // The column shows what a visit lacks, to the second, and its tooltip the planner's reason, which rounds up to minutes.
   for (const left of last?.left_out ?? []) {
     const row = shown.first().getByTestId('left-out').locator(`tr[title="${left.reason}"]`);
-    const time = /^needs (.+) more than (.+) leaves(, even alone)?$/.exec(left.reason);
-    if (time) await expect(row).toContainText(`${time[1]} more than ${time[2]}${time[3] ?? ''}`);
-    else if (left.reason.includes('window closes')) await expect(row).toContainText('one that closes later');
+    if (left.needs?.kind === 'time') {
+      const { more_s, limit, alone } = left.needs;
+      const seconds = Math.ceil(more_s);
+      const parts = [Math.floor(seconds / 3600), Math.floor((seconds % 3600) / 60), seconds % 60];
+      const words = parts
+        .map((part, index) => (part ? `${part} ${['h', 'min', 's'][index]}` : ''))
+        .filter(Boolean);
+      await expect(row).toContainText(`${words.join(' ')} more than ${limit}${alone ? ', even alone' : ''}`);
+      const minutes = Math.ceil(more_s / 60);
+      const stated = /^needs (?:(\d+) h )?(\d+) min more/.exec(left.reason);
+      if (stated) expect(Number(stated[1] ?? 0) * 60 + Number(stated[2])).toBe(minutes);
+    } else if (left.reason.includes('window closes'))
+      await expect(row).toContainText('one that closes later');
     else await expect(row).toContainText(left.reason);
   }
   await expectNoFaults(page, 'comparison of plans');
