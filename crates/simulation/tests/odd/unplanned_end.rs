@@ -17,8 +17,8 @@ const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-0
 #[test]
 fn a_flight_that_ends_in_the_air_says_so() {
     let targets = collection(&[home(), fire("near", -120.5, 37.4, "")]);
-    let program = program(OPTIONS, "4000m").replace("(return to home at 4000m)", "(fail at once)");
-    let program = format!("{program}(primitive (index (fail at once)) (duration (- 1s 6s)))\n");
+    let program = program(OPTIONS, "4000m").replace("(return to home at 4000m)", "(fail after 6s)");
+    let program = format!("{program}(primitive (index (fail after ?span)) (duration (- 1s ?span)))\n");
     let flown = fly(&program, &[("t.geojson", &targets)]);
     let text = flown.text();
     assert!(!flown.outcome.end.reason.is_success(), "{text}");
