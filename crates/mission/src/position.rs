@@ -1,8 +1,10 @@
 //! Reported positions that are accepted: a receiver without a fix reports positions that no vehicle can have reached.
 //!
-//! A position is accepted if the vehicle can have flown there since the last accepted one. Another one is doubted, until the reports have
+//! A position is accepted if the vehicle can have flown there since the last accepted one, and the first one if it is in the region of the
+//! mission's start: a receiver often begins without a fix. Another one is doubted, until the reports have
 //! agreed with each other for [`AGREED_S`]: then the earlier position was wrong, or the vehicle was moved.
 
+use crate::Mission;
 use apex_model::planned::Location;
 use apex_model::problem::Position;
 use apex_model::value::Value;
@@ -13,6 +15,8 @@ use serde::{Deserialize, Serialize};
 const AGREED_S: f64 = 60.0;
 /// Greatest wind that carries the vehicle, in m/s: more than the jet stream.
 const WIND_MPS: f64 = 120.0;
+/// Distance of the first position from the mission's start within which it is accepted: a vehicle may begin at another field.
+const FIRST_M: f64 = 100_000.0;
 /// Length of a degree of latitude.
 const M_PER_DEG: f64 = 111_320.0;
 /// Distance within which positions agree whatever the time: errors of receivers, and coarse reports.
@@ -29,20 +33,24 @@ pub(crate) struct PositionFilter {
 
 impl PositionFilter {
     /// Returns false for a sample of a location that states no position, or one that is not accepted; true for other samples.
-    pub(crate) fn admits(&mut self, model: &VehicleModel, at_s: f64, attribute: &str, value: &Value) -> bool {
-        let mut is_accepted = || Location::from_value(value).is_some_and(|here| self.accepts(model, at_s, here));
+    pub(crate) fn admits(&mut self, mission: &Mission, at_s: f64, attribute: &str, value: &Value) -> bool {
+        let terms = (&mission.model, mission.start);
+        let mut is_accepted = || Location::from_value(value).is_some_and(|here| self.accepts(terms, at_s, here));
         attribute != "location" || is_accepted()
     }
 
-    /// Returns true if a position reported at `at_s` is accepted.
-    pub(crate) fn accepts(&mut self, model: &VehicleModel, at_s: f64, here: Location) -> bool {
+    /// Returns true if a position reported at `at_s` is accepted, for a vehicle whose mission begins at `start`.
+    fn accepts(&mut self, (model, start): (&VehicleModel, Position), at_s: f64, here: Location) -> bool {
         let speed_mps = model.true_airspeed_m_s_max + WIND_MPS;
         let reaches = |from_s: f64, from: Location| {
             let distance_m = distance_m(from.position, here.position);
             let climb_m = (here.altitude_m - from.altitude_m).abs();
             distance_m.max(climb_m) <= AGREED_M + speed_mps * (at_s - from_s).max(0.0)
         };
-        let is_near = self.accepted.is_none_or(|(from_s, from)| reaches(from_s, from));
+        let is_near = match self.accepted {
+            Some((from_s, from)) => reaches(from_s, from),
+            None => distance_m(start, here.position) <= FIRST_M,
+        };
         let since_s = match self.doubted {
             Some((since_s, from_s, from)) if reaches(from_s, from) => since_s,
             _ => at_s,
@@ -72,6 +80,8 @@ mod tests {
         Location { position: Position::new(latitude_deg, -121.0), altitude_m }
     }
 
+    const START: Position = Position { latitude_deg: 37.1, longitude_deg: -121.0 };
+
     fn model() -> VehicleModel {
         VehicleModel::named("rmax").unwrap()
     }
@@ -79,27 +89,34 @@ mod tests {
     #[test]
     fn a_receiver_without_a_fix_is_not_accepted_and_the_next_true_position_is() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts(&model, 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
         for second in 1..10 {
-            assert!(!filter.accepts(&model, f64::from(second), at(0.0, 60.0)), "{second}");
+            assert!(!filter.accepts((&model, START), f64::from(second), at(0.0, 60.0)), "{second}");
         }
-        assert!(filter.accepts(&model, 10.0, at(37.0005, 60.0)));
-        assert!(!filter.accepts(&model, 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
+        assert!(filter.accepts((&model, START), 10.0, at(37.0005, 60.0)));
+        assert!(!filter.accepts((&model, START), 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
+    }
+
+    #[test]
+    fn a_receiver_that_begins_without_a_fix_does_not_hide_the_first_true_position() {
+        let (mut filter, model) = (PositionFilter::default(), model());
+        assert!((0..10).all(|second| !filter.accepts((&model, START), f64::from(second), at(0.0, 0.0))));
+        assert!(filter.accepts((&model, START), 10.0, at(37.0, 60.0)));
     }
 
     #[test]
     fn positions_that_agree_for_a_minute_are_accepted() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts(&model, 0.0, at(0.0, 0.0)));
-        let accepted = (1..=100).find(|second| filter.accepts(&model, f64::from(*second), at(37.0, 60.0)));
+        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
+        let accepted = (1..=100).find(|second| filter.accepts((&model, START), f64::from(*second), at(39.0, 60.0)));
         assert_eq!(accepted, Some(61));
     }
 
     #[test]
     fn after_a_gap_the_vehicle_may_be_as_far_as_it_can_have_flown() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts(&model, 0.0, at(37.0, 60.0)));
-        assert!(filter.accepts(&model, 600.0, at(37.5, 60.0)));
+        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts((&model, START), 600.0, at(37.5, 60.0)));
     }
 
     #[test]

@@ -94,7 +94,7 @@ impl LinkMemory {
     ) {
         if variable.object.as_symbol() == Some(&mission.agent.name)
             && variable.attribute.is("location")
-            && self.positions.admits(&mission.model, at.seconds(), "location", value)
+            && self.positions.admits(mission, at.seconds(), "location", value)
         {
             self.here = Location::from_value(value).or(self.here);
         }

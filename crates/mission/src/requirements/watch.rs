@@ -121,7 +121,7 @@ impl Watch {
             match &event.kind {
                 EventKind::Measurement(variable, value) if variable.object.as_symbol() == Some(vehicle) => {
                     let attribute = variable.attribute.folded();
-                    if self.positions.admits(&mission.model, event.at.seconds(), attribute, value) {
+                    if self.positions.admits(mission, event.at.seconds(), attribute, value) {
                         moved |= self.flown.measure(attribute, value);
                     }
                 }

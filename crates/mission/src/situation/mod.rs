@@ -123,7 +123,7 @@ impl Situation {
                     let attribute = variable.attribute.folded();
                     let is_own = variable.object.as_symbol() == Some(&mission.agent.name);
                     if (is_own || attribute != "location")
-                        && self.positions.admits(&mission.model, event.at.seconds(), attribute, value)
+                        && self.positions.admits(mission, event.at.seconds(), attribute, value)
                     {
                         moved |= attribute == "location";
                         self.vehicle.measure(attribute, value);

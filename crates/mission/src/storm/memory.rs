@@ -61,7 +61,7 @@ impl StormMemory {
             }
             let number = |unit: Dimension| value.as_number().filter(|(_, found)| *found == unit).map(|(si, _)| si);
             match variable.attribute.folded() {
-                "location" if self.positions.admits(&mission.model, event.at.seconds(), "location", value) => {
+                "location" if self.positions.admits(mission, event.at.seconds(), "location", value) => {
                     self.here = Location::from_value(value).map(|at| at.position).or(self.here);
                     moved = true;
                 }

@@ -26,8 +26,10 @@ pub(super) struct Effort<'b> {
     pub(super) score_min: Option<f64>,
 }
 
-/// Result of a complete enumeration.
+/// Result of an enumeration.
 pub(super) struct Exhausted {
+    /// True if the effort sufficed for all sequences.
+    pub(super) is_complete: bool,
     /// The order with the highest score, if one ends in time.
     pub(super) best: Option<Vec<Choice>>,
     /// Highest sum of the visits' values, of the sequences that were continued.
@@ -45,7 +47,8 @@ struct VisitSequence {
     before: Option<usize>,
 }
 
-/// Enumerates all orders of the `usable` targets; `choices` gives the ways to observe a target. `None` if the effort did not suffice.
+/// Enumerates all orders of the `usable` targets; `choices` gives the ways to observe a target. `None` if there are too many
+/// targets.
 pub(super) fn exhaust(
     schedule: &mut Schedule<'_>,
     usable: &[usize],
@@ -62,7 +65,8 @@ pub(super) fn exhaust(
     let Effort { visits_max, budget, score_min } = effort;
     let most: Vec<f64> = usable.iter().map(|target| worth_max(schedule.problem, *target)).collect();
     let mut open: Vec<Option<usize>> = vec![None];
-    while !open.is_empty() {
+    let mut is_complete = true;
+    'layers: while !open.is_empty() {
         let mut next: BTreeMap<(u32, usize, usize), Vec<usize>> = BTreeMap::new();
         for before in open {
             let visited = before.and_then(|at| labels.get(at)).map_or(0, |label| label.visited);
@@ -74,7 +78,8 @@ pub(super) fn exhaust(
                     examined += 1;
                     budget.charge(UNITS_PER_LEG + schedule.travel.take_work());
                     if examined > visits_max || budget.exhausted() {
-                        return None;
+                        is_complete = false;
+                        break 'layers;
                     }
                     let Some(label) = after(schedule, before.map(|at| (at, labels.as_slice())), *choice, place) else {
                         continue;
@@ -103,7 +108,7 @@ pub(super) fn exhaust(
         };
         open = next.into_values().flatten().filter(may_reach).map(Some).collect();
     }
-    Some(Exhausted { best: best.map(|(_, _, last)| order_to(&labels, last)), benefits_max })
+    Some(Exhausted { is_complete, best: best.map(|(_, _, last)| order_to(&labels, last)), benefits_max })
 }
 
 /// Returns the most that a target can be worth.

@@ -147,7 +147,7 @@ fn improve(
     {
         *best = Candidate { order, judged };
     }
-    Some(found.benefits_max)
+    found.is_complete.then_some(found.benefits_max)
 }
 
 /// Returns the number of visits, with given times, whose examination takes half of the remaining budget.
