@@ -171,7 +171,7 @@ class Mission:
     >>> from apex_autonomy import Mission
     >>> mission = Mission.load("../missions/structure-watch")
     >>> mission.name, mission.duration_s, len(mission.targets)
-    ('Structure Watch', 3600.0, 18)
+    ('Structure Watch', 3900.0, 18)
     """
 
     def __init__(self, native: _apex.Mission) -> None:

@@ -55,7 +55,7 @@ def flown(tmp_path_factory):
 
 def test_a_mission_says_what_it_is_and_plans():
     mission = Mission.load(WATCH)
-    assert (mission.name, mission.duration_s, mission.warnings) == ("Structure Watch", 3900.0, [])
+    assert (mission.name, mission.duration_s, mission.warnings) == ("Structure Watch", 3600.0, [])
     sites = [target.id for target in mission.targets if target.kind == "site"]
     planned = mission.plan(planner="nearest-neighbour", budget_s=0.01)
     assert [target["name"] for target in planned.problem["Surveillance"]["targets"]] == sites

@@ -1,7 +1,7 @@
 //! Reported positions that are accepted: a receiver without a fix reports positions that no vehicle can have reached.
 //!
-//! A position is accepted if the vehicle can have flown there since the last accepted one, and the first one if it is in the region of the
-//! mission's start: a receiver often begins without a fix. Another one is doubted, until the reports have
+//! A position is accepted if the vehicle can have flown there since the last accepted one, and the first one if it is near to the
+//! mission's start or to a target: a receiver often begins without a fix. Another one is doubted, until the reports have
 //! agreed with each other for [`AGREED_S`]: then the earlier position was wrong, or the vehicle was moved.
 
 use crate::Mission;
@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 const AGREED_S: f64 = 60.0;
 /// Greatest wind that carries the vehicle, in m/s: more than the jet stream.
 const WIND_MPS: f64 = 120.0;
-/// Distance of the first position from the mission's start within which it is accepted: a vehicle may begin at another field.
+/// Distance of the first position from the mission's start or a target within which it is accepted: a vehicle may begin at another
+/// field, or while it is under way.
 const FIRST_M: f64 = 100_000.0;
 /// Length of a degree of latitude.
 const M_PER_DEG: f64 = 111_320.0;
@@ -34,13 +35,21 @@ pub(crate) struct PositionFilter {
 impl PositionFilter {
     /// Returns false for a sample of a location that states no position, or one that is not accepted; true for other samples.
     pub(crate) fn admits(&mut self, mission: &Mission, at_s: f64, attribute: &str, value: &Value) -> bool {
-        let terms = (&mission.model, mission.start);
-        let mut is_accepted = || Location::from_value(value).is_some_and(|here| self.accepts(terms, at_s, here));
+        let places = || std::iter::once(mission.start).chain(mission.targets.iter().map(|target| target.position));
+        let is_in_region = |here: Position| places().any(|place| distance_m(place, here) <= FIRST_M);
+        let mut is_accepted =
+            || Location::from_value(value).is_some_and(|here| self.accepts(&mission.model, is_in_region, at_s, here));
         attribute != "location" || is_accepted()
     }
 
-    /// Returns true if a position reported at `at_s` is accepted, for a vehicle whose mission begins at `start`.
-    fn accepts(&mut self, (model, start): (&VehicleModel, Position), at_s: f64, here: Location) -> bool {
+    /// Returns true if a position reported at `at_s` is accepted; the first one must be in the region of the mission.
+    fn accepts(
+        &mut self,
+        model: &VehicleModel,
+        is_in_region: impl Fn(Position) -> bool,
+        at_s: f64,
+        here: Location,
+    ) -> bool {
         let speed_mps = model.true_airspeed_m_s_max + WIND_MPS;
         let reaches = |from_s: f64, from: Location| {
             let distance_m = distance_m(from.position, here.position);
@@ -49,7 +58,7 @@ impl PositionFilter {
         };
         let is_near = match self.accepted {
             Some((from_s, from)) => reaches(from_s, from),
-            None => distance_m(start, here.position) <= FIRST_M,
+            None => is_in_region(here.position),
         };
         let since_s = match self.doubted {
             Some((since_s, from_s, from)) if reaches(from_s, from) => since_s,
@@ -80,7 +89,9 @@ mod tests {
         Location { position: Position::new(latitude_deg, -121.0), altitude_m }
     }
 
-    const START: Position = Position { latitude_deg: 37.1, longitude_deg: -121.0 };
+    fn is_in_region(here: Position) -> bool {
+        here.latitude_deg > 36.0
+    }
 
     fn model() -> VehicleModel {
         VehicleModel::named("rmax").unwrap()
@@ -89,34 +100,35 @@ mod tests {
     #[test]
     fn a_receiver_without_a_fix_is_not_accepted_and_the_next_true_position_is() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts(&model, is_in_region, 0.0, at(37.0, 60.0)));
         for second in 1..10 {
-            assert!(!filter.accepts((&model, START), f64::from(second), at(0.0, 60.0)), "{second}");
+            assert!(!filter.accepts(&model, is_in_region, f64::from(second), at(0.0, 60.0)), "{second}");
         }
-        assert!(filter.accepts((&model, START), 10.0, at(37.0005, 60.0)));
-        assert!(!filter.accepts((&model, START), 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
+        assert!(filter.accepts(&model, is_in_region, 10.0, at(37.0005, 60.0)));
+        assert!(!filter.accepts(&model, is_in_region, 11.0, at(37.0005, 1e6)), "no vehicle climbs so fast");
     }
 
     #[test]
     fn a_receiver_that_begins_without_a_fix_does_not_hide_the_first_true_position() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!((0..10).all(|second| !filter.accepts((&model, START), f64::from(second), at(0.0, 0.0))));
-        assert!(filter.accepts((&model, START), 10.0, at(37.0, 60.0)));
+        assert!((0..10).all(|second| !filter.accepts(&model, is_in_region, f64::from(second), at(0.0, 0.0))));
+        assert!(filter.accepts(&model, is_in_region, 10.0, at(37.0, 60.0)));
     }
 
     #[test]
     fn positions_that_agree_for_a_minute_are_accepted() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
-        let accepted = (1..=100).find(|second| filter.accepts((&model, START), f64::from(*second), at(39.0, 60.0)));
+        assert!(filter.accepts(&model, is_in_region, 0.0, at(37.0, 60.0)));
+        let accepted =
+            (1..=100).find(|second| filter.accepts(&model, is_in_region, f64::from(*second), at(39.0, 60.0)));
         assert_eq!(accepted, Some(61));
     }
 
     #[test]
     fn after_a_gap_the_vehicle_may_be_as_far_as_it_can_have_flown() {
         let (mut filter, model) = (PositionFilter::default(), model());
-        assert!(filter.accepts((&model, START), 0.0, at(37.0, 60.0)));
-        assert!(filter.accepts((&model, START), 600.0, at(37.5, 60.0)));
+        assert!(filter.accepts(&model, is_in_region, 0.0, at(37.0, 60.0)));
+        assert!(filter.accepts(&model, is_in_region, 600.0, at(37.5, 60.0)));
     }
 
     #[test]

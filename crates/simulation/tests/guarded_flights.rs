@@ -85,7 +85,7 @@ fn western_states_keeps_its_requirements() {
     let mut wrong = Vec::new();
     let mut positions = 0;
     let first = number("APEX_GUARDED_FIRST", 1);
-    for seed in first..first + number("APEX_GUARDED_SEEDS", 10) {
+    for seed in first..first + number("APEX_GUARDED_SEEDS", 5) {
         let (end, result) = fly(&mission, seed);
         positions += result.positions;
         wrong.extend(shown(&format!("seed {seed}"), &result));
@@ -130,7 +130,7 @@ fn a_wait_keeps_out_of_zones_at_every_altitude_that_it_is_flown_at() {
 fn random_missions_keep_their_requirements() {
     let (mut wrong, mut positions, mut broken) = (Vec::new(), 0, 0);
     let first = number("APEX_GUARDED_FIRST", 1);
-    for seed in first..first + number("APEX_GUARDED_MISSIONS", 20) {
+    for seed in first..first + number("APEX_GUARDED_MISSIONS", 10) {
         let folder = tempfile::tempdir().unwrap();
         RandomMission::new(seed).write(folder.path());
         let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("mission {seed}: {error}")));

@@ -1,11 +1,11 @@
-//! A hundred thousand random questions about conditions: the executive and the definition give the same answers.
+//! Forty thousand random questions about conditions: the executive and the definition give the same answers.
 
 use apex_conditions_random::features::NOT_YET;
 use apex_conditions_random::{campaign, generate, page, shrink};
 use std::collections::BTreeSet;
 
 /// The number used in CI; `make nightly` runs ten million.
-const COUNT: u64 = 100_000;
+const COUNT: u64 = 40_000;
 
 #[test]
 fn the_executive_and_the_definition_answer_alike() {
@@ -23,8 +23,8 @@ fn the_executive_and_the_definition_answer_alike() {
     assert!(outcome.satisfied * 5 > outcome.same && outcome.satisfied * 2 < outcome.same, "{table}");
     for (feature, (asked, satisfied)) in &outcome.features {
         // Runs that end at the same instant are rare.
-        let least = if feature.starts_with("Allen") { 1 } else { 30 };
-        assert!(*asked >= 300 && *satisfied >= least, "{feature} is asked for too seldom\n{table}");
+        let least = if feature.starts_with("Allen") { 1 } else { 12 };
+        assert!(*asked >= 120 && *satisfied >= least, "{feature} is asked for too seldom\n{table}");
     }
 }
 
@@ -34,7 +34,7 @@ fn a_seed_always_makes_the_same_question() {
     assert_ne!(generate::question(7), generate::question(8));
 }
 
-/// Seeds that differed once: each of a kind that a hundred thousand questions seldom meet.
+/// Seeds that differed once: each of a kind that forty thousand questions seldom meet.
 const ONCE_DIFFERENT: &[u64] = &[
     58_979, 2_292_886, 2_352_370, 2_552_247, 2_896_833, 2_930_191, 2_980_572, 3_174_081, 3_475_236, 3_537_036,
     1_633_390, 1_781_641, 1_985_759, 2_824_683, 3_283_964, 4_268_482, 4_940_530, 5_242_850, 6_906_054, 9_155_926,

@@ -1,10 +1,10 @@
-//! Twenty-five thousand random programs: the executive and the reference behave the same.
+//! Ten thousand random programs: the executive and the reference behave the same.
 
 use apex_random::{campaign, generate, page, shrink};
 
 /// The number used in CI; `make nightly` runs a million. Conditions of execution end many tasks before they are interrupted, so this many
 /// programs are needed to reach every least count below.
-const COUNT: u64 = 25_000;
+const COUNT: u64 = 10_000;
 
 #[test]
 fn the_executive_and_the_reference_do_the_same() {
@@ -19,24 +19,24 @@ fn the_executive_and_the_reference_do_the_same() {
     assert!(outcome.restless * 50 < COUNT, "{} programs do not come to rest", outcome.restless);
     assert!(outcome.long * 100 < COUNT, "{} programs are too long to compare", outcome.long);
     for (construct, count) in &outcome.coverage.constructs {
-        assert!(*count >= 50, "only {count} programs with {construct}\n{table}");
+        assert!(*count >= 20, "only {count} programs with {construct}\n{table}");
     }
     let legal = [
-        ("pending -> enabled", 50_000),
-        ("enabled -> ongoing", 50_000),
-        ("ongoing -> interrupted", 2_500),
-        ("interrupted -> ongoing", 1_200),
-        ("ongoing -> pending", 500),
-        ("interrupted -> pending", 20),
-        ("terminated -> pending", 3_000),
-        ("pending -> terminated", 5_000),
-        ("enabled -> terminated", 500),
-        ("ongoing -> terminated", 50_000),
-        ("interrupted -> terminated", 500),
-        ("because outranked by", 300),
-        ("because a resource is exhausted", 20),
-        ("because handled by", 200),
-        ("ends before its turn", 200),
+        ("pending -> enabled", 20_000),
+        ("enabled -> ongoing", 20_000),
+        ("ongoing -> interrupted", 1_000),
+        ("interrupted -> ongoing", 480),
+        ("ongoing -> pending", 200),
+        ("interrupted -> pending", 8),
+        ("terminated -> pending", 1_200),
+        ("pending -> terminated", 2_000),
+        ("enabled -> terminated", 200),
+        ("ongoing -> terminated", 20_000),
+        ("interrupted -> terminated", 200),
+        ("because outranked by", 120),
+        ("because a resource is exhausted", 8),
+        ("because handled by", 80),
+        ("ends before its turn", 80),
     ];
     for (what, least) in legal {
         let count = outcome.coverage.moves.get(what).copied().unwrap_or(0);

@@ -62,8 +62,11 @@ impl Run {
 
     pub(crate) fn await_answer(&mut self, id: CommandId, seconds: f64) -> Result<Value, String> {
         let end = self.now + Duration::from_seconds(seconds);
+        let mut read = 0;
         loop {
-            if let Some((at, answer)) = self.answer(id) {
+            let found = self.answer_from(read, id);
+            read = self.inputs.len();
+            if let Some((at, answer)) = found {
                 self.now = self.now.max(at);
                 return answer;
             }
@@ -75,7 +78,12 @@ impl Run {
     }
 
     pub(crate) fn answer(&self, id: CommandId) -> Option<(Time, Result<Value, String>)> {
-        self.inputs.iter().find_map(|input| match &input.kind {
+        self.answer_from(0, id)
+    }
+
+    /// Returns the answer among the inputs from this index on.
+    fn answer_from(&self, begin: usize, id: CommandId) -> Option<(Time, Result<Value, String>)> {
+        self.inputs[begin..].iter().find_map(|input| match &input.kind {
             EventKind::CommandAcknowledged(found, result) if *found == id => Some((input.at, result.clone())),
             _ => None,
         })
