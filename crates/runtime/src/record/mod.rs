@@ -14,6 +14,7 @@ mod effects;
 mod file_seal;
 mod fold;
 mod gap;
+mod identity;
 mod integrity_text;
 mod kept_rows;
 mod known_tasks;

@@ -133,16 +133,16 @@ impl RecordReader {
     /// Checks what was added since the last check; a complete record must be unchanged. Long-running readers call this before each read.
     ///
     /// # Errors
-    /// [`RecordError::Damaged`].
+    /// [`RecordError::Damaged`], and [`RecordError::Replaced`] if another flight has taken the file.
     pub(super) fn check_growth(&self) -> Result<(), RecordError> {
         match &mut *self.trust.borrow_mut() {
             Trust::File(stamp) if *stamp == open::stamp(&self.path) => Ok(()),
             Trust::File(_) => Err(self.garbled("its file was changed while it was read".into())),
-            Trust::Groups(position, _) => {
+            Trust::Groups(position, _, numbers) => {
                 if let Some(follower) = &self.follower {
                     follower.lock().unwrap_or_else(PoisonError::into_inner).advance()?;
                 }
-                open::follow(&self.connection, position).map_err(|damage| self.garbled(damage.to_string()))
+                open::follow(&self.connection, &self.path, (position, *numbers))
             }
         }
     }
@@ -227,7 +227,7 @@ impl RecordReader {
                 "The flight record {name} is incomplete: its flight continues, or was cut off. It holds {end}."
             ));
         }
-        if let Trust::Groups(_, FileSeal::Broken) = &*self.trust.borrow() {
+        if let Trust::Groups(_, FileSeal::Broken, _) = &*self.trust.borrow() {
             warnings.push(format!(
                 "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
             ));
