@@ -42,6 +42,7 @@ mod tests;
 mod track;
 mod twin;
 pub mod view;
+mod warnings;
 mod writer;
 
 pub use check::{Damage, seal_rows};
