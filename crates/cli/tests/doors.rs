@@ -39,15 +39,17 @@ fn a_line_of_a_simulator_is_refused_as_a_whole() {
             b"{\"advance\": 1, \"inputs\": [{\"event\": \"(a \xff)\"}]}",
             b"{\"advance\": 2, \"inputs\": [{\"event\": \"(operator-command 5)\"}]}",
             b"{\"advance\": 3, \"inputs\": [{\"event\": \"(requirement-at-risk energy)\"}]}",
+            b"  ",
             b"{\"advance\": 4}",
         ],
     );
-    assert_eq!(told.len(), 5, "one answer for each line: {told:?}");
+    assert_eq!(told.len(), 6, "one answer for each line: {told:?}");
     for (answer, part) in told.iter().zip([
         "longer than 1048576 bytes",
         "not UTF-8",
         "is said by Apex alone",
         "is said by Apex alone",
+        "the line is empty",
         "\"t\":4",
     ]) {
         assert!(answer.contains(part), "{part}: {told:?}");

@@ -265,10 +265,21 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     // Without its signature file, the record names the key whose signature is missing.
     fs::rename(desk.path("f.apex.sig"), desk.path("elsewhere")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex does not hold", "f.apex.sig"]);
+    for reader in ["score", "trace", "replay"] {
+        desk.apex(&[reader, "f.apex"]).complained(0, &["The signature of the flight record f.apex does not hold"]);
+    }
     // The signature of another flight does not hold for this record.
     desk.apex(&[&fly[..], &["--sign", "flight.key", "--seed", "9"]].concat()).well();
     fs::rename(desk.path("elsewhere"), desk.path("f.apex.sig")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the record is not as it was signed"]);
+    desk.apex(&["score", "f.apex"]).complained(0, &["the record is not as it was signed"]);
+    // The seal of the file is what was signed: a file that does not match it is not the signed one.
+    desk.apex(&[&fly[..], &["--sign", "flight.key"]].concat()).well();
+    let mut bytes = fs::read(desk.path("f.apex")).unwrap();
+    bytes[99] ^= 1; // the version of SQLite in the header
+    fs::write(desk.path("f.apex"), bytes).unwrap();
+    desk.apex(&["verify", "f.apex"])
+        .complained(1, &["the signature of f.apex does not hold", "changed after it was closed"]);
     desk.apex(&fly).well();
     desk.apex(&["verify", "f.apex"]).well().told(&["Signature: none"]);
     desk.apex(&["verify", "f.apex", "--signer", &key]).complained(1, &["it is not signed"]);

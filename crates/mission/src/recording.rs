@@ -71,14 +71,20 @@ fn hold(path: &Path) {
     }
 }
 
-/// Prevents other runs from replacing the record at `path` while this program displays it, unless a flight of this program protects it
-/// already.
+/// Prevents other runs from replacing the record at `path` while this program displays it. A flight that still writes it has the file to
+/// itself: then a thread waits for the end of that flight.
 pub fn protect(path: &Path) {
-    if cfg!(unix)
-        && let Ok(file) = File::open(path)
-        && file.try_lock_shared().is_ok()
-    {
-        HELD.lock().unwrap_or_else(PoisonError::into_inner).push((path.to_path_buf(), file));
+    let Some(file) = File::open(path).ok().filter(|_| cfg!(unix)) else { return };
+    let keep = |path: PathBuf, file| HELD.lock().unwrap_or_else(PoisonError::into_inner).push((path, file));
+    let path = path.to_path_buf();
+    match file.try_lock_shared() {
+        Ok(()) => keep(path, file),
+        Err(TryLockError::WouldBlock) => {
+            let wait = move || file.lock_shared().is_ok().then(|| keep(path, file));
+            // Without another thread the record is displayed without protection, and readers notice that it was replaced.
+            _ = std::thread::Builder::new().name("record lock".into()).spawn(wait);
+        }
+        Err(TryLockError::Error(_)) => {}
     }
 }
 
@@ -233,4 +239,33 @@ pub fn utc_of_zero_ns(reader: &RecordReader) -> MissionResult<Option<i64>> {
     let epoch = reader.meta("epoch_utc").map_err(read)?;
     let seconds = epoch.as_deref().and_then(crate::settings::parse_utc);
     Ok(seconds.map(|seconds| Time::from_seconds(seconds).0))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::thread;
+    use std::time::Duration;
+
+    #[test]
+    fn a_record_that_is_shown_while_it_is_written_is_protected_after_its_flight() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flight.apex");
+        std::fs::write(&path, "a record").unwrap();
+        let writer = File::open(&path).unwrap();
+        writer.lock().unwrap();
+        protect(&path);
+        assert!(refuse_when_held(&path).is_err(), "the flight has it to itself");
+        drop(writer);
+        let is_protected = || HELD.lock().unwrap().iter().any(|(held, _)| *held == path);
+        for _ in 0..1_000 {
+            if is_protected() {
+                break;
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        assert!(is_protected() && refuse_when_held(&path).is_err());
+        release(&path);
+        assert!(refuse_when_held(&path).is_ok());
+    }
 }

@@ -206,3 +206,17 @@ fn the_final_landing_is_not_at_risk_of_terrain_without_a_flight_phase() {
     assert!(is_terrain_at_risk("fly-to"), "a descent under way");
     assert!(!is_terrain_at_risk("land"));
 }
+
+#[test]
+fn a_position_that_no_flight_explains_is_stated() {
+    let mut flight = Checked::new();
+    flight.command(0, "take-off");
+    flight.done(0);
+    flight.at(HOME, 60.0);
+    flight.at([0.0, 0.0], 60.0);
+    flight.at(HOME, 60.0);
+    flight.at(HOME, 40_000.0);
+    let result = flight.result();
+    assert_eq!((result.jumps, result.first_jump_s), (3, Some(40.0)), "{result}");
+    assert!(result.to_string().contains("3 times, first at 40s, the reported position jumps"), "{result}");
+}

@@ -151,6 +151,22 @@ pub enum RecordError {
         /// Place and kind of the damage.
         what: String,
     },
+    /// Another file has taken the place of the record while it was read, or its contents were exchanged.
+    #[error("the flight record {} is not the one that was opened: another flight was recorded or copied there; open it again to read that one", path.display())]
+    Replaced {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The write-ahead log next to the record belongs to another flight.
+    #[error("the flight record {} cannot be read with the log {} next to it, which belongs to another flight or to an earlier state: it does not continue the {groups} groups of the file; move the log elsewhere to read the file alone, or put the log of this flight there", path.display(), log.display())]
+    ForeignLog {
+        /// The file.
+        path: PathBuf,
+        /// The log.
+        log: PathBuf,
+        /// Number of valid groups in the file alone.
+        groups: i64,
+    },
     /// The mission in the record cannot be loaded by this Apex.
     #[error("the mission inside {} cannot be loaded: {message}", path.display())]
     Load {

@@ -168,29 +168,26 @@ enum SimulatorRequest {
 /// A line of the simulator, or the reason for which it is refused.
 type RequestLine = Result<String, String>;
 
-/// Returns the next line; `None` at the end of the simulator's lines. Empty lines are skipped. A line that is too long is refused with its
-/// rest, which must not be taken for another request.
+/// Returns the next line; `None` at the end of the simulator's lines. A line that is too long is refused with its rest, which
+/// must not be taken for another request.
 fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<RequestLine>, RunError> {
-    loop {
-        let mut bytes = Vec::new();
-        let most = INPUT_LINE_BYTES_MAX as u64 + 1;
-        let read = (&mut link.input).take(most).read_until(b'\n', &mut bytes);
-        let count = read.map_err(|error| broken(now, &error))?;
-        if count == 0 {
-            return Ok(None);
-        }
-        if bytes.len() > INPUT_LINE_BYTES_MAX && !bytes.ends_with(b"\n") {
-            link.input.skip_until(b'\n').map_err(|error| broken(now, &error))?;
-            return Ok(Some(Err(format!(
-                "the line is longer than {INPUT_LINE_BYTES_MAX} bytes, and refused as a whole"
-            ))));
-        }
-        match std::str::from_utf8(&bytes).map(str::trim) {
-            Ok("") => {}
-            Ok(line) => return Ok(Some(Ok(line.to_string()))),
-            Err(error) => return Ok(Some(Err(format!("the line is not UTF-8 text: {error}")))),
-        }
+    let mut bytes = Vec::new();
+    let most = INPUT_LINE_BYTES_MAX as u64 + 1;
+    let read = (&mut link.input).take(most).read_until(b'\n', &mut bytes);
+    let count = read.map_err(|error| broken(now, &error))?;
+    if count == 0 {
+        return Ok(None);
     }
+    if bytes.len() > INPUT_LINE_BYTES_MAX && !bytes.ends_with(b"\n") {
+        link.input.skip_until(b'\n').map_err(|error| broken(now, &error))?;
+        return Ok(Some(Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes, and refused as a whole"))));
+    }
+    Ok(Some(match std::str::from_utf8(&bytes).map(str::trim) {
+        // A simulator that waits for the answer to each of its lines would wait forever.
+        Ok("") => Err("the line is empty; a request is an object, for example {\"advance\": 10}".into()),
+        Ok(line) => Ok(line.to_string()),
+        Err(error) => Err(format!("the line is not UTF-8 text: {error}")),
+    }))
 }
 
 /// Reads `{"advance": T, "inputs": [..]}` or `{"stop": true}`.

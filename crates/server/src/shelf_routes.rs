@@ -61,8 +61,13 @@ fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
         return Ok(routes.clone());
     }
     let is_same = state.record.as_ref() == Some(&entry.path);
+    // The served record is not opened as a new one: its file may be that of another flight by now.
+    let view = match is_same {
+        true => state.read(|view| Ok(view.of_agent(entry.agent)?))?,
+        false => RecordView::open(&entry.path, entry.agent)?,
+    };
     let of_entry = AppState {
-        views: Some(Views::new(RecordView::open(&entry.path, entry.agent)?)?),
+        views: Some(Views::new(view)?),
         record: Some(entry.path),
         agent: entry.agent,
         load: state.load.clone(),

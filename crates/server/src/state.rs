@@ -165,6 +165,7 @@ impl Views {
         });
         let (is_final, segment, agent) = looked.unwrap_or(Ok((true, None, 0)))?;
         let Some(segment) = segment else { return Ok(is_final) };
+        apex_mission::recording::protect(&segment);
         let views = copies(RecordView::open(&segment, agent)?)?;
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         *free = Connections { views, file: free.file + 1 };

@@ -21,8 +21,11 @@ pub fn run(options: &VerifyOptions) -> CliResult {
         return Err(CliError::failure(format!("{} cannot be trusted as a whole", options.record.display()))
             .help(format!("`apex recover {}` saves what can be trusted into a new record", options.record.display())));
     }
-    let reader = recording::open(&options.record)?;
-    let signature = signature_of(&reader, options)?;
+    let (reader, warning) = apex_mission::recording::open(&options.record)?;
+    let signature = signature_of(&reader, &integrity, options)?;
+    if let Some(warning) = warning {
+        output::print_error(format_args!("warning: {warning}"));
+    }
     let mission = mission_of(&reader).map_err(|error| CliError::failure(error.to_string()))?;
     let result = mission.map(|mission| verify(&reader, &mission)).transpose();
     let result = result.map_err(|error| CliError::failure(error.to_string()))?;
@@ -54,10 +57,10 @@ pub fn run(options: &VerifyOptions) -> CliResult {
 }
 
 /// Returns the key that signed the record; `None` if none did and none must.
-fn signature_of(reader: &RecordReader, options: &VerifyOptions) -> CliResult<Option<String>> {
+fn signature_of(reader: &RecordReader, integrity: &Integrity, options: &VerifyOptions) -> CliResult<Option<String>> {
     let signed_by = reader.meta(SIGNED_BY).map_err(apex_mission::recording::read)?;
     let record = options.record.display();
-    let key = match check_signature(&options.record, signed_by.as_deref()) {
+    let key = match check_signature(&options.record, signed_by.as_deref(), integrity.file) {
         SignatureState::Unsigned => None,
         SignatureState::SignedBy(key) => Some(key),
         SignatureState::Broken(why) => {

@@ -8,6 +8,7 @@ mod ending;
 mod event;
 mod kept;
 mod news;
+mod position_watch;
 mod scan_line;
 mod storms;
 mod updates;
@@ -16,6 +17,7 @@ mod visit;
 pub(crate) use ending::Ending;
 pub use event::MissionEvent;
 pub use kept::{Chosen, MadePlan, Note};
+use position_watch::PositionWatch;
 pub use scan_line::ScanLine;
 use storms::StormyVisits;
 pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
@@ -57,6 +59,7 @@ pub struct Situation {
     /// The vehicle.
     pub vehicle: VehicleState,
     positions: PositionFilter,
+    position_watch: PositionWatch,
     /// New data of targets and weather.
     pub updates: MissionUpdates,
     /// Instant from which the visits of an imposed plan count.
@@ -122,10 +125,16 @@ impl Situation {
                 EventKind::Measurement(variable, value) => {
                     let attribute = variable.attribute.folded();
                     let is_own = variable.object.as_symbol() == Some(&mission.agent.name);
-                    if (is_own || attribute != "location")
-                        && self.positions.admits(mission, event.at.seconds(), attribute, value)
-                    {
-                        moved |= attribute == "location";
+                    let is_position = attribute == "location";
+                    if is_position && !is_own {
+                        continue;
+                    }
+                    let is_accepted = self.positions.admits(mission, event.at.seconds(), attribute, value);
+                    if is_position {
+                        self.notes.extend(self.position_watch.take(event.at, value, is_accepted));
+                    }
+                    if is_accepted {
+                        moved |= is_position;
                         self.vehicle.measure(attribute, value);
                     }
                 }
@@ -134,6 +143,7 @@ impl Situation {
                 _ => {}
             }
         }
+        self.notes.extend(self.position_watch.look(batch.now, self.air.is_on_ground()));
         if moved && let Some(visit) = self.visits.last_mut().filter(|visit| visit.end.is_none()) {
             visit.scan(&self.vehicle, mission.model.level_roll_deg_max);
         }

@@ -44,6 +44,10 @@ const AFTER_GROUND: Duration = Duration(30_000_000_000);
 const UNVERIFIED_MIN: Duration = Duration(60_000_000_000);
 /// Ground speed from which on a vehicle cannot be where it was.
 const MOVING_M_S: f64 = 3.0;
+/// Greatest wind that carries a vehicle: more than the jet stream.
+const WIND_M_S: f64 = 120.0;
+/// Distance between positions that needs no time: errors of receivers, and coarse reports.
+const POSITION_ERROR_M: f64 = 500.0;
 /// Findings kept with place and time; all are counted.
 const FINDINGS_KEPT: usize = 1_000;
 
@@ -68,6 +72,10 @@ pub struct FlightCheck {
     /// The last position that differs from the one before, and the last instant at which the position was known.
     known: Option<Location>,
     known_at: Time,
+    /// The last reported position.
+    reported: Option<(Time, Location)>,
+    /// Greatest speed over the ground.
+    speed_m_s_max: f64,
     /// Instant of the last step.
     now: Time,
     result: CheckResult,
@@ -96,6 +104,8 @@ impl FlightCheck {
             ground_speed_m_s: None,
             known: None,
             known_at: Time::ZERO,
+            reported: None,
+            speed_m_s_max: mission.model.true_airspeed_m_s_max + WIND_M_S,
             now: Time::ZERO,
             result: CheckResult::default(),
         }
@@ -135,7 +145,12 @@ impl FlightCheck {
             };
             self.air.measure(variable.attribute.folded(), value);
             match variable.attribute.folded() {
-                "location" => here = Location::from_value(value).map(|location| (event.at, location)).or(here),
+                "location" => {
+                    if let Some(location) = Location::from_value(value) {
+                        here = Some((event.at, location));
+                        self.find_jump(event.at, location);
+                    }
+                }
                 "truth-location" => {
                     truth = Location::from_value(value).map(|location| (event.at, location)).or(truth);
                 }
@@ -164,6 +179,18 @@ impl FlightCheck {
 
     fn is_airborne(&self) -> bool {
         !self.air.is_on_ground()
+    }
+
+    /// Finds a reported position to which the vehicle cannot have flown from the one before: one of the two is wrong.
+    fn find_jump(&mut self, at: Time, here: Location) {
+        let Some((before, from)) = self.reported.replace((at, here)) else { return };
+        let reach_m = POSITION_ERROR_M + self.speed_m_s_max * (at - before).seconds().abs();
+        let is_far = (here.altitude_m - from.altitude_m).abs() > reach_m
+            || here.position != from.position && lambert_distance_m(from.position, here.position) > reach_m;
+        if is_far {
+            self.result.jumps += 1;
+            self.result.first_jump_s.get_or_insert(at.seconds());
+        }
     }
 
     /// Finds the end of a part of the flight without a new position: a position, the landing, or the end of the record. A position that

@@ -61,6 +61,11 @@ pub struct CheckResult {
     pub height_unknown: u64,
     /// Number of these positions that repeat the one before without a ground speed: they count as new ones.
     pub repeats_unjudged: u64,
+    /// Number of reported positions to which the vehicle cannot have flown from the one before: one of the two is wrong. They are checked
+    /// as they were reported.
+    pub jumps: u64,
+    /// Instant of the first of them, s of mission time.
+    pub first_jump_s: Option<f64>,
     /// Number of these positions inside active restricted zones.
     pub inside_zones: u64,
     /// Number of these positions outside of the permitted area.
@@ -111,6 +116,10 @@ impl CheckResult {
                 self.repeats_unjudged,
                 "repeat the one before, and no `ground-speed` is reported: whether the vehicle was there is not known",
             ),
+            self.first_jump_s.map(|first_s| {
+                let (jumps, first) = (self.jumps, Time::from_seconds(first_s));
+                format!("{jumps} times, first at {first}, the reported position jumps farther than the vehicle can fly: one side of a jump is wrong")
+            }),
         ]
         .into_iter()
         .flatten()

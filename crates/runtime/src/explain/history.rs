@@ -74,6 +74,8 @@ impl History {
             "bound" | "procedure-added" => (row.subject.clone(), row.text.clone()),
             // The message of a failure that is handled is its cause, reported already.
             "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()), // english: allow
+            // The cause of a failed expression is its message, with words before it.
+            "trouble" if row.text.ends_with(&row.subject) => (format!("trouble: {}", row.text), String::new()), // english: allow
             "trouble" => (format!("trouble: {}", row.subject), row.text.clone()), // english: allow
             "print" => (format!("prints {}", row.text), String::new()),
             "solve" | "ask" => (format!("{}s: {} ({})", row.kind, row.subject, row.text), String::new()),

@@ -1,6 +1,7 @@
 //! Connections to the file of a record, or to a copy of it, before its rows are checked.
 
 use super::file_seal::{self, FileSeal};
+use super::identity::check_log;
 use super::schema::{self, BUSY_PATIENCE, CONVERTIBLE_VERSION, FileState, SCHEMA_VERSION, read_error, sibling};
 use crate::error::RecordError;
 use rusqlite::config::DbConfig;
@@ -37,6 +38,9 @@ pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordE
         (_, true) if journal => copied(path, &mut copy),
         (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
     }?;
+    if log && let Ok(file) = immutable(path) {
+        check_log(&connection, &file, path)?;
+    }
     check_version(&connection, path, version)?;
     Ok((connection, seal, copy))
 }
@@ -57,7 +61,10 @@ pub(super) fn check_version(connection: &Connection, path: &Path, known: i64) ->
     match found {
         _ if found == known => Ok(()),
         _ if found > known => Err(RecordError::Newer { path, found, known }),
-        _ if found < 1 => Err(RecordError::NotARecord { path, found: "it is empty".into() }),
+        _ if found < 1 => Err(RecordError::NotARecord {
+            path,
+            found: "it is empty, as the file of a flight that was killed at once".into(),
+        }),
         CONVERTIBLE_VERSION => Err(RecordError::Convertible { path, found, known }),
         _ => Err(RecordError::Older { path, found, known }),
     }

@@ -14,6 +14,7 @@ mod effects;
 mod file_seal;
 mod fold;
 mod gap;
+mod identity;
 mod integrity_text;
 mod kept_rows;
 mod known_tasks;
@@ -41,6 +42,7 @@ mod tests;
 mod track;
 mod twin;
 pub mod view;
+mod warnings;
 mod writer;
 
 pub use check::{Damage, seal_rows};

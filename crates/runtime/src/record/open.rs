@@ -7,6 +7,7 @@
 use super::check::{self, CheckProgress, Damage, NoVisitor};
 use super::connect::{Copied, check_version, connect, immutable, plain};
 use super::file_seal::{self, FileSeal};
+use super::identity::{FileNumbers, check_same, file_numbers};
 use super::schema::{self, SCHEMA_VERSION};
 use super::segment_join::{ChainFault, Joined, SegmentChain, SharedFollower};
 use super::segments::continuation;
@@ -22,8 +23,9 @@ use std::time::SystemTime;
 pub(super) enum Trust {
     /// The file equals its seal, with this length and modification time.
     File(Stamp),
-    /// The groups up to here fit their seals; the seal of the file is missing or broken.
-    Groups(CheckProgress, FileSeal),
+    /// The groups up to here fit their seals; the seal of the file is missing or broken. The numbers are those of the file, `None` for a
+    /// copy, which no other flight replaces.
+    Groups(CheckProgress, FileSeal, Option<FileNumbers>),
 }
 
 /// Length and time of the last change of a file.
@@ -43,6 +45,7 @@ pub(super) struct Opened {
 
 /// Opens the record at `path` and checks it.
 pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
+    let numbers = file_numbers(path);
     let (connection, seal, copy) = connect(path)?;
     let is_segment = check::check_schema(&connection).is_ok() && !matches!(continuation(&connection), Ok(None));
     let mut missing = None;
@@ -63,7 +66,7 @@ pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
             check::check_groups(&connection, &mut position, &mut NoVisitor)
                 .map_err(|damage| damaged(damage.to_string()))?;
             check::check_indexes(&connection).map_err(damaged)?;
-            Trust::Groups(position, seal)
+            Trust::Groups(position, seal, numbers.filter(|_| copy.is_none()))
         }
     };
     Ok(Opened { connection, trust, copy, missing, follower: None })
@@ -95,7 +98,7 @@ fn joined(chain: SegmentChain) -> Result<Opened, RecordError> {
     let follower = chain.follow(target, found);
     let seal = if is_changed { FileSeal::Broken } else { FileSeal::None };
     let connection = plain(&copy.record, &path)?;
-    let trust = Trust::Groups(position, seal);
+    let trust = Trust::Groups(position, seal, None);
     Ok(Opened { connection, trust, copy: Some(Arc::new(copy)), missing: None, follower })
 }
 
@@ -127,9 +130,10 @@ pub(super) fn open_again(
             let connection = immutable(path)?;
             Ok(Opened { connection, trust: trust.clone(), copy: None, missing: None, follower: None })
         }
-        Trust::Groups(..) => {
+        Trust::Groups(position, _, numbers) => {
             let place = copy.map_or(path, |copy| &copy.record);
             let connection = plain(place, path).or_else(|_| immutable(place))?;
+            check_same(&connection, path, (position.link, *numbers))?;
             check::check_schema(&connection).map_err(|what| RecordError::Damaged { path: path.to_path_buf(), what })?;
             let (copy, follower) = (copy.cloned(), follower.cloned());
             Ok(Opened { connection, trust: trust.clone(), copy, missing: None, follower })
@@ -137,14 +141,20 @@ pub(super) fn open_again(
     }
 }
 
-/// Checks the groups that were added after `position` to a record that grows.
-pub(super) fn follow(connection: &Connection, position: &mut CheckProgress) -> Result<(), Damage> {
+/// Checks the groups that were added after `position` to a record that grows, and that it is still the same record.
+pub(super) fn follow(
+    connection: &Connection,
+    path: &Path,
+    (position, numbers): (&mut CheckProgress, Option<FileNumbers>),
+) -> Result<(), RecordError> {
+    check_same(connection, path, (position.link, numbers))?;
     let last = connection.prepare_cached("SELECT max(id) FROM main.seal");
     let last = last.and_then(|mut statement| statement.query_row([], |row| row.get::<_, Option<i64>>(0)));
     if last.is_ok_and(|last| last.unwrap_or(0) == position.link.id) {
         return Ok(());
     }
     check::check_groups(connection, position, &mut NoVisitor)
+        .map_err(|damage| RecordError::Damaged { path: path.to_path_buf(), what: damage.to_string() })
 }
 
 pub(super) fn stamp(path: &Path) -> Stamp {

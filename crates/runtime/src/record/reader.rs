@@ -3,7 +3,6 @@
 use super::codec::{Variable, Variables};
 use super::connect::Copied;
 use super::effects::EffectTable;
-use super::file_seal::FileSeal;
 use super::gap::RecordGap;
 use super::known_tasks::KnownTasks;
 use super::open::{self, Opened, Stamp, Trust};
@@ -32,11 +31,11 @@ pub struct RecordReader {
     /// The selected agent.
     pub(super) agent: usize,
     /// Reason to trust the rows; advances with a record that grows.
-    trust: RefCell<Trust>,
+    pub(super) trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
     /// The file that the record continues, if it is missing.
-    missing: Option<PathBuf>,
+    pub(super) missing: Option<PathBuf>,
     /// Continues the copy while the last segment of the record grows.
     follower: Option<SharedFollower>,
     /// The agent's effects, shared with other readers of them.
@@ -133,16 +132,16 @@ impl RecordReader {
     /// Checks what was added since the last check; a complete record must be unchanged. Long-running readers call this before each read.
     ///
     /// # Errors
-    /// [`RecordError::Damaged`].
+    /// [`RecordError::Damaged`], and [`RecordError::Replaced`] if another flight has taken the file.
     pub(super) fn check_growth(&self) -> Result<(), RecordError> {
         match &mut *self.trust.borrow_mut() {
             Trust::File(stamp) if *stamp == open::stamp(&self.path) => Ok(()),
             Trust::File(_) => Err(self.garbled("its file was changed while it was read".into())),
-            Trust::Groups(position, _) => {
+            Trust::Groups(position, _, numbers) => {
                 if let Some(follower) = &self.follower {
                     follower.lock().unwrap_or_else(PoisonError::into_inner).advance()?;
                 }
-                open::follow(&self.connection, position).map_err(|damage| self.garbled(damage.to_string()))
+                open::follow(&self.connection, &self.path, (position, *numbers))
             }
         }
     }
@@ -212,48 +211,6 @@ impl RecordReader {
     /// [`RecordError::Damaged`].
     pub fn is_complete(&self) -> Result<bool, RecordError> {
         Ok(self.meta("complete")?.as_deref() == Some("1"))
-    }
-
-    /// Returns warnings to print before anything else: the record is incomplete, was changed, or is of another version of Apex.
-    ///
-    /// # Errors
-    /// [`RecordError::Damaged`].
-    pub fn warning(&self) -> Result<Option<String>, RecordError> {
-        let mut warnings = Vec::new();
-        let name = self.path.display();
-        if !self.is_complete()? {
-            let end = self.span()?.map_or_else(|| "nothing".to_owned(), |(_, end)| format!("everything up to {end}"));
-            warnings.push(format!(
-                "The flight record {name} is incomplete: its flight continues, or was cut off. It holds {end}."
-            ));
-        }
-        if let Trust::Groups(_, FileSeal::Broken) = &*self.trust.borrow() {
-            warnings.push(format!(
-                "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
-            ));
-        }
-        if let Some(earlier) = &self.missing {
-            warnings.push(format!(
-                "The flight record {name} continues {}, which is not there; put it back, or into the folder of this record.",
-                earlier.display()
-            ));
-        }
-        for gap in self.gaps()? {
-            let reason = match &self.missing {
-                Some(_) if gap.first_batch == 1 => "the file that it continues is not there",
-                _ => "its disk took no steps",
-            };
-            warnings.push(format!("The flight record {name} has a gap, because {reason}: {gap}."));
-        }
-        let version = self.meta("apex_version")?.unwrap_or_else(|| "of unknown version".into());
-        let ours = env!("CARGO_PKG_VERSION");
-        if version != ours {
-            let version = version.escape_debug();
-            warnings.push(format!(
-                "The flight record {name} was written by Apex {version}, this is Apex {ours}, which may read parts of it differently."
-            ));
-        }
-        Ok((!warnings.is_empty()).then(|| warnings.join("\nwarning: ")))
     }
 
     /// Returns the gaps of the record in order: steps that are missing because the disk accepted no writes.

@@ -40,6 +40,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
     pub fn restore_with(&self, at: Time, program: &RestoredProgram) -> Result<Agent, RecordError> {
+        self.check_growth()?;
         // A snapshot of another build may decode into nonsense. Ignoring it loses nothing: the inputs alone suffice.
         let stored = if self.has_own_states()? { self.snapshot_before(at)? } else { None };
         let snapshot =

@@ -4,7 +4,7 @@
 //! A signature reveals every change to readers who know the public key. The record names the key that will sign it (fact `signed_by`), so
 //! that a missing signature is noticed.
 
-use super::file_seal;
+use super::file_seal::{self, FileSeal};
 use super::schema::sibling;
 use ed25519_compact::{KeyPair, PublicKey, Seed, Signature};
 use std::fmt;
@@ -71,16 +71,22 @@ pub(super) fn sign(path: &Path, key: &SigningKey) -> io::Result<()> {
     std::fs::write(signature_path(path), text)
 }
 
-/// Checks the signature of the record at `path`, which names the key `signed_by`. The file's seal must have been checked.
-pub fn check_signature(path: &Path, signed_by: Option<&str>) -> SignatureState {
+/// Checks the signature of the record at `path`, which names the key `signed_by`. `seal` is the result of comparing the file with its seal:
+/// the signature is over the seal alone.
+pub fn check_signature(path: &Path, signed_by: Option<&str>, seal: FileSeal) -> SignatureState {
     let Some(signed_by) = signed_by else { return SignatureState::Unsigned };
-    match checked(path, signed_by) {
+    match checked(path, signed_by, seal) {
         Ok(()) => SignatureState::SignedBy(signed_by.to_string()),
         Err(why) => SignatureState::Broken(why),
     }
 }
 
-fn checked(path: &Path, signed_by: &str) -> Result<(), String> {
+fn checked(path: &Path, signed_by: &str, seal: FileSeal) -> Result<(), String> {
+    match seal {
+        FileSeal::Intact => {}
+        FileSeal::Broken => return Err("the file was changed after it was closed".into()),
+        FileSeal::None => return Err("the file has no seal".into()),
+    }
     let file = signature_path(path);
     let name = file.display();
     let text = read_text(&file).map_err(|error| format!("its signature {name} cannot be read: {error}"))?;
@@ -151,13 +157,19 @@ mod tests {
     fn a_signature_holds_until_the_seal_changes() {
         let (_folder, path, key) = signed();
         let public = key.public();
-        assert_eq!(check_signature(&path, Some(&public)), SignatureState::SignedBy(public.clone()));
-        assert_eq!(check_signature(&path, None), SignatureState::Unsigned);
+        assert_eq!(check_signature(&path, Some(&public), FileSeal::Intact), SignatureState::SignedBy(public.clone()));
+        assert_eq!(check_signature(&path, None, FileSeal::Intact), SignatureState::Unsigned);
+        for (seal, why) in [(FileSeal::Broken, "changed after it was closed"), (FileSeal::None, "has no seal")] {
+            let SignatureState::Broken(told) = check_signature(&path, Some(&public), seal) else { panic!("{seal:?}") };
+            assert!(told.contains(why), "{told}");
+        }
         // A forger changes the file and seals it again.
         let mut file = File::options().read(true).write(true).open(&path).unwrap();
         io::Write::write_all(&mut file, b"forged").unwrap();
         file_seal::append(&mut file).unwrap();
-        let SignatureState::Broken(why) = check_signature(&path, Some(&public)) else { panic!("forged") };
+        let SignatureState::Broken(why) = check_signature(&path, Some(&public), FileSeal::Intact) else {
+            panic!("forged")
+        };
         assert!(why.contains("not as it was signed"), "{why}");
     }
 
@@ -165,7 +177,7 @@ mod tests {
     fn a_signature_that_is_missing_garbled_or_of_another_key_is_told() {
         let (_folder, path, key) = signed();
         let public = key.public();
-        let broken = |signed_by: &str| match check_signature(&path, Some(signed_by)) {
+        let broken = |signed_by: &str| match check_signature(&path, Some(signed_by), FileSeal::Intact) {
             SignatureState::Broken(why) => why,
             other => panic!("{other:?}"),
         };

@@ -272,7 +272,9 @@ impl TraceLine {
                 self.field("request", request.0).text_field("summary", summary);
             }
             DecisionKind::Trouble { message } => {
-                self.words = format!("trouble: {message}"); // english: allow
+                // The cause of most of them is the message itself, which is then stated once.
+                let told = if self.cause.ends_with(message.as_str()) { &self.cause } else { message };
+                self.words = format!("trouble: {told}"); // english: allow
                 self.text_field("message", message);
             }
         }
@@ -303,7 +305,7 @@ impl TraceLine {
             (None, None) => {}
         }
         text.push_str(&self.words);
-        if !self.cause.is_empty() {
+        if !self.cause.is_empty() && !self.words.ends_with(&self.cause) {
             let _ = write!(text, " because {}", self.cause);
         }
         if let Some(place) = &self.place {

@@ -131,6 +131,14 @@ impl RecordView {
         Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.indexes)))
     }
 
+    /// Returns a view of agent number `agent` of the same record.
+    ///
+    /// # Errors
+    /// Like [`RecordReader::open`].
+    pub fn of_agent(&self, agent: usize) -> Result<RecordView, RecordError> {
+        Ok(RecordView::of(self.reader.of_agent(agent)?, Arc::default()))
+    }
+
     /// Returns the record's steps, sources and snapshots, which explanations read.
     pub fn reader(&self) -> &RecordReader {
         &self.reader
