@@ -43,7 +43,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
             }
         }
     };
-    Ok(TaskExplanation::new(at_ns, task, children, why, error))
+    Ok(TaskExplanation::new(at_ns, *task, children, why, error))
 }
 
 /// Returns the conditions that living tasks watch at an instant; with `id`, only those of that task, with its variables.

@@ -190,6 +190,10 @@ created_ns: number,
  */
 method: string | null, 
 /**
+ * `file:line:column` of that method; null for a built-in activity and a solver.
+ */
+method_place: string | null, 
+/**
  * `file:line:column` of its step.
  */
 place: string | null, };
