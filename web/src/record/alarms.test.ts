@@ -8,6 +8,10 @@ const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble =>
   subject,
   cause: 'why',
   task: 1,
+  failed_child: null,
+  handler_task: null,
+  handler: null,
+  place: null,
   target: null,
 });
 const said = (words: string, t_ns: number, end = 'accepted'): RecordedCommand => ({

@@ -645,13 +645,29 @@ kind: TroubleKind,
  */
 subject: string, 
 /**
- * Cause.
+ * Cause; empty for a fault whose message is its cause.
  */
 cause: string, 
 /**
  * The number of the task concerned, if there is one.
  */
 task: number | null, 
+/**
+ * The number of the subtask whose failure is the cause.
+ */
+failed_child: number | null, 
+/**
+ * The number of the task that handles the failure, for the fault that reports a handled failure.
+ */
+handler_task: number | null, 
+/**
+ * The goal of that task as known at the instant of the query.
+ */
+handler: string | null, 
+/**
+ * `file:line:column` of the clause of PDL.
+ */
+place: string | null, 
 /**
  * The target's identifier, if the entry concerns a target.
  */
