@@ -1053,7 +1053,11 @@ end: string,
 /**
  * Reason of a rejection or an expiry; `None` for other ends.
  */
-reason: string | null, };
+reason: string | null, 
+/**
+ * The alarm that it acknowledges.
+ */
+alarm: string | null, };
 
 /**
  * Operator commands that were decided by an instant.
