@@ -10,6 +10,7 @@ mod segment;
 pub mod solve;
 mod steps;
 
+pub use apex_solvers::planners::human::OrderFault;
 pub use draft::draft;
 pub use landing::solve_for_landing;
 pub(crate) use operator_plan::HUMAN;
