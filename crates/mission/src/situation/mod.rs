@@ -334,8 +334,8 @@ impl Situation {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));
             }
-            MissionEvent::RequirementBroken { name, why } => {
-                self.notes.extend(self.landing.broken(name, &why).map(|text| Note { at, text }));
+            MissionEvent::RequirementBroken { names, why } => {
+                self.notes.extend(self.landing.broken(names.join("; "), &why).map(|text| Note { at, text }));
             }
             MissionEvent::Contingency { line, lands } => {
                 self.landing.begin_if(lands);
