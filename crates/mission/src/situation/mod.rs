@@ -174,7 +174,7 @@ impl Situation {
         let mut stormy = self.stormy.clone();
         let Some(made) = self.plan.as_ref().filter(|_| self.storms.is_avoiding()) else { return };
         let observed: Vec<&str> = self.observed().map(|visit| visit.target.as_str()).collect();
-        let plan = (&made.plan, made.made.seconds(), observed.as_slice(), self.target_changes.as_slice());
+        let plan = (&made.plan, made.made.seconds(), observed.as_slice());
         let (notes, input) = stormy.compare((mission, &self.storms), plan, now);
         self.stormy = stormy;
         self.derived.extend(input);
@@ -401,13 +401,13 @@ impl Situation {
         for (target, detail, begin_s) in storms::planned_visits(&made.plan, made.made.seconds()) {
             // Of several visits to a target, the first one counts.
             if planned_targets.insert(target.clone()) {
-                let storm = storms::expected_over((mission, &self.storms), &target, (now, begin_s));
+                let storm = self.stormy.expect((mission, &self.storms), &target, (now, begin_s));
                 let detail = format!("{detail}{storm}");
                 self.change(target, now, TargetState::Planned, detail);
             }
         }
         for left_out in made.plan.left_out() {
-            let storm = storms::expected_over((mission, &self.storms), &left_out.target, (now, f64::INFINITY));
+            let storm = self.stormy.expect((mission, &self.storms), &left_out.target, (now, f64::INFINITY));
             let reason = format!("{}{storm}", left_out.reason);
             self.change(left_out.target.clone(), now, TargetState::Skipped, reason);
         }
