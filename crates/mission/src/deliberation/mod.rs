@@ -35,7 +35,6 @@ use segment::LostSegments;
 use serde::Serialize;
 use solve::name_obstacles_of;
 use std::sync::{Arc, Mutex, PoisonError};
-pub(crate) use steps::NO_FURTHER;
 use steps::nothing_more;
 
 /// Deliberation time if neither the mission nor the request states one.

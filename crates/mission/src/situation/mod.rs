@@ -13,7 +13,7 @@ mod storms;
 mod updates;
 mod visit;
 
-pub(crate) use ending::Ending;
+pub(crate) use ending::{Ending, NoPlanReason};
 pub use event::MissionEvent;
 pub use kept::{Chosen, MadePlan, Note};
 pub use scan_line::ScanLine;
@@ -351,7 +351,7 @@ impl Situation {
         match report {
             SolverReport::Failed(reason) => {
                 self.note(at, format!("no plan: {reason}"));
-                self.ending.take_missing_plan(reason);
+                self.ending.take_missing_plan(NoPlanReason::Failed(reason.clone()));
             }
             SolverReport::Plan(procedure) => {
                 let Some(plan) = &procedure.plan else { return };
@@ -394,7 +394,7 @@ impl Situation {
         let made = self.answers.remove(&request);
         self.ending.take_plan(now, request, made.as_ref().is_some_and(|made| !made.plan.targets().is_empty()));
         let Some(made) = made else {
-            self.ending.take_missing_plan(summary);
+            self.ending.take_missing_plan(NoPlanReason::WithoutVisits(summary.to_string()));
             return;
         };
         let mut planned_targets = BTreeSet::new();
