@@ -182,6 +182,7 @@ it('the log names ends by their outcome, and errors by their colour', () => {
   expect(lines[1]?.text).toBe('(take-off) — it needs no resources');
   expect(lines[0]?.tone).toBe('failed');
   expect(toneOf('refused', null, null)).toBe('interrupted');
+  expect(toneOf('transition', 'terminated', 'invariant violated')).toBe('failed');
 });
 
 it('a report of any JSON can be drawn', () => {
