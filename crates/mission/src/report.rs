@@ -152,9 +152,9 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     match state {
         TargetState::Skipped => detail.clone(),
         TargetState::Planned if let Some((_, why)) = situation.ending().idle_plan().filter(|idle| idle.0 <= *at) => {
-            format!("{detail}, but {why}")
+            format!("planned {detail}, but {why}")
         }
-        TargetState::Planned => format!("{detail}, but the flight ended before"),
+        TargetState::Planned => format!("planned {detail}, but the flight ended before"),
         TargetState::Observing => format!("begun at {at} and interrupted"),
         TargetState::Observed => format!("observed at {at}"),
     }

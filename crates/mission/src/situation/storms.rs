@@ -122,9 +122,9 @@ fn place_of(mission: &Mission, look: &str) -> Option<(Position, f64)> {
     Some((target.position, radius_m))
 }
 
-/// Returns the looks of a plan, the state of each, and its begin.
+/// Returns the looks of a plan, the detail of the state of each, `for 9:30:00`, and its begin.
 pub(super) fn planned_visits(plan: &Plan, made_s: f64) -> Vec<(String, String, f64)> {
-    let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
+    let planned = |begin_s: f64| format!("for {}", Time::from_seconds(begin_s.round()));
     let of_visit = |visit: &PlannedVisit| match visit.quality.as_ref().map(|quality| &quality.coverage) {
         Some(QualityFactor { factor, cause }) if (100.0 * factor).round() < 100.0 => {
             format!("{}; coverage {:.0} %: {cause}", planned(visit.begin_s), 100.0 * factor)

@@ -248,11 +248,11 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     let Some(TargetMoment { t, state, detail }) = last else {
         return format!("{id} is a target, and no plan has said anything about it by {at}.");
     };
-    let detail = detail.strip_prefix(state.as_str()).unwrap_or(detail);
-    let detail = match detail.trim() {
-        "" => String::new(),
-        words if detail.starts_with(' ') => format!(" {words}"),
-        words => format!(": {words}"),
+    let detail = match (state.as_str(), detail.as_str()) {
+        (_, "") => String::new(),
+        // The planned time.
+        ("planned", detail) => format!(" {detail}"),
+        (_, detail) => format!(": {detail}"),
     };
     let since = Time::from_seconds(*t);
     match state.as_str() {
