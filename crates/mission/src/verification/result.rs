@@ -190,3 +190,26 @@ impl fmt::Display for CheckResult {
         self.write_said_broken(f)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of zones are free text: only whole names count.
+    #[test]
+    fn a_violation_is_said_if_a_report_has_the_name_of_its_zone() {
+        let violation = |zone: &str| Finding {
+            t_s: 60.0,
+            position: Position { latitude_deg: 37.0, longitude_deg: -117.0 },
+            altitude_m: 900.0,
+            violation: Violation::Inside(zone.to_string()),
+        };
+        let unsaid = |said: &str, flown: &str| {
+            let names = vec![said.to_string(), "permitted area".to_string()];
+            let said_broken = vec![ReportedViolation { t_s: 50.0, names, why: "no way is open".to_string() }];
+            CheckResult { said_broken, findings: vec![violation(flown)], ..CheckResult::default() }.unsaid().count()
+        };
+        assert_eq!(unsaid("range; north", "range; north"), 0);
+        assert_eq!(unsaid("north: low part", "north"), 1);
+    }
+}
