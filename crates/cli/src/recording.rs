@@ -7,8 +7,8 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::RecordError;
-use apex_runtime::ports::Observer;
-use apex_runtime::record::{Durability, RECORDING_LOST, RECORDING_RESUMED, RecordOptions, RecordReader, SigningKey};
+use apex_runtime::ports::{News, Observer};
+use apex_runtime::record::{Durability, RecordOptions, RecordReader, SigningKey};
 use std::path::{Path, PathBuf};
 
 /// Opens a record and prints a warning if it is incomplete.
@@ -54,10 +54,8 @@ impl Observer for RecordingWatch {
         Ok(())
     }
 
-    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
-        if text.starts_with(RECORDING_LOST) || text.starts_with(RECORDING_RESUMED) {
-            output::print_error(format_args!("warning: at {at} {text}"));
-        }
+    fn hear_news(&mut self, at: Time, news: &News) -> Result<(), String> {
+        output::print_error(format_args!("warning: at {at} {}", news.note));
         Ok(())
     }
 }

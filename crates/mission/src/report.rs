@@ -2,9 +2,8 @@
 
 use super::problem::{trouble, watched};
 use super::score::{FlightScore, FlownScore, flight_score, is_complete};
-use super::situation::{Note, Situation, Visit};
+use super::situation::{NoPlanReason, Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
-use crate::deliberation::NO_FURTHER;
 use crate::observing::looks_with;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
 use apex_model::problem::SurveillanceVisit;
@@ -144,7 +143,8 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
         return match trouble(mission, target, name) {
             Some(why) => format!("no way to observe it: {why}"),
             None => match situation.ending().no_plan().filter(|_| situation.plan.is_none()) {
-                Some(reason) => format!("there was no plan: {}", reason.trim_start_matches(NO_FURTHER)),
+                Some(NoPlanReason::Failed(reason)) => format!("there was no plan: {reason}"),
+                Some(NoPlanReason::WithoutVisits(summary)) => summary.clone(),
                 None => "no plan included it".to_string(),
             },
         };
@@ -152,9 +152,9 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     match state {
         TargetState::Skipped => detail.clone(),
         TargetState::Planned if let Some((_, why)) = situation.ending().idle_plan().filter(|idle| idle.0 <= *at) => {
-            format!("{detail}, but {why}")
+            format!("planned {detail}, but {why}")
         }
-        TargetState::Planned => format!("{detail}, but the flight ended before"),
+        TargetState::Planned => format!("planned {detail}, but the flight ended before"),
         TargetState::Observing => format!("begun at {at} and interrupted"),
         TargetState::Observed => format!("observed at {at}"),
     }

@@ -2,7 +2,7 @@
 //!
 //! The run decides about a command when it receives it, at one instant of mission time. It records the command with its end as an input:
 //! the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired REASON)`, with `:by NAME :epoch NUMBER` if its
-//! author is known, and with `:answers NUMBER` if it answers a question. If the sender has ended the command as expired before, or its time
+//! author is known, with `:answers NUMBER` if it answers a question, and with `:alarm TEXT` if it acknowledges an alarm. If the sender has ended the command as expired before, or its time
 //! is over, the run does not execute it.
 
 use crate::authority::{Actor, AuthorityRequest};
@@ -20,6 +20,8 @@ pub(crate) const HEAD: &str = "operator-command";
 const BY: &str = ":by";
 /// Keyword before the number of the question that a command answers.
 const ANSWERS: &str = ":answers";
+/// Keyword before the alarm that a command acknowledges.
+const ALARM: &str = ":alarm";
 
 /// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +34,10 @@ pub enum Order {
     Step,
     /// End the run cleanly.
     Stop,
-    /// A remark of the operator: only the entry in the record.
+    /// Only the entry in the record.
     Note,
+    /// The operator acknowledges this alarm of the page: only the entry in the record.
+    Acknowledge(String),
     /// A request about the authority over the run.
     Authority(AuthorityRequest),
 }
@@ -147,6 +151,9 @@ impl Command {
             let question = Value::Integer(i64::try_from(question.0).unwrap_or(i64::MAX));
             parts.extend([Value::symbol(ANSWERS), question]);
         }
+        if let Order::Acknowledge(alarm) = &self.order {
+            parts.extend([Value::symbol(ALARM), Value::text(alarm)]);
+        }
         EventKind::Occurrence(Value::list(parts))
     }
 }
@@ -158,15 +165,25 @@ pub(crate) fn author_of_answer(kind: &EventKind, question: u64) -> Option<String
     if !head.as_symbol()?.is(HEAD) || !end.as_symbol()?.is("accepted") {
         return None;
     }
-    let after = |keyword: &str| {
-        let mut pairs = rest.iter().zip(rest.iter().skip(1));
-        pairs.find(|(word, _)| word.as_symbol().is_some_and(|word| word.is(keyword))).map(|(_, value)| value)
-    };
-    let answers = matches!(after(ANSWERS)?, Value::Integer(number) if u64::try_from(*number) == Ok(question));
-    match after(BY)? {
+    let answers = matches!(after(rest, ANSWERS)?, Value::Integer(number) if u64::try_from(*number) == Ok(question));
+    match after(rest, BY)? {
         Value::Text(name) if answers => Some(name.to_string()),
         _ => None,
     }
+}
+
+/// Returns the alarm that a command acknowledges, from the parts of its event after the end of the command.
+pub(crate) fn acknowledged_alarm(rest: &[Value]) -> Option<&str> {
+    match after(rest, ALARM)? {
+        Value::Text(alarm) => Some(alarm),
+        _ => None,
+    }
+}
+
+/// Returns the value after a keyword.
+fn after<'v>(rest: &'v [Value], keyword: &str) -> Option<&'v Value> {
+    let mut pairs = rest.iter().zip(rest.iter().skip(1));
+    pairs.find(|(word, _)| word.as_symbol().is_some_and(|word| word.is(keyword))).map(|(_, value)| value)
 }
 
 impl PartialEq for Command {

@@ -3,6 +3,7 @@
 //! A describer remembers the goal of each task and the sources of plans, so that every line can name its task and its place in PDL.
 
 use crate::limits::ENDED_GOALS_MAX;
+use crate::method_detail::MethodDetail;
 use apex_model::because::Because;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
@@ -41,6 +42,8 @@ pub struct EffectRow {
     pub text: String,
     /// `file:line:column`.
     pub place: Option<String>,
+    /// The method, for `selected`.
+    pub(crate) method: Option<MethodDetail>,
 }
 
 /// The goal of a task.
@@ -152,8 +155,21 @@ impl EffectDescriber {
 
     fn said(&self, kind: &'static str, task: Option<TaskId>, subject: String, text: String) -> EffectRow {
         let goal = task.map(|task| self.goal(task)).unwrap_or_default();
-        let (parent, tag, from, to) = (None, None, None, None);
-        EffectRow { kind, task, goal, parent, tag, from, to, outcome: None, value: None, subject, text, place: None }
+        EffectRow {
+            kind,
+            task,
+            goal,
+            parent: None,
+            tag: None,
+            from: None,
+            to: None,
+            outcome: None,
+            value: None,
+            subject,
+            text,
+            place: None,
+            method: None,
+        }
     }
 
     fn decided(&mut self, decision: &Decision) -> EffectRow {
@@ -189,7 +205,9 @@ impl EffectDescriber {
             }
             DecisionKind::Selected { method, goal, .. } => {
                 told.kind = "selected";
-                told.text = format!("{} because {}", self.method(method), told.text);
+                let method = self.method(method);
+                told.text = format!("{method} because {}", told.text);
+                told.method = Some(method);
                 self.set_goal(&mut told, goal);
             }
             DecisionKind::Refused { resource, .. } => {
@@ -234,14 +252,9 @@ impl EffectDescriber {
         }
     }
 
-    /// Returns the method as text: `procedure first-picture.pdl:3:1`.
-    pub fn method(&self, method: &Method) -> String {
-        match method {
-            Method::Procedure(place) => format!("procedure {}", self.place(*place)),
-            Method::Primitive(place) => format!("primitive {}", self.place(*place)),
-            Method::BuiltIn => "built-in".into(),
-            Method::Solver(name) => format!("solver {name}"),
-        }
+    /// Returns the method with its place.
+    pub(crate) fn method(&self, method: &Method) -> MethodDetail {
+        MethodDetail::of(method, |place| self.place(place))
     }
 }
 

@@ -18,7 +18,7 @@ use crate::live::LiveSources;
 use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
-use crate::ports::{Deliberator, Input, News, Observer, SolverQueue, Vehicle};
+use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
 use answers::AnswerBook;
 use apex_executive::Agent;
@@ -388,9 +388,10 @@ impl<'a, 'o> Flight<'a, 'o> {
 
     /// Passes messages of observers, such as a full disk, to the agents and to all observers.
     pub(super) fn hear_observers(&mut self, now: Time) -> Result<(), RunError> {
-        while let Some(News { message, note }) = self.observers.iter_mut().find_map(|observer| observer.take_news()) {
-            self.each_observer(now, |observer| observer.note(now, &note))?;
-            self.group.deliver(Input::new(now, EventKind::Occurrence(message)))?;
+        while let Some(news) = self.observers.iter_mut().find_map(|observer| observer.take_news()) {
+            self.each_observer(now, |observer| observer.note(now, &news.note))?;
+            self.each_observer(now, |observer| observer.hear_news(now, &news))?;
+            self.group.deliver(Input::new(now, EventKind::Occurrence(news.message)))?;
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ pub mod invocation;
 pub mod limits;
 pub mod live;
 pub mod live_lines;
+mod method_detail;
 pub mod mission_loop;
 
 pub mod outbox;

@@ -257,6 +257,15 @@ pub trait Observer {
     fn take_news(&mut self) -> Option<News> {
         None
     }
+
+    /// Receives a message of an observer, after its note.
+    ///
+    /// # Errors
+    /// A message; the run stops.
+    fn hear_news(&mut self, at: Time, news: &News) -> Result<(), String> {
+        let _ = (at, news);
+        Ok(())
+    }
 }
 
 /// A message of an observer for the agents and the operators.
@@ -296,5 +305,8 @@ impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
     }
     fn take_news(&mut self) -> Option<News> {
         self.lock().unwrap_or_else(PoisonError::into_inner).take_news()
+    }
+    fn hear_news(&mut self, at: Time, news: &News) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).hear_news(at, news)
     }
 }

@@ -44,6 +44,6 @@ pub struct TargetChange {
     pub at: Time,
     /// The new state.
     pub state: TargetState,
-    /// Reason, or the planned time; may be empty.
+    /// Reason, or the planned time, `for 9:30:00`; may be empty.
     pub detail: String,
 }

@@ -1,4 +1,4 @@
-//! Answers of the API: JSON bodies, and errors as `{error, help}` with the right status.
+//! Answers of the API: JSON bodies, and errors as `{error, help}` with the right status, and `remedy` where the page has other words.
 
 use apex_runtime::RecordError;
 use axum::Json;
@@ -15,7 +15,49 @@ pub(crate) struct ApiError {
     /// Failure, in one sentence.
     pub(crate) error: String,
     /// Remedy.
-    pub(crate) help: String,
+    pub(crate) help: Help,
+}
+
+/// Remedy of an error, as text for callers of the API.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Help {
+    pub(crate) text: String,
+    /// Kind of the remedy, if readers of the page need other words: they have panels instead of addresses.
+    pub(crate) remedy: Option<Remedy>,
+}
+
+/// Kind of a remedy for which the page has words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Remedy {
+    /// Begin a session with a token.
+    Session,
+    /// Begin a session with the token of another role.
+    Role,
+    /// Choose a task that exists.
+    Tasks,
+    /// Choose a record that exists.
+    Records,
+}
+
+impl Remedy {
+    /// Returns the remedy with its text for callers of the API.
+    pub(crate) fn help(self, text: &str) -> Help {
+        Help { text: text.to_owned(), remedy: Some(self) }
+    }
+}
+
+impl From<String> for Help {
+    fn from(text: String) -> Help {
+        Help { text, remedy: None }
+    }
+}
+
+impl From<&str> for Help {
+    fn from(text: &str) -> Help {
+        text.to_owned().into()
+    }
 }
 
 /// Every handler's result.
@@ -25,21 +67,23 @@ pub(crate) type ApiResult<T> = Result<T, ApiError>;
 struct ErrorBody {
     error: String,
     help: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    remedy: Option<Remedy>,
 }
 
 impl ApiError {
     /// Returns the error for a request that is itself wrong (400).
-    pub(crate) fn bad_request(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+    pub(crate) fn bad_request(error: impl Into<String>, help: impl Into<Help>) -> ApiError {
         ApiError { status: StatusCode::BAD_REQUEST, error: error.into(), help: help.into() }
     }
 
     /// Returns the error for something that does not exist (404).
-    pub(crate) fn not_found(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+    pub(crate) fn not_found(error: impl Into<String>, help: impl Into<Help>) -> ApiError {
         ApiError { status: StatusCode::NOT_FOUND, error: error.into(), help: help.into() }
     }
 
     /// Returns the error for a request that this caller may not make (403).
-    pub(crate) fn forbidden(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+    pub(crate) fn forbidden(error: impl Into<String>, help: impl Into<Help>) -> ApiError {
         ApiError { status: StatusCode::FORBIDDEN, error: error.into(), help: help.into() }
     }
 }
@@ -60,7 +104,8 @@ impl From<RecordError> for ApiError {
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let is_challenge = self.status == StatusCode::UNAUTHORIZED;
-        let mut response = (self.status, Json(ErrorBody { error: self.error, help: self.help })).into_response();
+        let Help { text: help, remedy } = self.help;
+        let mut response = (self.status, Json(ErrorBody { error: self.error, help, remedy })).into_response();
         if is_challenge {
             response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
         }

@@ -1,6 +1,6 @@
 //! `/api/records` lists the records that the page can show; `/api/records/ID/..` is the API of one of them, like `/api/..` for the first.
 
-use crate::answer::{ApiError, ApiResult};
+use crate::answer::{ApiError, ApiResult, Remedy};
 use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
 use crate::shelf::{Shelf, rows_of};
@@ -37,7 +37,8 @@ async fn of_one(
     mut request: Request,
 ) -> ApiResult<Response> {
     let UrlPath((id, what)) = path.map_err(|rejection| {
-        ApiError::bad_request(rejection.body_text(), "records have whole numbers; `/api/records` lists them")
+        let help = Remedy::Records.help("records have whole numbers; `/api/records` lists them");
+        ApiError::bad_request(rejection.body_text(), help)
     })?;
     let query = request.uri().query().map(|query| format!("?{query}")).unwrap_or_default();
     let routes = blocking(move || routes_of(&state, id)).await?;
@@ -55,8 +56,13 @@ fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
         return Ok((state.routes)(Arc::clone(state)));
     }
     let entry = id.checked_sub(1).and_then(|index| state.shelf.entries().get(index).cloned());
-    let entry = entry
-        .ok_or_else(|| ApiError::not_found(format!("this server has no record {id}"), "`/api/records` lists them"))?;
+    let unknown = || {
+        ApiError::not_found(
+            format!("this server has no record {id}"),
+            Remedy::Records.help("`/api/records` lists them"),
+        )
+    };
+    let entry = entry.ok_or_else(unknown)?;
     if let Some(routes) = entry.routes.get() {
         return Ok(routes.clone());
     }

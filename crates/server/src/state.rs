@@ -161,7 +161,7 @@ impl Views {
     fn look_for_segment(&self) -> Result<bool, RecordError> {
         let looked = self.lend(|view| {
             let is_final = view.growth()?.status.is_final();
-            Ok((is_final, view.reader().successor()?, view.reader().agent_number()))
+            Ok::<_, RecordError>((is_final, view.reader().successor()?, view.reader().agent_number()))
         });
         let (is_final, segment, agent) = looked.unwrap_or(Ok((true, None, 0)))?;
         let Some(segment) = segment else { return Ok(is_final) };

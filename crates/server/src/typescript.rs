@@ -1,6 +1,7 @@
 //! The page's TypeScript types of operation, sessions, forks and drafts. `UPDATE=1 cargo test -p apex-server typescript` rewrites them.
 
 use crate::access::SessionState;
+use crate::answer::Remedy;
 use crate::flights::Failure;
 use crate::mission_facts::{MissionFacts, WantedWindow};
 use crate::operation::{
@@ -34,6 +35,7 @@ fn typescript_types_of_the_server_are_current() {
         declaration::<DraftAnswer>(),
         declaration::<Worth>(),
         declaration::<DraftViolation>(),
+        declaration::<Remedy>(),
     ];
     check("server", "server.ts", "\nimport type { PlanInForce } from './view';\n", &declarations).unwrap();
 }

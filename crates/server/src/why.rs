@@ -1,6 +1,6 @@
 //! `/api/why`: a task at an instant and its explanation.
 
-use crate::answer::{ApiError, ApiResult};
+use crate::answer::{ApiError, ApiResult, Remedy};
 use crate::state::AppState;
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
@@ -22,7 +22,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
         TaskLookup::Unknown => {
             return Err(ApiError::not_found(
                 format!("there is no task T{id} in this record"),
-                "`/api/tasks` lists the tasks of an instant",
+                Remedy::Tasks.help("`/api/tasks` lists the tasks of an instant"),
             ));
         }
     };
@@ -43,7 +43,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
             }
         }
     };
-    Ok(TaskExplanation::new(at_ns, task, children, why, error))
+    Ok(TaskExplanation::new(at_ns, *task, children, why, error))
 }
 
 /// Returns the conditions that living tasks watch at an instant; with `id`, only those of that task, with its variables.

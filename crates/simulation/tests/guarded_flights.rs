@@ -137,8 +137,8 @@ fn random_missions_keep_their_requirements() {
         let (_, result) = fly(&mission, seed);
         positions += result.positions;
         broken += result.said_broken.len();
-        for (t_s, what) in &result.said_broken {
-            println!("mission {seed} at {t_s:.0} s: {what} ({} violations)", result.violations());
+        for said in &result.said_broken {
+            println!("mission {seed} at {:.0} s: {:?} ({} violations)", said.t_s, said.names, result.violations());
         }
         // Violations that the flight announced are accepted: it has to reach an airfield or a place where the mission forbids it to be.
         if result.unsaid().next().is_some() {

@@ -228,7 +228,7 @@ fn a_living_sky_is_planned_for_and_scored() {
     assert!(visit("zaca").begin.seconds() > 6.0 * 3_600.0, "{}", report.text());
     let known = RecordView::open(&path, 0).unwrap().targets(Some(5 * 3_600_000_000_000)).unwrap();
     let planned = known.targets.iter().find(|target| target.id == "castle-rock").unwrap().detail.clone().unwrap();
-    assert!(planned.starts_with("planned for 8:5") || planned.starts_with("planned for 9:"), "{planned}");
+    assert!(planned.starts_with("for 8:5") || planned.starts_with("for 9:"), "{planned}");
     let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
     let look = |target: &str| &score.looks.iter().find(|look| look.id == target).unwrap().flown;
     assert!(look("zaca").factors.clarity > 0.95, "{}", report.text());

@@ -11,7 +11,6 @@ import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
 import {
   failureOf,
-  pageHelp,
   RecordError,
   type RecordSource,
   ServedRecord,
@@ -181,8 +180,7 @@ export class Player {
       },
       error => {
         this.why = null;
-        this.whyTrouble =
-          error instanceof RecordError ? `${error.message}; ${pageHelp(error.help)}` : String(error);
+        this.whyTrouble = error instanceof RecordError ? `${error.message}; ${error.help}` : String(error);
       },
     );
   }

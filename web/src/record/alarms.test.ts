@@ -8,14 +8,19 @@ const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble =>
   subject,
   cause: 'why',
   task: 1,
+  failed_child: null,
+  handler_task: null,
+  handler: null,
+  place: null,
   target: null,
 });
-const said = (words: string, t_ns: number, end = 'accepted'): RecordedCommand => ({
+const said = (alarm: string | null, t_ns: number, end = 'accepted'): RecordedCommand => ({
   t_ns,
   number: 1,
-  words,
+  words: `acknowledge ${alarm}`,
   end,
   reason: null,
+  alarm,
 });
 const alarms = (
   troubles: Trouble[],
@@ -89,12 +94,15 @@ describe('alarms', () => {
   });
 
   it('are acknowledged by an accepted command, until they are raised again', () => {
-    const id = 'acknowledge failed: x (T+0:00:01)';
+    const id = 'failed: x (T+0:00:01)';
     expect(alarms([trouble('failed', 1e9)], [said(id, 3e9)])[0]?.acknowledgedNs).toBe(3e9);
     expect(alarms([trouble('failed', 1e9)], [said(id, 3e9, 'rejected')])[0]?.acknowledgedNs).toBeNull();
     const again = alarms([trouble('failed', 1e9), trouble('failed', 4e9)], [said(id, 3e9)])[0];
     expect(again?.acknowledgedNs).toBeNull();
     expect(again && alarmGlyph(again)).toBe('▲');
+    // A message that contains the words of an acknowledgement is none.
+    const message = { ...said(null, 3e9), words: `message: (say "acknowledge ${id}")` };
+    expect(alarms([trouble('failed', 1e9)], [message])[0]?.acknowledgedNs).toBeNull();
   });
 
   it('include excursions that the executive answered', () => {
@@ -126,6 +134,7 @@ describe('a flood', () => {
     lastNs: minutes * 60e9,
     count: 1,
     open: false,
+    isQuestion: false,
     acknowledgedNs: null,
     settled: null,
     settledNs: null,

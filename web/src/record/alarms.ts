@@ -17,6 +17,8 @@ export interface Alarm {
   count: number;
   /** True while it continues. */
   open: boolean;
+  /** True for a question, which is answered instead of acknowledged. */
+  isQuestion: boolean;
   /** Time at which an operator acknowledged the alarm; null before, and for questions. */
   acknowledgedNs: number | null;
   /** How and when a question ended. Null for other alarms, and while it is open. */
@@ -35,9 +37,6 @@ const CALLS: Record<Trouble['kind'], string | null> = {
   ended: 'failed',
   interrupted: null,
 };
-
-/** The beginning of a command that acknowledges an alarm. */
-export const ACKNOWLEDGE = 'acknowledge ';
 
 type Raised = Omit<
   Alarm,
@@ -63,12 +62,21 @@ export function alarmsOf(
       if (word === null || entry.t_ns > atNs) return [];
       const { task, target, cause, t_ns } = entry;
       return [
-        { words: `${word}: ${subject(entry)}`, cause, atNs: t_ns, open: false, task, target, signal: null },
+        {
+          words: `${word}: ${subject(entry)}`,
+          cause,
+          atNs: t_ns,
+          open: false,
+          isQuestion: false,
+          task,
+          target,
+          signal: null,
+        },
       ];
     }),
     ...questions.flatMap(asked => (asked.asked_ns <= atNs ? [waiting(asked, atNs)] : [])),
     ...windows.flatMap(window => exceeded(window, atNs, signalName(window))),
-    ...stateAlarms(windows, atNs).map(one => ({ ...one, task: null, target: null })),
+    ...stateAlarms(windows, atNs).map(one => ({ ...one, isQuestion: false, task: null, target: null })),
   ];
   raised.sort((a, b) => a.atNs - b.atNs);
   const alarms = new Map<string, Alarm>();
@@ -102,10 +110,7 @@ export function alarmsOf(
       continue;
     }
     const said = commands.findLast(
-      command =>
-        command.end === 'accepted' &&
-        command.t_ns <= atNs &&
-        command.words.includes(`${ACKNOWLEDGE}${alarm.id}`),
+      command => command.end === 'accepted' && command.t_ns <= atNs && command.alarm === alarm.id,
     );
     // An alarm that was raised again needs another acknowledgement.
     alarm.acknowledgedNs = said && said.t_ns >= alarm.lastNs ? said.t_ns : null;
@@ -127,6 +132,7 @@ function waiting(asked: AskedQuestion, atNs: number): Raised {
     cause: `${choices}${end}`,
     atNs: asked.asked_ns,
     open,
+    isQuestion: true,
     task: asked.task,
     target: null,
     signal: null,
@@ -160,6 +166,7 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
         cause: `peak ${`${Number(one.peak.toPrecision(4))} ${window.unit}`.trim()}, ${span(one.to_ns - one.from_ns)}, watched by ${limit.step}`,
         atNs: one.raised_ns,
         open: ends,
+        isQuestion: false,
         task: null,
         target: null,
         signal: window.name,

@@ -8,7 +8,7 @@ const MEASURED = new Set(['measurement', 'episode']);
 /** True or false as the data decide; null if they do not: a condition on a variable without a sample is not known to be false. */
 export function holdsOf(condition: MonitoredCondition): boolean | null {
   if (condition.holds !== false) return condition.holds;
-  if (MEASURED.has(condition.kind) && condition.now.startsWith('no sample')) return null;
+  if (MEASURED.has(condition.kind) && condition.value === null) return null;
   const parts = condition.parts.map(holdsOf);
   const open = parts.includes(null);
   switch (condition.kind) {

@@ -18,6 +18,10 @@ const interrupted = (t_ns: number, subject: string): Trouble => ({
   subject,
   cause: '',
   task: 7,
+  failed_child: null,
+  handler_task: null,
+  handler: null,
+  place: null,
   target: null,
 });
 const troubles = [interrupted(40, '(visit yard at (37.4 -121.1 69.0))'), interrupted(50, '(visit barn)')];

@@ -14,6 +14,7 @@ it('does not name addresses of the server in its help', async () => {
   answer(403, {
     error: 'this needs operator',
     help: 'begin a session with another token: POST /api/session',
+    remedy: 'role',
   });
   const refused = new ServedFlight('').command({ do: 'pause' }, null);
   await expect(refused).rejects.toMatchObject({

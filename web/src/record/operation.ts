@@ -3,8 +3,6 @@
 import { RecordError } from './source';
 import type { CommandState, Operation, Wish } from './types';
 
-/** The help for a caller whose role may not do this: a session begins with the link that has another token. */
-const SESSION_HELP = 'open the page by the link of an operator or of the pilot in command';
 /** Time for an answer about the state of the flight; the next request may reach a server that this one has not. */
 const ANSWER_MS = 5000;
 /** Time from the press of a command until it is no longer valid, in milliseconds. The server has the same limit from its arrival on. */
@@ -40,13 +38,7 @@ export class ServedFlight {
     }
     const body = await response.json();
     // The answer about a server that only shows a record is null.
-    if (!response.ok) {
-      const help: string = body.help ?? '';
-      throw new RecordError(
-        body.error ?? response.statusText,
-        help.includes('/api/session') ? SESSION_HELP : help,
-      );
-    }
+    if (!response.ok) throw RecordError.of(response, body);
     return body;
   }
 }

@@ -29,6 +29,6 @@ export async function beginSession(
 
 async function answer(response: Response): Promise<SessionState> {
   const body = await response.json();
-  if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
+  if (!response.ok) throw RecordError.of(response, body);
   return body;
 }

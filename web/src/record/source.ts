@@ -15,6 +15,7 @@ import type {
   ProgramText,
   Questions,
   RecordedCommands,
+  Remedy,
   Report,
   ScoreSoFar,
   Signals,
@@ -110,28 +111,34 @@ export interface RecordSource {
   watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
 }
 
-/** An error with the server's message. */
+/** The remedies for which readers of the page, who have panels instead of addresses of the server, need other words. */
+const REMEDIES: Record<Remedy, string> = {
+  session: 'open the page by a link with a token',
+  role: 'open the page by the link of an operator or of the pilot in command',
+  tasks: 'the agenda lists the tasks',
+  records: 'the field “Agent and record” at the top lists the records',
+};
+
+/** An error with the server's message, and with its help for readers of the page. */
 export class RecordError extends Error {
-  constructor(
-    message: string,
-    readonly help: string,
-  ) {
+  readonly help: string;
+
+  constructor(message: string, help: string, remedy: Remedy | null = null) {
     super(message);
+    this.help = remedy === null ? help : REMEDIES[remedy];
+  }
+
+  /** The error of an answer of the server with an error status. */
+  static of(response: Response, body: { error?: string; help?: string; remedy?: Remedy }): RecordError {
+    return new RecordError(body.error ?? response.statusText, body.help ?? '', body.remedy ?? null);
   }
 }
 
 /** An error with what to do about it. */
 export function failureOf(error: unknown): { error: string; help: string } {
   return error instanceof RecordError
-    ? { error: error.message, help: pageHelp(error.help) }
+    ? { error: error.message, help: error.help }
     : { error: String(error), help: 'reload the page' };
-}
-
-/** The help of an error for readers of the page, who have panels instead of addresses of the server. */
-export function pageHelp(help: string): string {
-  return help
-    .replace('`/api/tasks` lists the tasks', 'the agenda lists the tasks')
-    .replace('`/api/records` lists them', 'the field “Agent and record” at the top lists them');
 }
 
 const RETRY_MS = 2000;
@@ -275,7 +282,7 @@ export class ServedRecord implements RecordSource {
       throw new RecordError('the server does not answer', 'is `apex serve` still running?');
     }
     const body = await response.json();
-    if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
+    if (!response.ok) throw RecordError.of(response, body);
     return body;
   }
 }

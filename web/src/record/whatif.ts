@@ -27,7 +27,7 @@ export class Workshop {
       throw new RecordError('the server does not answer', 'is `apex serve` still running?');
     }
     const answer = await response.json();
-    if (!response.ok) throw new RecordError(answer.error ?? response.statusText, answer.help ?? '');
+    if (!response.ok) throw RecordError.of(response, answer);
     return answer;
   }
 }

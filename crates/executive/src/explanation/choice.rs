@@ -100,12 +100,8 @@ fn why_not(agent: &Agent, pattern: &Pattern, goal: &Value, place: Place) -> Opti
     match match_pattern(pattern, goal, &mut Bindings::new(), &blank, place) {
         Ok(true) => None,
         Ok(false) => {
-            let found = first_mismatch(pattern, goal, &blank);
-            Some(found.unwrap_or_else(|| "its guards or segments do not fit the goal".into()).replacen(
-                "it has",
-                "the goal has",
-                1,
-            ))
+            let found = first_mismatch(pattern, goal, &blank).map(|mismatch| format!("the goal {mismatch}"));
+            Some(found.unwrap_or_else(|| "its guards or segments do not fit the goal".into()))
         }
         Err(error) => Some(error.message),
     }

@@ -61,6 +61,8 @@ pub struct Reason {
     pub text: String,
     /// Present state of the requirement.
     pub now: Option<String>,
+    /// True for a part of a condition about which no sample or message has arrived.
+    pub unobserved: bool,
     /// Since when that is so.
     pub since: Option<Time>,
     /// Instant at which the wait for it ends by time alone, if nothing changes before.
@@ -75,7 +77,17 @@ pub struct Reason {
 
 impl Reason {
     fn new(kind: ReasonKind, text: String) -> Reason {
-        Reason { kind, text, now: None, since: None, until: None, distance: None, task: None, place: None }
+        Reason {
+            kind,
+            text,
+            now: None,
+            unobserved: false,
+            since: None,
+            until: None,
+            distance: None,
+            task: None,
+            place: None,
+        }
     }
 }
 
@@ -147,6 +159,7 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
             let text = format!("{} {}", watch.clause.word(), part.what);
             reasons.push(Reason {
                 now: Some(part.now),
+                unobserved: part.unobserved,
                 since: part.since,
                 until: part.until,
                 distance: part.distance,

@@ -180,6 +180,7 @@ pub(super) fn not_begun(watched: &WatchedCondition) -> Unmet {
     Unmet {
         what: "the condition".to_string(),
         now: format!("it is watched from {} on", watched.created_at),
+        unobserved: false,
         since: None,
         until: Some(watched.created_at),
         distance: None,

@@ -10,6 +10,7 @@ mod segment;
 pub mod solve;
 mod steps;
 
+pub use apex_solvers::planners::human::OrderFault;
 pub use draft::draft;
 pub use landing::solve_for_landing;
 pub(crate) use operator_plan::HUMAN;
@@ -34,7 +35,6 @@ use segment::LostSegments;
 use serde::Serialize;
 use solve::name_obstacles_of;
 use std::sync::{Arc, Mutex, PoisonError};
-pub(crate) use steps::NO_FURTHER;
 use steps::nothing_more;
 
 /// Deliberation time if neither the mission nor the request states one.

@@ -29,9 +29,6 @@ const TIMING_TOLERANCE: f64 = 1e-3;
 /// Shorter waits before the first visit are not flown, s.
 const WAIT_S_MIN: f64 = 30.0;
 
-/// Beginning of the summary of a plan without visits.
-pub(crate) const NO_FURTHER: &str = "no further target can be visited. ";
-
 /// Tag and activity of a step.
 type NamedActivity = (Symbol, PlannedActivity);
 
@@ -57,7 +54,7 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
 /// Returns the procedure without steps for a mission in progress in which no further target can be visited: the mission ends, and the
 /// return begins. `plan` is the plan without visits, with the reason for each target; `None` if no problem could be posed.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str, plan: Option<Plan>) -> PlannedProcedure {
-    let summary = format!("{NO_FURTHER}{reason}");
+    let summary = format!("no further target can be visited. {reason}");
     let head = format!("; {summary}\n");
     PlannedProcedure {
         solver: Symbol::new("single-visit"),

@@ -41,6 +41,15 @@ struct IdlePlan {
     ended: Option<Time>,
 }
 
+/// Reason for which there is no plan, as text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum NoPlanReason {
+    /// A planner failed.
+    Failed(String),
+    /// No further target can be visited: the summary of the procedure without visits that is flown instead.
+    WithoutVisits(String),
+}
+
 /// Knowledge about the end of a flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ending {
@@ -64,7 +73,7 @@ pub(crate) struct Ending {
     ended: BTreeMap<String, Time>,
     idle: Option<IdlePlan>,
     /// Reason of the last planner that had no plan.
-    no_plan: Option<String>,
+    no_plan: Option<NoPlanReason>,
     /// The last new position, and its instant. One that repeats the position before it, although the vehicle moves, is not new.
     location: Option<Value>,
     located_at: Time,
@@ -235,13 +244,13 @@ impl Ending {
     }
 
     /// Records that a planner had no plan.
-    pub(super) fn take_missing_plan(&mut self, reason: &str) {
-        self.no_plan = Some(reason.to_string());
+    pub(super) fn take_missing_plan(&mut self, reason: NoPlanReason) {
+        self.no_plan = Some(reason);
     }
 
     /// Returns the reason of the last planner that had no plan; `None` if each request had one.
-    pub(crate) fn no_plan(&self) -> Option<&str> {
-        self.no_plan.as_deref()
+    pub(crate) fn no_plan(&self) -> Option<&NoPlanReason> {
+        self.no_plan.as_ref()
     }
 
     /// Returns the reason for which the initial task failed; `None` if it did not.

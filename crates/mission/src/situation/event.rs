@@ -64,10 +64,10 @@ pub enum MissionEvent {
     ImageInMemory(String),
     /// `(low-fuel VEHICLE)`.
     LowFuel,
-    /// `(requirement-broken NAME WHY)`: no way keeps this requirement.
+    /// `(requirement-broken NAMES WHY)`: no way keeps these requirements.
     RequirementBroken {
-        /// Violated requirement.
-        name: String,
+        /// Violated requirements.
+        names: Vec<String>,
         /// Reason.
         why: String,
     },
@@ -113,7 +113,9 @@ impl MissionEvent {
             "requirement-broken" => {
                 let words =
                     |value: &Value| if let Value::Text(text) = value { text.to_string() } else { value.to_string() };
-                MissionEvent::RequirementBroken { name: words(items.first()?), why: words(items.get(1)?) }
+                let named = items.first()?;
+                let names = named.as_list().unwrap_or(std::slice::from_ref(named)).iter().map(words).collect();
+                MissionEvent::RequirementBroken { names, why: words(items.get(1)?) }
             }
             head => match contingency::line(head, items) {
                 Some(line) => {
@@ -136,5 +138,20 @@ mod tests {
         assert_eq!(MissionEvent::read(&form(&["observed"])), None);
         assert_eq!(MissionEvent::read(&Value::symbol("observed")), None);
         assert_eq!(MissionEvent::read(&form(&["Observed", "barn"])), Some(MissionEvent::Observed("barn".into())));
+    }
+
+    #[test]
+    fn a_violation_names_each_requirement() {
+        let read = |named: Value| match MissionEvent::read(&Value::list([
+            Value::symbol("requirement-broken"),
+            named,
+            Value::text("no way is open"),
+        ])) {
+            Some(MissionEvent::RequirementBroken { names, why }) => (names, why),
+            other => panic!("{other:?}"),
+        };
+        let several = Value::list([Value::text("north; range"), Value::text("permitted area")]);
+        assert_eq!(read(several).0, ["north; range", "permitted area"]);
+        assert_eq!(read(Value::symbol("north")), (vec!["north".to_string()], "no way is open".to_string()));
     }
 }

@@ -14,7 +14,7 @@ mod storms;
 mod updates;
 mod visit;
 
-pub(crate) use ending::Ending;
+pub(crate) use ending::{Ending, NoPlanReason};
 pub use event::MissionEvent;
 pub use kept::{Chosen, MadePlan, Note};
 use position_watch::PositionWatch;
@@ -184,7 +184,7 @@ impl Situation {
         let mut stormy = self.stormy.clone();
         let Some(made) = self.plan.as_ref().filter(|_| self.storms.is_avoiding()) else { return };
         let observed: Vec<&str> = self.observed().map(|visit| visit.target.as_str()).collect();
-        let plan = (&made.plan, made.made.seconds(), observed.as_slice(), self.target_changes.as_slice());
+        let plan = (&made.plan, made.made.seconds(), observed.as_slice());
         let (notes, input) = stormy.compare((mission, &self.storms), plan, now);
         self.stormy = stormy;
         self.derived.extend(input);
@@ -344,8 +344,8 @@ impl Situation {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));
             }
-            MissionEvent::RequirementBroken { name, why } => {
-                self.notes.extend(self.landing.broken(name, &why).map(|text| Note { at, text }));
+            MissionEvent::RequirementBroken { names, why } => {
+                self.notes.extend(self.landing.broken(names.join("; "), &why).map(|text| Note { at, text }));
             }
             MissionEvent::Contingency { line, lands } => {
                 self.landing.begin_if(lands);
@@ -361,7 +361,7 @@ impl Situation {
         match report {
             SolverReport::Failed(reason) => {
                 self.note(at, format!("no plan: {reason}"));
-                self.ending.take_missing_plan(reason);
+                self.ending.take_missing_plan(NoPlanReason::Failed(reason.clone()));
             }
             SolverReport::Plan(procedure) => {
                 let Some(plan) = &procedure.plan else { return };
@@ -404,20 +404,20 @@ impl Situation {
         let made = self.answers.remove(&request);
         self.ending.take_plan(now, request, made.as_ref().is_some_and(|made| !made.plan.targets().is_empty()));
         let Some(made) = made else {
-            self.ending.take_missing_plan(summary);
+            self.ending.take_missing_plan(NoPlanReason::WithoutVisits(summary.to_string()));
             return;
         };
         let mut planned_targets = BTreeSet::new();
         for (target, detail, begin_s) in storms::planned_visits(&made.plan, made.made.seconds()) {
             // Of several visits to a target, the first one counts.
             if planned_targets.insert(target.clone()) {
-                let storm = storms::expected_over((mission, &self.storms), &target, (now, begin_s));
+                let storm = self.stormy.expect((mission, &self.storms), &target, (now, begin_s));
                 let detail = format!("{detail}{storm}");
                 self.change(target, now, TargetState::Planned, detail);
             }
         }
         for left_out in made.plan.left_out() {
-            let storm = storms::expected_over((mission, &self.storms), &left_out.target, (now, f64::INFINITY));
+            let storm = self.stormy.expect((mission, &self.storms), &left_out.target, (now, f64::INFINITY));
             let reason = format!("{}{storm}", left_out.reason);
             self.change(left_out.target.clone(), now, TargetState::Skipped, reason);
         }

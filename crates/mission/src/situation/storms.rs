@@ -7,9 +7,8 @@ use apex_model::problem::{Plan, PlannedVisit, Position, QualityFactor};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
-use apex_runtime::target_state::TargetChange;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Interval between comparisons.
 const PERIOD_S: f64 = 60.0;
@@ -28,17 +27,19 @@ pub(super) struct StormyVisits {
     compared_s: Option<f64>,
     /// Instant of the last request for each look.
     asked_s: BTreeMap<String, f64>,
+    /// Looks over which a storm was expected when the plan was made that states something about them last.
+    expected: BTreeSet<String>,
 }
 
-/// A plan with the instant of its request, the looks that were observed, and the changes of targets' states.
-type FlownPlan<'a> = (&'a Plan, f64, &'a [&'a str], &'a [TargetChange]);
+/// A plan with the instant of its request, and the looks that were observed.
+type FlownPlan<'a> = (&'a Plan, f64, &'a [&'a str]);
 
 impl StormyVisits {
     /// Compares the plan with the storms, in flights that avoid them; returns notes for the report, and a request for a new plan.
     pub(super) fn compare(
         &mut self,
         (mission, storms): (&Mission, &StormMemory),
-        (plan, made_s, observed, changes): FlownPlan<'_>,
+        (plan, made_s, observed): FlownPlan<'_>,
         now: Time,
     ) -> (Vec<String>, Option<Input>) {
         let now_s = now.seconds();
@@ -62,7 +63,7 @@ impl StormyVisits {
         }
         for left_out in plan.left_out().iter().filter(|left_out| is_asked(&left_out.target)) {
             let name = &left_out.target;
-            if was_expected(changes, name) && !covered(name, (now_s, now_s + GONE_S)) {
+            if self.expected.contains(name) && !covered(name, (now_s, now_s + GONE_S)) {
                 news.push((name.clone(), false, format!("the storm has left {name}")));
             }
         }
@@ -77,34 +78,28 @@ impl StormyVisits {
         self.asked_s.extend(news.iter().map(|(name, ..)| (name.clone(), now_s)));
         (news.into_iter().map(|(_, _, note)| note).collect(), input)
     }
-}
 
-/// Returns the addition to the state of a target in a new plan if a storm is expected over it, for a visit before the visit begins.
-pub(super) fn expected_over(
-    (mission, storms): (&Mission, &StormMemory),
-    name: &str,
-    (now, begin_s): (Time, f64),
-) -> String {
-    let Some((position, radius_m)) = place_of(mission, name).filter(|_| storms.is_avoiding()) else {
-        return String::new();
-    };
-    let found = storms.spell(position, radius_m + NEAR_M, now.seconds());
-    let Some((from_s, until_s)) = found.filter(|(from_s, _)| *from_s < begin_s) else { return String::new() };
-    let shown = |at_s: f64| Time::from_seconds(at_s.round());
-    match until_s {
-        Some(until_s) => format!("{STORM} from {} to {}", shown(from_s), shown(until_s)),
-        None => format!("{STORM} from {} on", shown(from_s)),
+    /// Returns the addition to the state of a target in a new plan if a storm is expected over it, for a visit before the visit begins.
+    pub(super) fn expect(
+        &mut self,
+        (mission, storms): (&Mission, &StormMemory),
+        name: &str,
+        (now, begin_s): (Time, f64),
+    ) -> String {
+        let place = place_of(mission, name).filter(|_| storms.is_avoiding());
+        let found = place.and_then(|(position, radius_m)| storms.spell(position, radius_m + NEAR_M, now.seconds()));
+        let Some((from_s, until_s)) = found.filter(|(from_s, _)| *from_s < begin_s) else {
+            self.expected.remove(name);
+            return String::new();
+        };
+        self.expected.insert(name.to_string());
+        let shown = |at_s: f64| Time::from_seconds(at_s.round());
+        match until_s {
+            Some(until_s) => format!("; a storm is expected over it from {} to {}", shown(from_s), shown(until_s)),
+            None => format!("; a storm is expected over it from {} on", shown(from_s)),
+        }
     }
 }
-
-/// Returns true if a storm was expected over a target when the last plan was made.
-fn was_expected(changes: &[TargetChange], name: &str) -> bool {
-    let last = changes.iter().rev().find(|change| change.target == name);
-    last.is_some_and(|change| change.detail.contains(STORM))
-}
-
-/// Begin of the addition to the state of a target over which a storm is expected when a plan is made.
-const STORM: &str = "; a storm is expected over it";
 
 /// Returns the looks of a plan with the begin and the end of each.
 fn visits(plan: &Plan, made_s: f64) -> Vec<(String, f64, f64)> {
@@ -127,9 +122,9 @@ fn place_of(mission: &Mission, look: &str) -> Option<(Position, f64)> {
     Some((target.position, radius_m))
 }
 
-/// Returns the looks of a plan, the state of each, and its begin.
+/// Returns the looks of a plan, the detail of the state of each, `for 9:30:00`, and its begin.
 pub(super) fn planned_visits(plan: &Plan, made_s: f64) -> Vec<(String, String, f64)> {
-    let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
+    let planned = |begin_s: f64| format!("for {}", Time::from_seconds(begin_s.round()));
     let of_visit = |visit: &PlannedVisit| match visit.quality.as_ref().map(|quality| &quality.coverage) {
         Some(QualityFactor { factor, cause }) if (100.0 * factor).round() < 100.0 => {
             format!("{}; coverage {:.0} %: {cause}", planned(visit.begin_s), 100.0 * factor)

@@ -9,11 +9,12 @@
 mod result;
 mod sphere;
 
-pub use result::{CheckResult, Finding, Violation};
+pub use result::{CheckResult, Finding, ReportedViolation, Violation};
 
 use crate::error::{MissionError, MissionResult};
 use crate::in_air::AirState;
 use crate::recording::read;
+use crate::situation::MissionEvent;
 use crate::vehicle::Airframe;
 use crate::{Mission, TargetKind};
 use apex_model::effect::Effect;
@@ -21,7 +22,6 @@ use apex_model::event::{Batch, EventKind};
 use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 use apex_model::time::{Duration, Time};
-use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
 use sphere::{is_around, lambert_distance_m};
@@ -120,14 +120,9 @@ impl FlightCheck {
     pub fn take(&mut self, batch: &Batch, effects: &[Effect]) {
         for effect in effects {
             if let Effect::Inform { form, .. } = effect
-                && let Some([head, name, why]) = form.as_list()
-                && head.as_symbol().is_some_and(|head| head.is("requirement-broken"))
+                && let Some(MissionEvent::RequirementBroken { names, why }) = MissionEvent::read(form)
             {
-                let text = |value: &Value| match value {
-                    Value::Text(text) => text.to_string(),
-                    other => other.to_string(),
-                };
-                self.result.said_broken.push((batch.now.seconds(), format!("{}: {}", text(name), text(why))));
+                self.result.said_broken.push(ReportedViolation { t_s: batch.now.seconds(), names, why });
             }
         }
         let (mut here, mut truth) = (None, None);

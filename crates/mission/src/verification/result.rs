@@ -23,7 +23,7 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// Returns the requirement by its name in `(requirement-broken NAME WHY)`.
+    /// Returns the requirement by its name in `(requirement-broken NAMES WHY)`.
     pub fn requirement(&self) -> &str {
         match self {
             Violation::Inside(zone) => zone,
@@ -45,6 +45,24 @@ pub struct Finding {
     pub altitude_m: f64,
     /// Kind.
     pub violation: Violation,
+}
+
+/// Report of a flight that it has to violate requirements.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReportedViolation {
+    /// Instant.
+    pub t_s: f64,
+    /// The requirements, by their names in `(requirement-broken NAMES WHY)`.
+    pub names: Vec<String>,
+    /// Reason.
+    pub why: String,
+}
+
+impl ReportedViolation {
+    /// Returns true if the report names the requirement of a violation.
+    pub fn is_about(&self, violation: &Violation) -> bool {
+        self.names.iter().any(|name| name == violation.requirement())
+    }
 }
 
 /// Findings of the check of a flight.
@@ -77,7 +95,7 @@ pub struct CheckResult {
     /// Parts of the flight in the air without a new position, s of mission time: nothing can be said about them.
     pub unverified_s: Vec<(f64, f64)>,
     /// Requirements that the flight announced as broken, in order.
-    pub said_broken: Vec<(f64, String)>,
+    pub said_broken: Vec<ReportedViolation>,
     /// The first findings, in order.
     pub findings: Vec<Finding>,
 }
@@ -129,15 +147,14 @@ impl CheckResult {
     /// Returns the kept findings about requirements that the flight had not announced as broken before.
     pub fn unsaid(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| {
-            let name = finding.violation.requirement();
-            let names = |words: &str| words.split("; ").any(|part| part.strip_prefix(name).is_some_and(ends_name));
-            !self.said_broken.iter().any(|(t_s, words)| *t_s <= finding.t_s && names(words))
+            !self.said_broken.iter().any(|said| said.t_s <= finding.t_s && said.is_about(&finding.violation))
         })
     }
 
     fn write_said_broken(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (t_s, words) in &self.said_broken {
-            write!(f, "\n{}: the flight reported that it had to violate {words}", Time::from_seconds(*t_s))?;
+        for ReportedViolation { t_s, names, why } in &self.said_broken {
+            let (at, names) = (Time::from_seconds(*t_s), names.join("; "));
+            write!(f, "\n{at}: the flight reported that it had to violate {names}: {why}")?;
         }
         Ok(())
     }
@@ -183,7 +200,25 @@ impl fmt::Display for CheckResult {
     }
 }
 
-/// Returns true if a whole name is followed by nothing or by the reason.
-fn ends_name(rest: &str) -> bool {
-    rest.is_empty() || rest.starts_with(": ")
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of zones are free text: only whole names count.
+    #[test]
+    fn a_violation_is_said_if_a_report_has_the_name_of_its_zone() {
+        let violation = |zone: &str| Finding {
+            t_s: 60.0,
+            position: Position { latitude_deg: 37.0, longitude_deg: -117.0 },
+            altitude_m: 900.0,
+            violation: Violation::Inside(zone.to_string()),
+        };
+        let unsaid = |said: &str, flown: &str| {
+            let names = vec![said.to_string(), "permitted area".to_string()];
+            let said_broken = vec![ReportedViolation { t_s: 50.0, names, why: "no way is open".to_string() }];
+            CheckResult { said_broken, findings: vec![violation(flown)], ..CheckResult::default() }.unsaid().count()
+        };
+        assert_eq!(unsaid("range; north", "range; north"), 0);
+        assert_eq!(unsaid("north: low part", "north"), 1);
+    }
 }

@@ -228,7 +228,6 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         way
     });
     if let Some(name) = shut_by {
-        let why = "no place within reach has room for a circle".to_string();
         let straight = Way {
             via: Vec::new(),
             altitude_m: to_altitude_m,
@@ -237,7 +236,8 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
             time_s: 0.0,
             broken: None,
         };
-        way = Some(Way { broken: Some(Broken { name, why }), ..way.unwrap_or(straight) });
+        let broken = Some(Broken::one(name, "no place within reach has room for a circle"));
+        way = Some(Way { broken, ..way.unwrap_or(straight) });
     }
     let moved = (centre != to).then(|| shown(centre, to_altitude_m));
     Ok(with_option(answer(way, None), moved.map(|centre| (":centre", centre))))
@@ -319,7 +319,7 @@ fn to_climb(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         Ok(centre) => centre.map_or_else(Value::nil, |centre| {
             Value::list([Value::list([Value::symbol(":centre"), shown(centre, altitude_m)])])
         }),
-        Err(Broken { name, why }) => Value::list([Value::nil(), Value::text(&name), Value::text(&why)]),
+        Err(broken) => with_broken(Value::nil(), &broken),
     })
 }
 
@@ -388,7 +388,7 @@ fn start_of_line(
     Ok(known.then_some((request, PlannedStart { from, to, altitude_m, begin_s })))
 }
 
-/// Returns `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and the requirement that must be violated; nil for the straight
+/// Returns `(OPTIONS)` or `(OPTIONS NAMES WHY)`: options of the command, and the requirements that must be violated; nil for the straight
 /// path.
 fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
     let mut options = Vec::new();
@@ -410,10 +410,15 @@ fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
         broken = found;
     }
     match broken {
-        Some(Broken { name, why }) => Value::list([Value::list(options), Value::text(&name), Value::text(&why)]),
+        Some(broken) => with_broken(Value::list(options), &broken),
         None if options.is_empty() => Value::nil(),
         None => Value::list([Value::list(options)]),
     }
+}
+
+/// Returns `(OPTIONS NAMES WHY)`.
+fn with_broken(options: Value, Broken { names, why }: &Broken) -> Value {
+    Value::list([options, Value::list(names.iter().map(|name| Value::text(name))), Value::text(why)])
 }
 
 /// Returns a place on a way, to a decimetre.

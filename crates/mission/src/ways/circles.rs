@@ -83,7 +83,7 @@ impl Limits {
         }
         let straight = self.end_of_straight_climb(request);
         if let Some(name) = self.shut_by(&straight, (TOUCH_M, 0.0)).filter(|name| self.is_zone(name)) {
-            return Err(Broken { name, why: "the straight climb after the take-off leads through it".to_string() });
+            return Err(Broken::one(name, "the straight climb after the take-off leads through it"));
         }
         if request.to_altitude_m <= request.from_altitude_m + STRAIGHT_CLIMB_M {
             return Ok(None);
@@ -97,7 +97,7 @@ impl Limits {
         match self.circle_from_here(&begin) {
             Some(centre) => Ok(Some(centre)),
             None if self.can_join_circle(&begin, begin.from, (0.0, 0.0)) => Ok(None),
-            None => Err(Broken { name, why: "no place within reach has room for the circle of the climb".to_string() }),
+            None => Err(Broken::one(name, "no place within reach has room for the circle of the climb")),
         }
     }
 

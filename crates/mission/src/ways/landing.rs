@@ -104,14 +104,14 @@ impl Limits {
                     let around = Request { from: begin, to: begin, ..*request };
                     let name = self.shut_by(&around, (CIRCLE_ROOM * self.circle_radius_m(), 0.0));
                     let name = name.unwrap_or_else(|| self.name_of(&reason));
-                    let why = "no place within reach has room for the circles of the descent".to_string();
-                    way.broken = Some(Broken { name, why });
+                    way.broken =
+                        Some(Broken::one(name, "no place within reach has room for the circles of the descent"));
                 }
                 Landing { course_deg: Some(course_deg), way: Some(way) }
             }
             Some(Closed::Final(name)) => {
-                let why = "every final approach is closed".to_string();
-                let way = Way { broken: Some(Broken { name, why }), ..self.straight(request, request.to) };
+                let broken = Some(Broken::one(name, "every final approach is closed"));
+                let way = Way { broken, ..self.straight(request, request.to) };
                 Landing { course_deg: None, way: Some(way) }
             }
             None => Landing { course_deg: None, way: None },
@@ -415,7 +415,7 @@ mod tests {
     #[test]
     fn approaches_are_closed_where_a_zone_covers_the_field() {
         let broken = landing(-10_000.0).0.way.unwrap().broken.unwrap();
-        assert_eq!((broken.name.as_str(), broken.why.as_str()), ("south", "every final approach is closed"));
+        assert_eq!(broken, Broken::one("south".into(), "every final approach is closed"));
     }
 
     #[test]

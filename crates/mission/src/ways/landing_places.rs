@@ -64,14 +64,14 @@ pub(super) fn in_glide(limits: &Limits, arguments: &[Value]) -> Result<Value, St
 }
 
 /// Evaluates `(landing-place-zones PLACE TIME)`: the names of the restricted zones, and `permitted area`, that a landing at PLACE breaks
-/// at TIME, with `; ` between them; nil for none and for a place that is not a landing place.
+/// at TIME, as a list of texts; nil for none and for a place that is not a landing place.
 pub(super) fn zones(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [place, time] = arguments else { return Err("a place and a time are missing".to_string()) };
     let at_s = seconds(time)?;
     let name = place.as_symbol().map(|name| name.folded().to_string());
     let place = limits.landing_places.iter().find(|known| Some(&known.name) == name.as_ref());
     let names = place.map(|place| limits.zones_of_landing(place, at_s)).unwrap_or_default();
-    Ok(if names.is_empty() { Value::nil() } else { Value::text(&names.join("; ")) })
+    Ok(Value::list(names.iter().map(|name| Value::text(name))))
 }
 
 impl Limits {

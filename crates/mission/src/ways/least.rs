@@ -27,6 +27,8 @@ const LOOK_M_MAX: f64 = 2_000_000.0;
 const LOOK_DIRECTIONS: usize = 48;
 /// Distance in metres by which wind and turns may move the vehicle off its path at its ends, where no margin is kept.
 const EDGE_M: f64 = 500.0;
+/// Name of the requirement on the reach of landing places.
+const LANDING_DISTANCE: &str = "landing distance";
 /// Share of the margins that a path keeps if it violates a requirement anyway.
 const MARGINS_LEFT: f64 = 0.2;
 
@@ -73,7 +75,7 @@ impl Limits {
                 Ok(way) if margins == 0.0 => {
                     let names = self.crossed(request, &way, (EDGE_M, true));
                     let why = "no way keeps a distance from its edge".to_string();
-                    let broken = (!names.is_empty()).then(|| Broken { name: names.join("; "), why });
+                    let broken = (!names.is_empty()).then_some(Broken { names, why });
                     return Way { broken, ..way };
                 }
                 Ok(way) if margins == 1.0 => return self.or_nearer(request, way),
@@ -118,8 +120,8 @@ impl Limits {
         let way = ways.next()?;
         let around = Request { from: request.to, ..*request };
         let name = self.shut_by(&around, (CIRCLE_ROOM * self.circle_radius_m(), 0.0));
-        let why = "no place within reach has room for the circles on which the altitude changes".to_string();
-        Some(Way { broken: name.map(|name| Broken { name, why }), ..way })
+        let why = "no place within reach has room for the circles on which the altitude changes";
+        Some(Way { broken: name.map(|name| Broken::one(name, why)), ..way })
     }
 
     /// Returns the path of a vehicle over or under a zone to a line at another altitude, which it reaches in circles before the line.
@@ -131,22 +133,20 @@ impl Limits {
         ways.next()
     }
 
-    /// Returns the path with its violations: the requirement that the search ignored, and every zone that the path crosses. Where the
+    /// Returns the path with its violations: the requirements that the search ignored, and every zone that the path crosses. Where the
     /// vehicle chooses its turns itself, every zone near them counts.
-    fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
+    fn breaking(&self, request: &Request, way: Way, (ignored, why): (&[String], &str), has_turns: bool) -> Way {
         let clearance_m = TURN_WIDTH * self.turn_radius_m_over_ground();
-        let mut names: Vec<String> = name.split("; ").map(str::to_string).collect();
-        names.extend(self.crossed(request, &way, (clearance_m, has_turns)));
-        let mut known: Vec<String> = Vec::new();
-        for name in names {
-            if !name.is_empty() && !known.contains(&name) {
-                known.push(name);
+        let mut names: Vec<String> = Vec::new();
+        for name in ignored.iter().cloned().chain(self.crossed(request, &way, (clearance_m, has_turns))) {
+            if !names.contains(&name) {
+                names.push(name);
             }
         }
-        if known.is_empty() {
-            known.push(self.unnamed_limit().to_string());
+        if names.is_empty() {
+            names.push(self.unnamed_limit().to_string());
         }
-        Way { broken: Some(Broken { name: known.join("; "), why: why.to_string() }), ..way }
+        Way { broken: Some(Broken { names, why: why.to_string() }), ..way }
     }
 
     /// Returns the path with the shortest legs out of and into forbidden space at its ends.
@@ -184,7 +184,7 @@ impl Limits {
             (None, Some((_, reason))) => (self.name_of(reason), format!("the place is {reason}")),
             (None, None) => return None,
         };
-        Some(self.breaking(request, Way { via, ..found }, (&name, &why), false))
+        Some(self.breaking(request, Way { via, ..found }, (&[name], &why), false))
     }
 
     /// Returns the nearest permitted place to `position`, and the reason for which `position` is not permitted; the inner `None` if it
@@ -235,13 +235,12 @@ impl Limits {
                 Some((self.time_in_s(request, &way, std::slice::from_ref(name)), name, way))
             });
             let least = ways.min_by(|(a_s, ..), (b_s, ..)| a_s.total_cmp(b_s));
-            least.map(|(_, name, way)| self.breaking(request, way, (name, why), turns))
+            least.map(|(_, name, way)| self.breaking(request, way, (std::slice::from_ref(name), why), turns))
         };
         let restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
         let restricted: Vec<String> = restricted.map(|zone| zone.name.clone()).collect();
-        let through_all = |of: &[String]| {
-            without(of.to_vec(), false).map(|way| self.breaking(request, way, (&of.join("; "), why), false))
-        };
+        let through_all =
+            |of: &[String]| without(of.to_vec(), false).map(|way| self.breaking(request, way, (of, why), false));
         through_one(true)
             // Only the turns lack clearance: the vehicle turns where it can.
             .or_else(|| through_all(&[]))
@@ -251,7 +250,7 @@ impl Limits {
             .or_else(|| {
                 let strict = Strictness { turns: false, reach: false, ..Strictness::without_circles(0.0) };
                 let way = self.way(request, &strict).ok()?;
-                Some(self.breaking(request, way, ("landing distance", why), false))
+                Some(self.breaking(request, way, (&[LANDING_DISTANCE.to_string()], why), false))
             })
     }
 
@@ -261,8 +260,8 @@ impl Limits {
         let way = Way { via: Vec::new(), altitude_m, hold_s: 0.0, hold_around: None, time_s, broken: None };
         let lowest_m = request.from_altitude_m.min(request.to_altitude_m);
         let is_low = lowest_m < self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to), 1.0);
-        let name = if is_low { GROUND } else { "landing distance" };
-        self.breaking(request, way, (name, &why), false)
+        let name = if is_low { GROUND } else { LANDING_DISTANCE };
+        self.breaking(request, way, (&[name.to_string()], &why), false)
     }
 
     /// Returns the time that a path spends inside restricted zones of these names, or outside of permitted ones.
@@ -281,7 +280,7 @@ impl Limits {
             TravelError::Outside | TravelError::LeavesPermitted | TravelError::LegLeavesPermitted => {
                 PERMITTED.to_string()
             }
-            TravelError::NoLandingPlace(_) | TravelError::LeavesReach(_) => "landing distance".to_string(),
+            TravelError::NoLandingPlace(_) | TravelError::LeavesReach(_) => LANDING_DISTANCE.to_string(),
             TravelError::Ground(_) => GROUND.to_string(),
             TravelError::TooFar | TravelError::NoRoomToTurn | TravelError::Shut => self.unnamed_limit().to_string(),
         }
@@ -291,7 +290,7 @@ impl Limits {
     fn unnamed_limit(&self) -> &'static str {
         match (self.zones.is_empty(), self.terrain.is_some()) {
             (true, true) => GROUND,
-            (true, false) if self.landing_distance_m_max.is_some() => "landing distance",
+            (true, false) if self.landing_distance_m_max.is_some() => LANDING_DISTANCE,
             _ => "airspace",
         }
     }

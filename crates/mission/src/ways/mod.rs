@@ -57,10 +57,17 @@ pub struct Request {
 /// A requirement of the mission that no way keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// Violated requirements: names of zones, `permitted area`, `landing distance`, with `; ` between them.
-    pub name: String,
+    /// Violated requirements: names of zones, `permitted area`, `landing distance`, ..; at least one.
+    pub names: Vec<String>,
     /// Reason, human-readable.
     pub why: String,
+}
+
+impl Broken {
+    /// Returns the violation of one requirement.
+    fn one(name: String, why: &str) -> Broken {
+        Broken { names: vec![name], why: why.to_string() }
+    }
 }
 
 /// A way that is not straight.

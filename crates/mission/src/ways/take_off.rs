@@ -155,7 +155,8 @@ pub fn check_take_offs(mission: &Mission) -> MissionResult {
             circle_radius_m: 0.0,
             stay_s: 0.0,
         };
-        let circle = || limits.climb_circle(&request).err().map(|broken| format!("{}: {}", broken.name, broken.why));
+        let circle =
+            || limits.climb_circle(&request).err().map(|broken| format!("{}: {}", broken.names.join("; "), broken.why));
         if let Some(reason) = limits.closed_take_off(&request).or_else(circle) {
             return Err(MissionError::setting(format!("the take-off to {altitude_m:.0} m breaks a requirement"))
                 .at(mission.library.describe_place(place))

@@ -106,6 +106,8 @@ pub struct CommandAnswer {
 pub struct Choice {
     /// `procedure file.pdl:3:1`
     pub method: String,
+    /// `file:line:column` of a procedure or primitive.
+    pub place: Option<String>,
     /// Its index.
     pub index: String,
     /// True if it matches the goal.
@@ -215,6 +217,8 @@ pub struct Unmet {
     pub what: String,
     /// Present state; empty if `what` is complete.
     pub now: String,
+    /// True for a part of a condition about which no sample or message has arrived.
+    pub unobserved: bool,
     /// Since when, in seconds of mission time, where that is known.
     pub since: Option<f64>,
     /// Instant at which it is met by time alone, if nothing changes before, in seconds of mission time.
@@ -223,6 +227,8 @@ pub struct Unmet {
     pub distance: Option<String>,
     /// The other task concerned, `T4`; `None` if it concerns no other task.
     pub task: Option<String>,
+    /// Its number, 4 for `T4`.
+    pub task_number: Option<u64>,
     /// Position in the PDL text.
     pub place: Option<String>,
 }

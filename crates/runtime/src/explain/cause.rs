@@ -16,6 +16,8 @@ pub struct CauseDetail {
     pub parts: Vec<CausePart>,
     /// Observations, in the order of the text.
     pub evidence: Vec<Observation>,
+    /// The observations as text, without the cause that they prove; empty if there are none.
+    pub observed: String,
 }
 
 /// A part of a cause.
@@ -114,6 +116,8 @@ pub enum Observation {
     TaskEnd {
         /// The task, `T3`.
         task: String,
+        /// Its number, 3 for `T3`.
+        task_number: u64,
         /// Instant of the end.
         at: f64,
     },
@@ -185,6 +189,7 @@ impl CauseDetail {
         CauseDetail {
             kind: because.cause.kind().to_string(),
             parts: super::cause_parts::parts(&because.cause),
+            observed: because.evidence.iter().map(Evidence::text).collect::<Vec<_>>().join(", "),
             evidence: because.evidence.iter().map(Observation::of).collect(),
         }
     }
@@ -201,7 +206,9 @@ impl Observation {
             Evidence::TaskState { task, state, at } => {
                 Observation::TaskState { task: task.to_string(), word: state.to_string(), at: seconds(at) }
             }
-            Evidence::TaskEnd { task, at } => Observation::TaskEnd { task: task.to_string(), at: seconds(at) },
+            Evidence::TaskEnd { task, at } => {
+                Observation::TaskEnd { task: task.to_string(), task_number: task.0, at: seconds(at) }
+            }
             Evidence::Run { variable, start, end, samples } => Observation::Run {
                 variable: variable.to_string(),
                 from: seconds(start),

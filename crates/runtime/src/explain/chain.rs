@@ -1,7 +1,7 @@
 //! Chains of causes: a decision, its causes, their causes, back to a sample, a message or a form of the program.
 
 use super::cause::CauseDetail;
-use super::history::{because_of, selected_text};
+use super::history::because_of;
 use super::link::Link;
 use super::log::Log;
 use crate::effect_describer::cause_text;
@@ -11,6 +11,7 @@ use crate::record::view::decisions::DecisionRow as Row;
 use apex_model::because::{Because, Cause, Evidence};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::probing::ProbingEnd;
+use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use std::collections::BTreeSet;
@@ -37,6 +38,7 @@ impl<'a> Chain<'a> {
         let mut link = Link {
             t: row.at.seconds(),
             task: row.task.map(|task| task.to_string()),
+            task_number: row.task.map(|task| task.0),
             what: self.what(row),
             kind: because.map(|because| because.cause.kind().to_string()),
             because: because.map(cause_text).unwrap_or_default(),
@@ -85,7 +87,10 @@ impl<'a> Chain<'a> {
                 }
                 DecisionKind::Satisfied { clause, .. } => format!("{clause} of {name} came true"),
                 DecisionKind::Bound { variable, value } => format!("{name} got ?{variable} = {value}"),
-                DecisionKind::Selected { .. } => format!("{name} is pursued by {}", selected_text(row)),
+                DecisionKind::Selected { .. } => match &row.method {
+                    Some(method) => format!("{name} is pursued by {method}"),
+                    None => format!("{name} is pursued"),
+                },
                 DecisionKind::Refused { resource, .. } => format!("{name} was refused {resource}"),
                 DecisionKind::ProcedureAdded { summary, .. } => format!("{name} got a plan: {summary}"),
                 DecisionKind::Trouble { .. } => format!("{name} had an error"),
@@ -176,7 +181,7 @@ impl<'a> Chain<'a> {
             | Cause::HandlerEnded { handler: of }
             | Cause::OutcomeMissed { task: of, .. }
             | Cause::ResultMissed { task: of, .. } => log.transition(*of, "terminated", here)?,
-            Cause::ResultArrived { variable } => return self.result(own, variable.printed(), row),
+            Cause::ResultArrived { variable } => return self.result(own, variable, row),
             Cause::ResourcesGranted { .. } => return self.granted(own, row),
             Cause::Outranked { by, .. } | Cause::ResourceBusy { holder: by, .. } => {
                 log.transition(*by, "ongoing", here)?
@@ -242,7 +247,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Describes a result in the context of the parent.
-    fn result(&self, own: TaskId, variable: &str, row: &Row) -> RowsResult {
+    fn result(&self, own: TaskId, variable: &Symbol, row: &Row) -> RowsResult {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {
             Some(Effect::Decided(decision)) => match decision.kind {

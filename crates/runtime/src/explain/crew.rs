@@ -44,7 +44,7 @@ fn only_agent_with(reader: &RecordReader, name: &str, at: Time) -> Result<usize,
     for (agent, called) in reader.agents().iter().enumerate() {
         match find_task(&reader.of_agent(agent)?.tasks()?, name, at) {
             Ok(row) => found.push((agent, format!("{called}/{} {}", row.id, row.goal))),
-            Err(error) => refusal = refusal.or(Some(format!("{called}: {error}"))),
+            Err(error) => refusal = refusal.or_else(|| Some(format!("{called}: {}", error.into_text()))),
         }
     }
     match (found.as_slice(), refusal) {

@@ -9,12 +9,38 @@ use apex_model::time::Time;
 /// Least likeness of a suggested name; 1 means equal.
 const LIKENESS_MIN: f64 = 0.5;
 
+/// A name that refers to no single task, with the message for the asker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TaskSearchError {
+    /// No task has this number, or its task is created later.
+    Number(String),
+    /// No task has this tag or goal, or a part of it.
+    Unknown(String),
+    /// Several tasks may be meant; the message lists them.
+    Ambiguous(String),
+}
+
+impl TaskSearchError {
+    /// Returns the message.
+    pub(super) fn into_text(self) -> String {
+        match self {
+            TaskSearchError::Number(text) | TaskSearchError::Unknown(text) | TaskSearchError::Ambiguous(text) => text,
+        }
+    }
+}
+
+impl From<TaskSearchError> for RecordError {
+    fn from(error: TaskSearchError) -> RecordError {
+        RecordError::Question(error.into_text())
+    }
+}
+
 /// Returns the task called `name` among `tasks`: by `T12`, `12`, its tag, its goal, or a part of its goal that no other goal contains,
 /// whole words before parts of words. Of several such tasks, a living one.
 ///
 /// # Errors
-/// [`RecordError::Question`] with candidates when none or several are meant.
-pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a TaskRow, RecordError> {
+/// None or several are meant; the message has candidates.
+pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a TaskRow, TaskSearchError> {
     let known: Vec<&TaskRow> = tasks.iter().filter(|task| task.created <= at).collect();
     let name = name.trim();
     let digits = name.strip_prefix(['T', 't']).unwrap_or(name);
@@ -38,8 +64,14 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
         found.iter().copied().filter(|task| task.ended.is_none_or(|ended| ended > at)).collect();
     match (found.as_slice(), living.as_slice()) {
         ([one], _) | (_, [one]) => Ok(one),
-        ([], _) => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
-        (several, _) => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
+        ([], _) => {
+            let what = format!("No task is called `{name}` at {at}.");
+            Err(TaskSearchError::Unknown(with_candidates(what, "Tasks are", &known)))
+        }
+        (several, _) => {
+            let what = format!("`{name}` may be one of {} tasks.", several.len());
+            Err(TaskSearchError::Ambiguous(with_candidates(what, "Say which", several)))
+        }
     }
 }
 
@@ -69,14 +101,12 @@ fn no_agent(name: &str, agent: &str) -> String {
     format!("No agent is called {name}; the record has {agent}.")
 }
 
-/// Returns `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
-pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> RecordError {
-    match (error, agent_meant(name)) {
-        (RecordError::Question(text), Some(first)) => {
-            RecordError::Question(format!("{text} {}", no_agent(first, agent)))
-        }
-        (error, _) => error,
-    }
+/// Returns the error with the message `text` about `name`, with a remark if the name begins with an agent that this record does not have.
+pub(super) fn of_no_agent(text: String, name: &str, agent: &str) -> RecordError {
+    RecordError::Question(match agent_meant(name) {
+        Some(first) => format!("{text} {}", no_agent(first, agent)),
+        None => text,
+    })
 }
 
 /// Returns the agent that `pilot/take-off` seems to name; `None` if the `/` has another meaning, as in files and goals.
@@ -114,21 +144,21 @@ fn by_number<'a>(
     known: &[&'a TaskRow],
     id: TaskId,
     at: Time,
-) -> Result<&'a TaskRow, RecordError> {
-    match tasks.iter().find(|task| task.id == id) {
-        Some(task) if task.created <= at => Ok(task),
+) -> Result<&'a TaskRow, TaskSearchError> {
+    let text = match tasks.iter().find(|task| task.id == id) {
+        Some(task) if task.created <= at => return Ok(task),
         Some(task) => {
-            let text =
-                format!("{id} {} is created at {}, later than {at}. Ask for a later instant.", task.goal, task.created);
-            Err(RecordError::Question(text))
+            format!("{id} {} is created at {}, later than {at}. Ask for a later instant.", task.goal, task.created)
         }
-        None => Err(question(format!("There is no task {id} in this flight."), "Tasks are", known)),
-    }
+        None => with_candidates(format!("There is no task {id} in this flight."), "Tasks are", known),
+    };
+    Err(TaskSearchError::Number(text))
 }
 
-fn question(what: String, introduction: &str, candidates: &[&TaskRow]) -> RecordError {
+/// Returns `what` with the list of candidates.
+fn with_candidates(what: String, introduction: &str, candidates: &[&TaskRow]) -> String {
     if candidates.is_empty() {
-        return RecordError::Question(format!("{what} There are no tasks at that instant."));
+        return format!("{what} There are no tasks at that instant.");
     }
     let mut text = format!("{what} {introduction}:");
     for task in candidates.iter().take(CANDIDATES_MAX) {
@@ -137,7 +167,7 @@ fn question(what: String, introduction: &str, candidates: &[&TaskRow]) -> Record
     if candidates.len() > CANDIDATES_MAX {
         text.push_str(&format!("\n  and {} more", candidates.len() - CANDIDATES_MAX));
     }
-    RecordError::Question(text)
+    text
 }
 
 #[cfg(test)]
@@ -167,7 +197,7 @@ mod tests {
         ];
         match find_task(&tasks, name, Time::from_seconds(10.0)) {
             Ok(task) => task.id.to_string(),
-            Err(error) => error.to_string(),
+            Err(error) => error.into_text(),
         }
     }
 

@@ -1,12 +1,13 @@
 //! The history of a task, from the decisions about it.
 
 use super::cause::CauseDetail;
-use super::moment::{MethodDetail, Moment};
+use super::moment::Moment;
 use crate::effect_describer::cause_text;
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use crate::record::view::decisions::{DecisionRow, Decisions};
 use apex_model::because::{Because, Cause, Strength};
-use apex_model::effect::{Decision, DecisionKind, Effect, Method};
+use apex_model::effect::Effect;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 
@@ -46,7 +47,6 @@ impl History {
 
     fn add(&mut self, row: DecisionRow) {
         let because = because_of(&row);
-        let mut method = None;
         let (what, text) = match row.kind.as_str() {
             "created" => {
                 self.goal = Some(row.subject.clone());
@@ -61,10 +61,10 @@ impl History {
             }
             "selected" => {
                 self.goal = Some(row.subject.clone());
-                let text = selected_text(&row);
-                method = selected_method(&row).map(|method| MethodDetail::of(method, &text));
-                self.method = Some(text.clone());
-                (format!("selected {text}"), because.map(cause_text).unwrap_or_default())
+                let text = row.method.as_ref().map(MethodDetail::to_string).unwrap_or_default();
+                let what = format!("selected {text}");
+                self.method = Some(text);
+                (what, because.map(cause_text).unwrap_or_default())
             }
             "refused" => {
                 self.blocked = self.conflict(because, row.at);
@@ -72,9 +72,7 @@ impl History {
             }
             "satisfied" => (format!("{} satisfied", row.subject), row.text.clone()),
             "bound" | "procedure-added" => (row.subject.clone(), row.text.clone()),
-            // The message of a failure that is handled is its cause, reported already.
-            "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()), // english: allow
-            // The cause of a failed expression is its message, with words before it.
+            // The message of an error is its cause, or the end of it: a failed expression's cause has words before the message.
             "trouble" if row.text.ends_with(&row.subject) => (format!("trouble: {}", row.text), String::new()), // english: allow
             "trouble" => (format!("trouble: {}", row.subject), row.text.clone()), // english: allow
             "print" => (format!("prints {}", row.text), String::new()),
@@ -93,7 +91,7 @@ impl History {
             to: row.to,
             outcome: row.outcome,
             subject: row.subject,
-            method,
+            method: row.method,
         });
     }
 
@@ -114,18 +112,4 @@ pub(super) fn because_of(row: &DecisionRow) -> Option<&Because> {
         Effect::Command { because, .. } | Effect::Publish { because, .. } => Some(because),
         _ => None,
     }
-}
-
-/// Returns the selected method, for the kind `selected`.
-fn selected_method(row: &DecisionRow) -> Option<&Method> {
-    match row.effect.as_ref()? {
-        Effect::Decided(Decision { kind: DecisionKind::Selected { method, .. }, .. }) => Some(method),
-        _ => None,
-    }
-}
-
-/// Returns the selected method as text, `procedure file.pdl:3:1`: the row's text without the cause that follows it.
-pub(super) fn selected_text(row: &DecisionRow) -> String {
-    let cause = because_of(row).map(|because| format!(" because {}", cause_text(because)));
-    cause.and_then(|cause| row.text.strip_suffix(&cause)).unwrap_or(&row.text).to_owned()
 }

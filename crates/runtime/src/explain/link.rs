@@ -13,6 +13,8 @@ pub struct Link {
     pub t: f64,
     /// The task, `T3`, if the link concerns one.
     pub task: Option<String>,
+    /// Its number, 3 for `T3`.
+    pub task_number: Option<u64>,
     /// Event: `T3 (photograph fire) started`.
     pub what: String,
     /// The kind of cause; `None` for an input from outside.
@@ -40,6 +42,7 @@ impl Link {
         Link {
             t: at.seconds(),
             task: None,
+            task_number: None,
             what,
             kind: None,
             because: String::new(),

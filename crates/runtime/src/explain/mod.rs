@@ -26,14 +26,15 @@ mod why;
 mod why_not;
 
 pub use crate::limits::EXPLANATION_DEPTH_DEFAULT as DEPTH_DEFAULT;
+pub use crate::method_detail::MethodDetail;
 pub use answer::{
     About, Answer, Blocked, Choice, CommandAnswer, EXPLANATION_VERSION, Holder, Missing, ResourceAnswer, Subtask,
     TargetMoment, Unmet, Why, WhyNot,
 };
 pub use cause::{CauseDetail, CausePart, Observation, PartValue};
-pub use find::find_task;
+pub use find::{TaskSearchError, find_task};
 pub use link::Link;
-pub use moment::{MethodDetail, Moment};
+pub use moment::Moment;
 pub use monitors::{Binding, MonitoredCondition, Monitors, TaskMonitor};
 pub use snapshot::Question;
 pub use task::TaskExplanation;
@@ -117,15 +118,15 @@ impl<'a> Explainer<'a> {
         let tagged =
             snapshot.tasks.iter().any(|row| row.created <= snapshot.at && row.tag.eq_ignore_ascii_case(name.trim()));
         if !tagged && let Some(answer) = things::of_resource(&snapshot, name, "why")? {
-            return Ok(Answer::Resource(Box::new(answer)));
+            return Ok(Answer::Resource(Box::new(answer.answer)));
         }
         match find_task(&snapshot.tasks, name, snapshot.at).map(|row| row.id) {
             Ok(id) => why::of_task(snapshot, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
             // The tag of a step refers to its tasks, never to a command that contains the same word.
-            Err(error) if tagged => Err(find::of_no_agent(error, name, &snapshot.name)),
+            Err(error) if tagged => Err(find::of_no_agent(error.into_text(), name, &snapshot.name)),
             Err(error) => match things::of_command(&snapshot, name)? {
                 Some(answer) => Ok(Answer::Command(Box::new(answer))),
-                None => Err(find::of_no_agent(error, name, &snapshot.name)),
+                None => Err(find::of_no_agent(error.into_text(), name, &snapshot.name)),
             },
         }
     }

@@ -1,7 +1,7 @@
 //! A moment of a task's history: an event or decision about the task.
 
 use super::cause::CauseDetail;
-use apex_model::effect::Method;
+use crate::method_detail::MethodDetail;
 use apex_model::time::Time;
 use serde::Serialize;
 use std::fmt;
@@ -34,34 +34,6 @@ pub struct Moment {
     pub method: Option<MethodDetail>,
     /// The cause with its parts; `None` for a moment that is not a decision.
     pub cause: Option<CauseDetail>,
-}
-
-/// Method for a goal.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct MethodDetail {
-    /// `procedure`, `primitive`, `built-in` or `solver`.
-    pub kind: &'static str,
-    /// `file:line:column` of the procedure or primitive.
-    pub place: Option<String>,
-    /// The solver's name.
-    pub name: Option<String>,
-}
-
-impl MethodDetail {
-    /// Returns the detail of `method`; `text` is its text in the record, `procedure file.pdl:3:1`.
-    pub(super) fn of(method: &Method, text: &str) -> MethodDetail {
-        let place = |kind: &'static str| {
-            let place = text.strip_prefix(kind).map(|place| place.trim_start().to_owned());
-            MethodDetail { kind, place, name: None }
-        };
-        match method {
-            Method::Procedure(_) => place("procedure"),
-            Method::Primitive(_) => place("primitive"),
-            Method::BuiltIn => MethodDetail { kind: "built-in", place: None, name: None },
-            Method::Solver(name) => MethodDetail { kind: "solver", place: None, name: Some(name.to_string()) },
-        }
-    }
 }
 
 impl fmt::Display for Moment {

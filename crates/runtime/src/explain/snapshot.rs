@@ -6,7 +6,6 @@ use crate::error::RecordError;
 use crate::record::view::decisions::Decisions;
 use crate::record::{LoadProgram, RecordReader, TaskRow};
 use apex_executive::{Agent, explanation};
-use apex_model::effect::Method;
 use apex_model::event::Batch;
 use apex_model::source::{Place, SourceFile};
 use apex_model::task::TaskId;
@@ -153,14 +152,4 @@ pub(super) fn restored(reader: &RecordReader, at: Time, load: LoadProgram<'_>) -
 /// Returns a place as `file.pdl:14:3`, also for places in plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
-}
-
-/// Returns the method as text: `procedure file.pdl:3:1`.
-pub(super) fn method_text(agent: &Agent, method: &Method) -> String {
-    match method {
-        Method::Procedure(place) => format!("procedure {}", place_text(agent, *place)),
-        Method::Primitive(place) => format!("primitive {}", place_text(agent, *place)),
-        Method::BuiltIn => "built-in".into(),
-        Method::Solver(name) => format!("solver {name}"),
-    }
 }

@@ -6,13 +6,6 @@ use crate::error::RecordError;
 use crate::record::view::TargetChange;
 use apex_model::time::Time;
 
-impl TargetMoment {
-    /// Returns the detail without the state, which some details repeat: `for 9:30` of `planned for 9:30`.
-    pub(super) fn rest(&self) -> &str {
-        self.detail.strip_prefix(&self.state).filter(|rest| rest.starts_with(' ')).unwrap_or(&self.detail).trim()
-    }
-}
-
 /// Returns the recorded states of the target up to the instant of the question; repetitions are left out.
 pub(super) fn moments(snapshot: &RecordSnapshot<'_>, id: &str) -> Result<Vec<TargetMoment>, RecordError> {
     let moment = |change: TargetChange| TargetMoment {

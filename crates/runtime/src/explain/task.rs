@@ -21,6 +21,8 @@ pub struct TaskExplanation {
     pub children: Vec<Task>,
     /// Its state and the cause of that state in one sentence.
     pub now: String,
+    /// The cause of that state as text; empty if `now` states none.
+    pub cause: String,
     /// The explanation; its history holds the last 60 moments.
     pub explanation: Why,
     /// True if older moments are left out.
@@ -32,26 +34,27 @@ pub struct TaskExplanation {
 impl TaskExplanation {
     /// Joins the parts of the answer.
     pub fn new(at_ns: i64, task: Task, children: Vec<Task>, mut why: Why, error: Option<String>) -> TaskExplanation {
-        let now = sentence(&task, &why.history);
+        let (state, cause) = state_and_cause(&task, &why.history);
+        let now = if cause.is_empty() { state } else { format!("{state} because {cause}") };
         let older = why.history.len().saturating_sub(MOMENTS_MAX);
         why.history.drain(..older);
-        TaskExplanation { at_ns, task, children, now, explanation: why, left_out: older > 0, explanation_error: error }
+        let left_out = older > 0;
+        TaskExplanation { at_ns, task, children, now, cause, explanation: why, left_out, explanation_error: error }
     }
 }
 
-fn sentence(task: &Task, history: &[Moment]) -> String {
+/// Returns the task's state as text, and the cause of that state; the cause is empty if it is not known.
+fn state_and_cause(task: &Task, history: &[Moment]) -> (String, String) {
     let last = |kinds: &[&str]| history.iter().rev().find(|moment| kinds.contains(&moment.kind.as_str()));
     let moved = last(&["transition", "created"]);
     let (state, reason) = match task.state.0 {
-        TaskState::Pending => return format!("T{} is pending: it waits for its preconditions", task.id),
+        TaskState::Pending => ("is pending: it waits for its preconditions", None),
         TaskState::Enabled => ("waits for its resources", last(&["refused"]).or(moved)),
         TaskState::Ongoing => ("is ongoing", moved),
         TaskState::Interrupted => ("is interrupted", moved),
         TaskState::Terminated => ("has ended", moved),
     };
     let outcome = task.outcome.as_ref().map_or_else(String::new, |word| format!(" ({word})"));
-    match reason.filter(|moment| !moment.because.is_empty()) {
-        Some(moment) => format!("T{} {state}{outcome} because {}", task.id, moment.because),
-        None => format!("T{} {state}{outcome}", task.id),
-    }
+    let cause = reason.map(|moment| moment.because.clone()).unwrap_or_default();
+    (format!("T{} {state}{outcome}", task.id), cause)
 }

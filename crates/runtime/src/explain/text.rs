@@ -161,7 +161,7 @@ impl fmt::Display for WhyNot {
             writeln!(f, "\nOutcome:")?;
             for moment in &self.target {
                 let line =
-                    format!("  {:>12}  {} {}", Time::from_seconds(moment.t).to_string(), moment.state, moment.rest());
+                    format!("  {:>12}  {} {}", Time::from_seconds(moment.t).to_string(), moment.state, moment.detail);
                 writeln!(f, "{}", line.trim_end())?;
             }
         }

@@ -21,12 +21,19 @@ pub(super) fn resource<'a>(agent: &'a Agent, name: &str) -> Option<&'a Resource>
     agent.resources.iter().map(|(_, resource)| resource).find(same)
 }
 
+/// The explanation of a resource.
+pub(super) struct ExplainedResource {
+    pub(super) answer: ResourceAnswer,
+    /// The first task that waits for it; if there is none, the first that holds it.
+    pub(super) first: Option<TaskId>,
+}
+
 /// Explains the holders of the resource called `name`; `None` if there is no such resource.
 pub(super) fn of_resource(
     snapshot: &RecordSnapshot<'_>,
     name: &str,
     question: &'static str,
-) -> Result<Option<ResourceAnswer>, RecordError> {
+) -> Result<Option<ExplainedResource>, RecordError> {
     let Some((agent, found)) = snapshot.agent().and_then(|agent| Some((agent, resource(agent, name)?))) else {
         return Ok(None);
     };
@@ -50,7 +57,10 @@ pub(super) fn of_resource(
         waiting.push(waiter);
     }
     let about = snapshot.about(question, "resource", name);
-    Ok(Some(ResourceAnswer { about, resource: found.name.to_string(), total: whole(found.total), holders, waiting }))
+    let answer =
+        ResourceAnswer { about, resource: found.name.to_string(), total: whole(found.total), holders, waiting };
+    let first = found.waiting.tasks().next().or_else(|| found.holders.first().map(|holding| holding.task));
+    Ok(Some(ExplainedResource { answer, first }))
 }
 
 fn link(snapshot: &RecordSnapshot<'_>, log: &Log<'_>, row: Option<Row>) -> Result<Option<Link>, RecordError> {

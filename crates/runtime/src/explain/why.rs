@@ -3,8 +3,9 @@
 use super::answer::{Blocked, Choice, Subtask, Unmet, Why};
 use super::chain::Chain;
 use super::history::{Conflict, History};
-use super::snapshot::{RecordSnapshot, method_text, place_text};
+use super::snapshot::{RecordSnapshot, place_text};
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use crate::record::TaskRow;
 use apex_executive::Agent;
 use apex_executive::explanation::{self, Reason};
@@ -94,11 +95,15 @@ fn choices(agent: Option<&Agent>, chosen: Option<(Method, Value)>) -> Vec<Choice
     if method == Method::BuiltIn {
         return Vec::new();
     }
-    let choice = |option: explanation::MethodOption| Choice {
-        method: method_text(agent, &option.method),
-        index: option.index,
-        matches: option.matches,
-        because: option.because,
+    let choice = |option: explanation::MethodOption| {
+        let method = MethodDetail::of(&option.method, |place| place_text(agent, place));
+        Choice {
+            method: method.to_string(),
+            place: method.place,
+            index: option.index,
+            matches: option.matches,
+            because: option.because,
+        }
     };
     explanation::options(agent, &goal).into_iter().map(choice).collect()
 }
@@ -113,10 +118,12 @@ fn unmet(agent: &Agent, reason: Reason) -> Unmet {
         kind: reason.kind,
         what: reason.text,
         now: reason.now.unwrap_or_default(),
+        unobserved: reason.unobserved,
         since: reason.since.map(Time::seconds),
         until: reason.until.map(Time::seconds),
         distance: reason.distance.map(|distance| distance.to_string()),
         task: reason.task.map(|task| task.to_string()),
+        task_number: reason.task.map(|task| task.0),
         place: reason.place.map(|place| place_text(agent, place)),
     }
 }

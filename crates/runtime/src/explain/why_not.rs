@@ -2,11 +2,12 @@
 
 use super::absence::{self, ProgramStep};
 use super::answer::{Missing, TargetMoment, Why, WhyNot};
-use super::find;
+use super::find::{self, TaskSearchError};
 use super::phrase::Phrase;
 use super::snapshot::{RecordSnapshot, place_text};
 use super::{target, things, why};
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use crate::record::TaskRow;
 use apex_executive::Agent;
 use apex_forms::print::Style::Brief;
@@ -177,7 +178,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
     };
     let (phrase, words, place) = (Phrase::of_pattern(index), Brief.pattern(index), place_text(agent, place));
     let goals = snapshot.tasks.iter().filter(|row| row.created <= snapshot.at && Phrase::read(&row.goal).fits(&phrase));
-    let method = |row: &&TaskRow| row.method.as_ref().is_some_and(|method| method.ends_with(&place));
+    let method = |row: &&TaskRow| row.method.as_ref().is_some_and(|method| method.place.as_ref() == Some(&place));
     let (mine, others): (Vec<&TaskRow>, Vec<&TaskRow>) = goals.partition(method);
     let lives = |row: &&TaskRow| row.ended.is_none_or(|ended| ended > snapshot.at);
     let chosen = others.into_iter().max_by_key(|row| (lives(row), row.id));
@@ -186,7 +187,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
             "{} {} is not pursued by {words} at {place}, but by {}.",
             row.id,
             row.goal,
-            row.method.as_deref().unwrap_or("nothing yet")
+            row.method.as_ref().map_or_else(|| "nothing yet".to_owned(), MethodDetail::to_string)
         ),
         (Some(row), None) => format!("{words} at {place} was chosen for {} {}.", row.id, row.goal),
         (None, None) => return of_step(snapshot, asked, &words),
@@ -197,7 +198,8 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
 
 /// Explains a resource with its holders.
 fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
-    let Some(found) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
+    let Some(explained) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
+    let found = &explained.answer;
     let names = |list: &[super::Holder]| {
         let names: Vec<String> = list.iter().map(|each| format!("{} {}", each.task, each.goal)).collect();
         names.join(" and ")
@@ -217,9 +219,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
             format!("{} is not granted to {}, because it is held by {}.", found.resource, names(some), names(holders))
         }
     };
-    let first = found.waiting.first().or(found.holders.first()).map(|each| each.task.clone());
-    let task = first.and_then(|task| task.trim_start_matches('T').parse().ok()).map(TaskId);
-    Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task }))
+    Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task: explained.first }))
 }
 
 /// Explains a target: its history, and the step of the plan that is to visit it.
@@ -248,11 +248,11 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     let Some(TargetMoment { t, state, detail }) = last else {
         return format!("{id} is a target, and no plan has said anything about it by {at}.");
     };
-    let detail = detail.strip_prefix(state.as_str()).unwrap_or(detail);
-    let detail = match detail.trim() {
-        "" => String::new(),
-        words if detail.starts_with(' ') => format!(" {words}"),
-        words => format!(": {words}"),
+    let detail = match (state.as_str(), detail.as_str()) {
+        (_, "") => String::new(),
+        // The planned time.
+        ("planned", detail) => format!(" {detail}"),
+        (_, detail) => format!(": {detail}"),
     };
     let since = Time::from_seconds(*t);
     match state.as_str() {
@@ -263,11 +263,10 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     }
 }
 
-/// Returns the error, extended by similar names.
-fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result<RecordError, RecordError> {
-    let RecordError::Question(text) = &error else { return Ok(error) };
-    if text.contains("may be one of") || find::is_number(name) {
-        return Ok(error);
+/// Returns the message; for an unknown name one with the similar names of the whole program.
+fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: TaskSearchError) -> Result<String, RecordError> {
+    if let TaskSearchError::Number(text) | TaskSearchError::Ambiguous(text) = error {
+        return Ok(text);
     }
     let mut known: Vec<String> = snapshot.decisions().target_ids()?;
     if let Some(agent) = snapshot.agent() {
@@ -281,7 +280,7 @@ fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result
     }
     known.sort();
     known.dedup();
-    Ok(RecordError::Question(find::unknown(name, snapshot.at, &known)))
+    Ok(find::unknown(name, snapshot.at, &known))
 }
 
 impl Missing {

@@ -53,7 +53,7 @@ impl Flight<'_, '_> {
                 self.pacer.set(Some(STEP_PACE), at).map_err(RunError::Options)?;
             }
             Order::Stop => return Ok(Some(Waited::Stop(at))),
-            Order::Note | Order::Authority(_) => {}
+            Order::Note | Order::Acknowledge(_) | Order::Authority(_) => {}
         }
         Ok(None)
     }
@@ -71,7 +71,7 @@ impl Flight<'_, '_> {
         }
         let Some(author) = &command.author else { return Ok(None) };
         let request = match &command.order {
-            Order::Note => return Ok(None),
+            Order::Note | Order::Acknowledge(_) => return Ok(None),
             Order::Authority(request) => {
                 authority.check_epoch(author.epoch)?;
                 request
@@ -109,7 +109,9 @@ impl Flight<'_, '_> {
             Order::Pace(Some(pace)) if !(0.0..=1e9).contains(pace) => {
                 Some(format!("a pace of {pace} is not between 0 and 1e9 mission seconds per second"))
             }
-            Order::Pace(_) | Order::Step | Order::Stop | Order::Note | Order::Authority(_) => None,
+            Order::Pace(_) | Order::Step | Order::Stop | Order::Note | Order::Acknowledge(_) | Order::Authority(_) => {
+                None
+            }
         }
     }
 }

@@ -5,6 +5,7 @@ use super::effects::{BLOCK_EFFECTS, EffectKind, EffectNeed, EffectReader, Effect
 use super::reader::RecordReader;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Event, EventKind, SolverReport};
 use apex_model::source::SourceFile;
@@ -249,8 +250,8 @@ impl Effects<'_> {
         step.or(decision.because.place).map(|place| self.describer.borrow().place(place))
     }
 
-    /// Returns the method as text: `procedure first-picture.pdl:3:1`.
-    pub(crate) fn method(&self, method: &Method) -> String {
+    /// Returns the method with its place.
+    pub(crate) fn method(&self, method: &Method) -> MethodDetail {
         self.describer.borrow().method(method)
     }
 

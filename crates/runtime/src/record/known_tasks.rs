@@ -1,5 +1,6 @@
 //! The tasks of a record as rows, and in the form that a reader keeps.
 
+use crate::method_detail::MethodDetail;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
@@ -21,8 +22,8 @@ pub struct TaskRow {
     pub ended: Option<Time>,
     /// A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
     pub outcome: Option<String>,
-    /// `procedure file.pdl:3:1`, if one was selected.
-    pub method: Option<String>,
+    /// Its method, if one was selected.
+    pub method: Option<MethodDetail>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
 }

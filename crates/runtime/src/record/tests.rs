@@ -79,7 +79,8 @@ fn readers_find_facts_sources_tasks_and_samples() {
     assert_eq!((tasks[0].goal.as_str(), tasks[0].outcome.as_deref()), ("(fly mission)", Some("success")));
     assert_eq!(tasks[1].goal, "(power-up camera-1)");
     assert_eq!((tasks[1].ended, tasks[1].outcome.as_deref()), (None, None), "it repeats");
-    assert_eq!(tasks[1].method.as_deref(), Some("primitive camera.pdl:9:1"));
+    let method = tasks[1].method.as_ref().unwrap();
+    assert_eq!((method.kind, method.place.as_deref()), ("primitive", Some("camera.pdl:9:1")));
     let altitudes = reader.samples(&samples::variable("altitude", "aircraft-1"), Time::ZERO, Time::END).unwrap();
     assert_eq!(altitudes.len(), 3, "spelling does not matter for readers");
     let rolls =

@@ -257,7 +257,7 @@ impl TraceLine {
                 self.text_field("variable", &format!("?{variable}")).field("value", value);
             }
             DecisionKind::Selected { method, .. } => {
-                let method = describer.method(method);
+                let method = describer.method(method).to_string();
                 self.words = format!("selected {method}");
                 self.cause = cause_text(&decision.because);
                 self.text_field("method", &method);

@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView};
+use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView, TroubleKind};
 
 const ASKING: &str = r#"
 (procedure (index (do-domain))
@@ -70,6 +70,31 @@ fn a_question_states_who_answered_it_and_why_others_were_withdrawn() {
     let withdrawn = |reason: &str| Some(QuestionEnd::Withdrawn { reason: reason.into() });
     let answered = QuestionEnd::Answered { answer: "yes".into(), author: Some("ann".into()) };
     assert_eq!(ends, [Some(answered), withdrawn("the operator's time is over"), withdrawn("its task ended")]);
+}
+
+/// A handled failure is stated by its parts, not only by its message.
+#[test]
+fn a_handled_failure_names_the_subtask_and_its_handler() {
+    let pdl = r#"
+(procedure :sequential (index (do-domain))
+  (step a (see zaca))
+  (step b (print "over")))
+(procedure (index (see ?site))
+  (step look (look at (site ?site)) (on-failure (leave ?site))))
+(procedure (index (look at (?or (site ?name) ?loc)))
+  (step say (print "looking at" ?loc)))
+(procedure (index (leave ?site)) (step say (print "leaving" ?site)))
+"#;
+    let flight = record(pdl, vec![], &mut NoDeliberator, &mut []);
+    let mut view = RecordView::open(&flight.path, 0).unwrap();
+    let entries = view.troubles(None).unwrap().troubles; // english: allow
+    let of = |kind: TroubleKind| entries.iter().filter(|entry| entry.kind == kind).collect::<Vec<_>>();
+    let (failed, faults) = (of(TroubleKind::Failed), of(TroubleKind::Fault));
+    let ([failed], [fault]) = (failed.as_slice(), faults.as_slice()) else { panic!("{entries:?}") };
+    assert_eq!((fault.failed_child, fault.handler.as_deref()), (failed.task, Some("(leave zaca)")));
+    assert!(fault.subject.contains("failed: an expression failed"), "{fault:?}");
+    assert_eq!((failed.failed_child, failed.handler.as_deref()), (None, None));
+    assert!(fault.place.is_some() && failed.place.is_some(), "{entries:?}");
 }
 
 const TICKING: &str = r#"

@@ -1,7 +1,7 @@
 //! Checks every request to the API: determines the caller, and whether the caller's role permits the address.
 
 use super::table;
-use crate::answer::ApiError;
+use crate::answer::{ApiError, Remedy};
 use crate::state::Shared;
 use apex_runtime::authority::Actor;
 use axum::extract::{MatchedPath, Request, State};
@@ -33,7 +33,7 @@ pub(crate) async fn check(State(state): Shared, mut request: Request, next: Next
     if actor.role < least {
         return ApiError::forbidden(
             format!("{actor} is {}, and this needs {}", actor.role.word(), least.word()),
-            "begin a session with another token: POST /api/session",
+            Remedy::Role.help("begin a session with another token: POST /api/session"),
         )
         .into_response();
     }

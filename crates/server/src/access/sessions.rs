@@ -2,7 +2,7 @@
 
 use super::stations::Stations;
 use super::token::{AccessToken, check_name, digest, new_secret};
-use crate::answer::{ApiError, ApiResult};
+use crate::answer::{ApiError, ApiResult, Remedy};
 use apex_runtime::authority::{Actor, ActorRole};
 use axum::http::header::{AUTHORIZATION, COOKIE};
 use axum::http::{HeaderMap, StatusCode};
@@ -77,7 +77,8 @@ impl Sessions {
             return Err(ApiError {
                 status: StatusCode::UNAUTHORIZED,
                 error: "this server requires a session".into(),
-                help: "send the header `Authorization: Bearer TOKEN`, or begin a session with POST /api/session".into(),
+                help: Remedy::Session
+                    .help("send the header `Authorization: Bearer TOKEN`, or begin a session with POST /api/session"),
             });
         }
         Ok(Actor { name: THIS_MACHINE.into(), role: ActorRole::PilotInCommand })

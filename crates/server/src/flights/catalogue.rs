@@ -1,6 +1,6 @@
 //! The missions of the folder: names, titles, and the reasons for which some do not load.
 
-use crate::answer::{ApiError, ApiResult};
+use crate::answer::{ApiError, ApiResult, Help};
 use apex_mission::Mission;
 use apex_mission::error::{ErrorKind, MissionError};
 use axum::http::StatusCode;
@@ -61,7 +61,7 @@ impl From<MissionError> for ApiError {
         ApiError {
             status,
             error: error.reason.map_or(headline.clone(), |reason| format!("{headline}: {reason}")),
-            help: error.help.unwrap_or_else(|| "`/api/missions` shows which missions load".into()),
+            help: error.help.map_or_else(|| "`/api/missions` shows which missions load".into(), Help::from),
         }
     }
 }

@@ -78,7 +78,7 @@ async fn report(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> A
             flight.id,
             if flight.is_flying() { "not ended" } else { "failed" }
         ),
-        help: format!("`/api/flights/{}` gives its state", flight.id),
+        help: format!("`/api/flights/{}` gives its state", flight.id).into(),
     })?;
     Ok(Json(report).into_response())
 }

@@ -175,7 +175,7 @@ impl Wish {
             Wish::Pace { pace } => Ok(Order::Pace(*pace)),
             Wish::Step => Ok(Order::Step),
             Wish::Stop => Ok(Order::Stop),
-            Wish::Acknowledge { .. } => Ok(Order::Note),
+            Wish::Acknowledge { alarm } => Ok(Order::Acknowledge(alarm.clone())),
             Wish::TakeAuthority => Ok(Order::Authority(AuthorityRequest::Take)),
             Wish::OfferAuthority { to } => Ok(Order::Authority(AuthorityRequest::Offer(to.clone()))),
             Wish::RefuseAuthority => Ok(Order::Authority(AuthorityRequest::Refuse)),

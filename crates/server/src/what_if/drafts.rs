@@ -3,7 +3,7 @@
 use crate::answer::{ApiError, ApiResult};
 use crate::state::{Shared, blocking};
 use crate::what_if::request::DraftRequest;
-use apex_mission::deliberation::draft as plan_draft;
+use apex_mission::deliberation::{Deliberation, OrderFault, draft as plan_draft};
 use apex_mission::recorded::mission_of;
 use apex_mission::situation::OperatorPlan;
 use apex_model::time::Time;
@@ -66,15 +66,15 @@ pub(crate) async fn draft(
         let at = request.at_ns.map_or(end, |at| Time(at).min(end));
         let visits = OperatorPlan { visits: request.visits.clone(), repeat: request.repeat };
         let _one = what_if.drafting.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(answer(at, &request.visits, plan_draft(&reader, &mission, at, &visits, &what_if.means)?))
+        Ok(answer(at, plan_draft(&reader, &mission, at, &visits, &what_if.means)?))
     })
     .await?;
     Ok(Json(answer))
 }
 
-type Planned = Result<apex_mission::deliberation::Deliberation, String>;
+type Planned = Result<Deliberation, OrderFault>;
 
-fn answer(at: Time, visits: &[String], planned: Planned) -> DraftAnswer {
+fn answer(at: Time, planned: Planned) -> DraftAnswer {
     match planned {
         Ok(planned) => {
             let worth = match &planned.plan {
@@ -86,30 +86,9 @@ fn answer(at: Time, visits: &[String], planned: Planned) -> DraftAnswer {
             let plan = Some(PlanInForce::of_plan(planned.plan, at.0));
             DraftAnswer { at_ns: at.0, plan, worth: Some(worth), violation: None }
         }
-        Err(reason) => {
-            let violation = Some(DraftViolation { visit: place_in(&reason, visits), reason });
+        Err(OrderFault { visit, reason }) => {
+            let violation = Some(DraftViolation { reason, visit });
             DraftAnswer { at_ns: at.0, plan: None, worth: None, violation }
         }
-    }
-}
-
-/// Returns the visit to which a reason refers: by its number, otherwise by the target that it names.
-fn place_in(reason: &str, visits: &[String]) -> Option<usize> {
-    let number = reason.split("visit ").nth(1).and_then(|rest| rest.split(',').next()?.parse::<usize>().ok());
-    let by_number = number.and_then(|number| number.checked_sub(1)).filter(|index| *index < visits.len());
-    by_number.or_else(|| visits.iter().position(|visit| reason.contains(&format!("`{visit}`"))))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_violation_is_placed_at_its_visit() {
-        let visits = ["barn".to_owned(), "winery".to_owned()];
-        assert_eq!(place_in("visit 2, of winery, cannot be made: it would end too late", &visits), Some(1));
-        assert_eq!(place_in("visit 9, of winery, cannot be made", &visits), None);
-        assert_eq!(place_in("there is no target `winery`; there are barn", &visits), Some(1));
-        assert_eq!(place_in("nothing is left", &visits), None);
     }
 }

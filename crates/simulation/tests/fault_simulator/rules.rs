@@ -3,7 +3,7 @@
 //! A failure is not an excuse merely because it occurred at some time: it must explain the event at the time of the event.
 
 use crate::story::{FaultSpan, Story};
-use apex_mission::verification::{CheckResult, Finding, Violation};
+use apex_mission::verification::{CheckResult, Finding, ReportedViolation, Violation};
 use apex_runtime::{EndReason, RunEnd};
 
 /// Greatest time between the announcement of a violation and its beginning: the look-ahead of the watcher, and the time for a response.
@@ -117,8 +117,8 @@ fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<
         (text.starts_with(&words) && zone.is_none_or(|zone| text.contains(zone))) || text.starts_with(&failed)
     };
     let announced = story.reported.iter().any(|(at_s, text)| before(*at_s, ANNOUNCED_S_MAX) && named(text));
-    let name = episode.violation.requirement();
-    let chosen = check.said_broken.iter().any(|(at_s, words)| before(*at_s, CHOSEN_S_MAX) && words.contains(name));
+    let is_chosen = |said: &ReportedViolation| before(said.t_s, CHOSEN_S_MAX) && said.is_about(&episode.violation);
+    let chosen = check.said_broken.iter().any(is_chosen);
     // Checks with false positions prove nothing, and a glide cannot choose its way.
     let is_false = story.faults.iter().any(|span| {
         let concerns = span.kind == "navigation"

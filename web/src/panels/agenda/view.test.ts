@@ -8,7 +8,15 @@ function task(
   state: Task['state'] = 'ongoing',
   outcome: string | null = null,
 ): Task {
-  const rest = { tag: `s${id}`, goal: `(goal ${id})`, since_ns: 0, created_ns: 0, method: null, place: null };
+  const rest = {
+    tag: `s${id}`,
+    goal: `(goal ${id})`,
+    since_ns: 0,
+    created_ns: 0,
+    method: null,
+    method_place: null,
+    place: null,
+  };
   return { id, parent, state, outcome, ...rest };
 }
 

@@ -61,7 +61,7 @@ export function whyTree(why: Why, names: Names): Node[] {
         `${phrase(choice.index, names)}: ${choice.because}`,
         {
           full: choice.index,
-          place: choice.method.split(' ').at(-1) ?? null,
+          place: choice.place,
         },
       ),
     );
@@ -85,23 +85,22 @@ function linkNode(link: Link, id: string, names: Names): Node {
   return node(id, link.kind === null ? '●' : '▸', brief(told, names), {
     full: told,
     atNs: ns(link.t),
-    task: taskNumber(link.task),
+    task: link.task_number,
     place: link.place,
     source: link.source?.trim() ?? null,
     children,
   });
 }
 
-/** A condition that does not hold yet: the known value, the distance to its limit, and the time since the last change. */
+/** A condition that does not hold yet: the known value and its distance from the limit, and the time since the last change. */
 function unmetNode(part: Unmet, id: string, names: Names): Node {
   const words = [brief(part.what, names), brief(part.now, names)].filter(Boolean).join(': ');
-  const distance = part.distance && !part.now.includes(part.distance) ? `, ${part.distance} off` : '';
   const full = [part.what, part.now].filter(Boolean).join(': ');
   const until = part.until === null ? '' : `, by ${missionTime(ns(part.until))} at the latest`;
-  return node(id, part.now.startsWith('no ') ? '◌' : '○', `${words}${distance}${until}`, {
+  return node(id, part.unobserved ? '◌' : '○', `${words}${until}`, {
     full,
     atNs: part.since === null ? null : ns(part.since),
-    task: taskNumber(part.task),
+    task: part.task_number,
     place: part.place,
   });
 }
@@ -158,11 +157,6 @@ function leaf(
 ): Node {
   const behind = variable === null ? null : { variable, fromNs: ns(from), toNs: ns(to) };
   return node(id, '●', text, { atNs: ns(at), behind, full: full === text ? '' : full });
-}
-
-function taskNumber(task: string | null): number | null {
-  const number = /T(\d+)$/.exec(task ?? '')?.[1];
-  return number === undefined ? null : Number(number);
 }
 
 export interface TreeRow {

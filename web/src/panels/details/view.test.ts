@@ -25,7 +25,7 @@ function moment(id: number, more: Partial<Moment> = {}): Moment {
     outcome: null,
     subject: '(take-off)',
     method: null,
-    cause: { kind: 'resources-granted', parts: [], evidence: [] },
+    cause: { kind: 'resources-granted', parts: [], evidence: [], observed: '' },
     ...more,
   };
 }
@@ -67,9 +67,11 @@ const why: TaskExplanation = {
     since_ns: 5e9,
     created_ns: 0,
     method: 'primitive a.pdl:9:1',
+    method_place: 'a.pdl:9:1',
     place: 'a.pdl:3:1',
   },
   now: 'T4 is ongoing because it needs no resources',
+  cause: 'it needs no resources',
   explanation,
   left_out: false,
   children: [],
@@ -125,10 +127,12 @@ describe('why', () => {
       kind: 'condition',
       what: '(on camera-1)',
       now: 'off',
+      unobserved: false,
       since: null,
       until: null,
       distance: null,
       task: null,
+      task_number: null,
       place: 'a.pdl:4:2',
     };
     const blocked = {
@@ -178,6 +182,7 @@ it('the log names ends by their outcome, and errors by their colour', () => {
   expect(lines[1]?.text).toBe('(take-off) — it needs no resources');
   expect(lines[0]?.tone).toBe('failed');
   expect(toneOf('refused', null, null)).toBe('interrupted');
+  expect(toneOf('transition', 'terminated', 'invariant violated')).toBe('failed');
 });
 
 it('a report of any JSON can be drawn', () => {

@@ -2,6 +2,7 @@
 
 import type { Blocked, EventRow, Moment, Report, Snippet, Task, TaskExplanation } from '../../record/types';
 import { civilTime, clock, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
+import { isFailure } from '../../words/state';
 
 export interface CauseView {
   id: number;
@@ -95,7 +96,7 @@ function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['fact
 
 /** The colour's name for a decision. */
 export function toneOf(kind: string, to: string | null, outcome: string | null): string {
-  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'failed'; // english: allow
+  if (kind === 'trouble' || isFailure(outcome)) return 'failed'; // english: allow
   if (kind === 'transition') return to ?? 'pending';
   return kind === 'refused' ? 'interrupted' : 'pending';
 }

@@ -106,6 +106,8 @@ describe('targets', () => {
     expect(placedTargets([left])[0]).toMatchObject({ sinceNs: 100e9, detail: 'since 0:03:20: second' });
     const first = { ...left, detail: 'first', history: left.history.slice(0, 1) };
     expect(placedTargets([first])[0]?.detail).toBe('first');
+    const planned = { ...first, state: 'planned', detail: 'for 9:30:00' };
+    expect(placedTargets([planned])[0]?.detail).toBe('planned for 9:30:00');
     const plan = { number: 4, adopted_ns: 400e9, summary: '', visits: [], route: [], left_out: [] };
     expect(placedTargets([left], plan)[0]).toMatchObject({
       state: 'known',

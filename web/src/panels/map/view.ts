@@ -127,7 +127,8 @@ function detailWords(target: Target, state: string): string | null {
   const sinceNs = reasonSince(target);
   const later = target.since_ns !== null && sinceNs !== null && sinceNs > target.since_ns;
   const since = later ? `since ${clock(sinceNs / NANOSECONDS_PER_SECOND)}: ` : '';
-  return `${leftOut ? 'left out: ' : ''}${since}${target.detail}`;
+  const planned = target.state === 'planned' ? 'planned ' : '';
+  return `${leftOut ? 'left out: ' : ''}${since}${planned}${target.detail}`;
 }
 
 export interface ZoneView {

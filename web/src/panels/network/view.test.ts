@@ -59,6 +59,7 @@ describe('the network of activities', () => {
       since_ns: 70e9,
       created_ns: 10e9,
       method: null,
+      method_place: null,
       place: 'p:1:1',
     };
     const [one] = procedureActivities(row, [task], 3, 99e9, new Map());

@@ -33,9 +33,8 @@ export function taskAtWork(holdings: Holdings | null, tasks: readonly Task[], at
   return ongoing.at(-1)?.id ?? null;
 }
 
-/** The cause in the answer of the explainer, `T3 is ongoing because ..`. */
-export function causeWords(sentence: string, names: Names): string {
-  const cause = sentence.split(' because ').slice(1).join(' because ');
+/** A cause of the explainer in one line. */
+export function causeWords(cause: string, names: Names): string {
   const words = shortValue(withDurations(brief(cause, names)));
   return words.length > CAUSE_MAX ? `${words.slice(0, CAUSE_MAX - 1)}…` : words;
 }
@@ -61,7 +60,7 @@ function wordsOf(goal: string): Set<string> {
  * force that has the target of the task or of a task above it.
  */
 export function reasonWords(
-  answer: Pick<TaskExplanation, 'now' | 'task' | 'explanation'>,
+  answer: Pick<TaskExplanation, 'cause' | 'task' | 'explanation'>,
   plan: PlanInForce | null,
   names: Names,
   above: readonly Pick<Task, 'goal'>[] = [],
@@ -69,18 +68,16 @@ export function reasonWords(
 ): string {
   const history = answer.explanation?.history ?? [];
   const began = history.findLast(moment => moment.to === 'ongoing');
-  if (began?.cause?.kind !== 'resources-granted') return causeWords(answer.now, names);
+  if (began?.cause?.kind !== 'resources-granted') return causeWords(answer.cause, names);
   const enabled = history.findLast(moment => moment.to === 'enabled' && moment.id < began.id);
   if (enabled?.cause?.kind === 'preconditions-satisfied') {
     const evidence = evidenceWords(enabled.cause.evidence ?? [], names, goalOf);
-    return (
-      evidence ?? causeWords(` because ${enabled.because.replace(/^its preconditions hold: /, '')}`, names)
-    );
+    return evidence ?? causeWords(enabled.cause.observed, names);
   }
   const visit = [answer.task, ...above]
     .map(task => wordsOf(task.goal))
     .flatMap(words => plan?.visits.find(one => words.has(one.target)) ?? [])[0];
-  if (!plan || !visit) return causeWords(answer.now, names);
+  if (!plan || !visit) return causeWords(answer.cause, names);
   const adopted = clock(plan.adopted_ns / 1e9);
   return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
 }
@@ -98,7 +95,7 @@ function evidenceWords(
   );
   if (!last || events.length < evidence.length) return null;
   if (last.type === 'event') return `${eventWords(last.form, names)} at ${clock(last.at)}`;
-  const goal = goalOf(Number(last.task.replace(/^T/, '')));
+  const goal = goalOf(last.task_number);
   return `${goal === null ? 'the step before it' : untilTarget(goal, names)} ended at ${clock(last.at)}`;
 }
 

@@ -80,7 +80,7 @@ function agents({ records, shown }: Things): Node[] {
 function procedures({ program, tasks, names }: Things): Node[] {
   const used = new Map<string, number>();
   for (const task of tasks?.tasks ?? []) {
-    const place = task.method?.split(' ').at(-1);
+    const place = task.method_place;
     if (place && task.state !== 'terminated') used.set(place, (used.get(place) ?? 0) + 1);
   }
   const files = new Map<string, ProcedureRow[]>();

@@ -12,6 +12,7 @@ const task = (id: number, state: Task['state'], place: string): Task => ({
   since_ns: 0,
   created_ns: 0,
   method: null,
+  method_place: null,
   place,
 });
 

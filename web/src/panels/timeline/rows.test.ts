@@ -43,7 +43,20 @@ describe('rows of targets', () => {
       ]),
     ],
     plans: [plan(1, 0, { a: 40, b: 60 }, []), plan(2, 30, { a: 50 }, ['b']), plan(3, 90, { b: 95 }, [])],
-    troubles: [{ t_ns: 60, kind: 'interrupted' as const, subject: '', cause: '', task: 1, target: null }],
+    troubles: [
+      {
+        t_ns: 60,
+        kind: 'interrupted' as const,
+        subject: '',
+        cause: '',
+        task: 1,
+        failed_child: null,
+        handler_task: null,
+        handler: null,
+        place: null,
+        target: null,
+      },
+    ],
     facts: {
       kind: 'fixed-wing' as const,
       duration_ns: 100,

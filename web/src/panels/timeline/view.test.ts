@@ -147,6 +147,10 @@ describe('failures and faults', () => {
     subject,
     cause: '',
     task: null,
+    failed_child: null,
+    handler_task: null,
+    handler: null,
+    place: null,
     target: null,
   });
 

@@ -136,7 +136,9 @@ export function densityOf(
 }
 
 /** An alarm of a signal, as an entry of the rail; its subject is its words. */
-export type SignalTrouble = Omit<Trouble, 'kind'> & { kind: 'signal' };
+export type SignalTrouble = Pick<Trouble, 't_ns' | 'subject' | 'cause' | 'task' | 'target'> & {
+  kind: 'signal';
+};
 export type RailEntry = Trouble | SignalTrouble;
 
 export interface TroubleMark {

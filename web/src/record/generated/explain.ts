@@ -23,6 +23,10 @@ children: Array<Task>,
  */
 now: string, 
 /**
+ * The cause of that state as text; empty if `now` states none.
+ */
+cause: string, 
+/**
  * The explanation; its history holds the last 60 moments.
  */
 explanation: Why, 
@@ -170,6 +174,10 @@ t: number,
  */
 task: string | null, 
 /**
+ * Its number, 3 for `T3`.
+ */
+task_number: number | null, 
+/**
  * Event: `T3 (photograph fire) started`.
  */
 what: string, 
@@ -287,7 +295,11 @@ parts: Array<CausePart>,
 /**
  * Observations, in the order of the text.
  */
-evidence: Array<Observation>, };
+evidence: Array<Observation>, 
+/**
+ * The observations as text, without the cause that they prove; empty if there are none.
+ */
+observed: string, };
 
 /**
  * A part of a cause.
@@ -424,6 +436,10 @@ at: number, } | { "type": "task-end",
  */
 task: string, 
 /**
+ * Its number, 3 for `T3`.
+ */
+task_number: number, 
+/**
  * Instant of the end.
  */
 at: number, } | { "type": "run", 
@@ -521,6 +537,10 @@ export type Choice = {
  */
 method: string, 
 /**
+ * `file:line:column` of a procedure or primitive.
+ */
+place: string | null, 
+/**
  * Its index.
  */
 index: string, 
@@ -550,6 +570,10 @@ what: string,
  */
 now: string, 
 /**
+ * True for a part of a condition about which no sample or message has arrived.
+ */
+unobserved: boolean, 
+/**
  * Since when, in seconds of mission time, where that is known.
  */
 since: number | null, 
@@ -565,6 +589,10 @@ distance: string | null,
  * The other task concerned, `T4`; `None` if it concerns no other task.
  */
 task: string | null, 
+/**
+ * Its number, 4 for `T4`.
+ */
+task_number: number | null, 
 /**
  * Position in the PDL text.
  */

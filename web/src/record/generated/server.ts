@@ -344,3 +344,8 @@ export type DraftViolation = { reason: string,
  * The place among the visits, from 0; `None` if the whole draft is wrong.
  */
 visit: number | null, };
+
+/**
+ * Kind of a remedy for which the page has words.
+ */
+export type Remedy = "session" | "role" | "tasks" | "records";

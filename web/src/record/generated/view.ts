@@ -190,6 +190,10 @@ created_ns: number,
  */
 method: string | null, 
 /**
+ * `file:line:column` of that method; null for a built-in activity and a solver.
+ */
+method_place: string | null, 
+/**
  * `file:line:column` of its step.
  */
 place: string | null, };
@@ -641,13 +645,29 @@ kind: TroubleKind,
  */
 subject: string, 
 /**
- * Cause.
+ * Cause; empty for a fault whose message is its cause.
  */
 cause: string, 
 /**
  * The number of the task concerned, if there is one.
  */
 task: number | null, 
+/**
+ * The number of the subtask whose failure is the cause.
+ */
+failed_child: number | null, 
+/**
+ * The number of the task that handles the failure, for the fault that reports a handled failure.
+ */
+handler_task: number | null, 
+/**
+ * The goal of that task as known at the instant of the query.
+ */
+handler: string | null, 
+/**
+ * `file:line:column` of the clause of PDL.
+ */
+place: string | null, 
 /**
  * The target's identifier, if the entry concerns a target.
  */
@@ -1033,7 +1053,11 @@ end: string,
 /**
  * Reason of a rejection or an expiry; `None` for other ends.
  */
-reason: string | null, };
+reason: string | null, 
+/**
+ * The alarm that it acknowledges.
+ */
+alarm: string | null, };
 
 /**
  * Operator commands that were decided by an instant.

@@ -21,7 +21,7 @@ use apex_model::time::Time;
 pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return PartFacts::words("no sample yet");
+        return PartFacts::no_sample();
     };
     let Some(held) = leaf.objects.values().max_by_key(|held| held.at) else {
         let what = format!("{variable} = {} at {}, which is not among what this waits for", sample.value, sample.at);
@@ -40,14 +40,15 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
     } else if let Some(distance) = distance(&leaf.tests, &held.value) {
         now.push_str(&format!(", {distance} off"));
     }
-    PartFacts { now, since: Some(held.at), until, distance: distance(&leaf.tests, &held.value) }
+    let distance = distance(&leaf.tests, &held.value);
+    PartFacts { until, distance, ..PartFacts::words(now).since(Some(held.at)) }
 }
 
 /// Describes a fitted line, or the reason for which there is none.
 pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return PartFacts::words("no sample yet");
+        return PartFacts::no_sample();
     };
     let sayings = regression::all(leaf, site, query);
     let Some(saying) = sayings.into_iter().last() else {
@@ -92,7 +93,7 @@ fn samples(count: u64) -> String {
 pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return PartFacts::words("no sample yet");
+        return PartFacts::no_sample();
     };
     let mut now = format!("{variable} = {}", sample.value);
     if leaf.blind {
@@ -128,5 +129,5 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &Ver
     if let Some(at) = standing.long_enough_at {
         now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
-    PartFacts { now, since: Some(standing.start), until: standing.long_enough_at, distance: None }
+    PartFacts { until: standing.long_enough_at, ..PartFacts::words(now).since(Some(standing.start)) }
 }

@@ -34,6 +34,8 @@ use apex_model::value::Value;
 #[derive(Default)]
 pub(crate) struct PartFacts {
     pub(crate) now: String,
+    /// True if no sample or message has arrived that the part could judge.
+    pub(crate) unobserved: bool,
     pub(crate) since: Option<Time>,
     pub(crate) until: Option<Time>,
     pub(crate) distance: Option<Value>,
@@ -44,13 +46,18 @@ impl PartFacts {
         PartFacts { now: now.into(), ..PartFacts::default() }
     }
 
+    /// Returns the facts about a part whose variable has no sample.
+    pub(crate) fn no_sample() -> PartFacts {
+        PartFacts { unobserved: true, ..PartFacts::words("no sample yet") }
+    }
+
     pub(crate) fn since(self, since: Option<Time>) -> PartFacts {
         PartFacts { since, ..self }
     }
 
     fn unmet(self, what: String, place: Place) -> Unmet {
-        let PartFacts { now, since, until, distance } = self;
-        Unmet { what, now, since, until, distance, place }
+        let PartFacts { now, unobserved, since, until, distance } = self;
+        Unmet { what, now, unobserved, since, until, distance, place }
     }
 }
 
@@ -178,7 +185,10 @@ pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> PartFacts {
         PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, crate::monitoring::part::site(part), query),
         PartKind::Regression(leaf) => numbers_unmet::regression(leaf, crate::monitoring::part::site(part), query),
         PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, crate::monitoring::part::site(part), query),
-        PartKind::Cyclic(leaf) => PartFacts::words(cyclic::words(leaf, crate::monitoring::part::site(part), query)),
+        PartKind::Cyclic(leaf) => {
+            let words = cyclic::words(leaf, crate::monitoring::part::site(part), query);
+            words.map_or_else(PartFacts::no_sample, PartFacts::words)
+        }
         PartKind::Event(leaf) if leaf.blind => PartFacts::words("older messages are no longer remembered"),
         PartKind::Event(leaf) => event_state(leaf, part, query),
         PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), query),
@@ -202,16 +212,17 @@ fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> PartF
     let since = (start != Time::BEGINNING).then_some(start);
     let events = query.context.histories().events_from(Time::BEGINNING);
     let Some(newest) = events.filter(|event| begins_alike(&leaf.pattern, &event.form)).last() else {
-        return PartFacts::words("no such event yet").since(since);
+        return PartFacts { unobserved: true, ..PartFacts::words("no such event yet").since(since) };
     };
     let Occurrence { form, at, sequence } = newest;
     let reason = match first_mismatch(&leaf.pattern, form, query.context) {
-        Some(mismatch) => mismatch,
+        Some(mismatch) => format!("it {mismatch}"),
         None if *at < start => "that was before this was waited for".into(),
         None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
         None => "its guards, segments or timing do not fit".into(),
     };
-    PartFacts::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
+    let now = format!("no such event yet; the last one like it was {form} at {at}: {reason}");
+    PartFacts { unobserved: true, ..PartFacts::words(now).since(since) }
 }
 
 /// Returns true if the form begins with the first word of the pattern.
@@ -244,7 +255,7 @@ pub(crate) fn newest(
 
 fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuery<'_>) -> PartFacts {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
-        return PartFacts::words("no sample yet");
+        return PartFacts::no_sample();
     };
     let distance = distance(&leaf.tests, &sample.value);
     let mut now = format!("{variable} = {}", sample.value);
@@ -293,7 +304,7 @@ fn difference(one: f64, other: f64) -> f64 {
 
 fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
-        return PartFacts::words("no sample yet");
+        return PartFacts::no_sample();
     };
     let run = leaf
         .runs
@@ -323,7 +334,7 @@ fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {
     if let Some(at) = until {
         now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
-    PartFacts { now, since: Some(run.start), until, distance: None }
+    PartFacts { until, ..PartFacts::words(now).since(Some(run.start)) }
 }
 
 fn task_words(task: Option<TaskId>, unknown: &str, query: &VerdictQuery<'_>) -> PartFacts {

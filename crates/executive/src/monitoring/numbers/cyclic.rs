@@ -199,16 +199,14 @@ pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQue
     if open { Truth::Unknown } else { Truth::False }
 }
 
-/// Returns the known facts for `apex why`: turning points, the last cycle, the number in sequence.
-pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> String {
+/// Returns the known facts for `apex why`: turning points, the last cycle, the number in sequence. `None` without a sample.
+pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Option<String> {
     let judge = Judge { part, site, context: query.context };
     let wanted = part.objects.iter().filter(|(_, state)| state.bindings.is_some());
-    let Some((object, state)) = wanted.max_by_key(|(_, state)| state.newest.0) else {
-        return "no sample yet".to_string();
-    };
+    let (object, state) = wanted.max_by_key(|(_, state)| state.newest.0)?;
     let (swing, _) = judge.with_newest(object, state, &mut query.troubles);
     let variable = StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
-    match (swing.last, swing.run, swing.turns) {
+    Some(match (swing.last, swing.run, swing.turns) {
         (Some((start, end, amplitude)), run, _) => {
             let amplitude = judge.in_unit(amplitude, swing.dimension);
             let row = run.map_or(0, |run| run.halves / 2);
@@ -222,7 +220,7 @@ pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQue
             format!("{variable} has turned at {} for the last time, no cycle is complete", turn.at)
         }
         (None, ..) => format!("{variable} has not turned yet"),
-    }
+    })
 }
 
 struct Judge<'a> {

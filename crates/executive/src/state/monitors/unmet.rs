@@ -12,6 +12,8 @@ pub struct Unmet {
     pub what: String,
     /// Present state.
     pub now: String,
+    /// True if no sample or message has arrived that the part could judge.
+    pub unobserved: bool,
     /// Since when that is so.
     pub since: Option<Time>,
     /// Instant at which it becomes true by time alone, if nothing changes before.

@@ -90,7 +90,7 @@ fn planners_begin_from_the_adopted_plan_only() {
     for visit in &whole.visits {
         if first.iter().all(|(target, _)| *target != visit.target) {
             let begin = Time::from_seconds((60.0 + visit.arrive_s).round());
-            first.push((&visit.target, format!("planned for {begin}")));
+            first.push((&visit.target, format!("for {begin}")));
         }
     }
     assert!(first.len() < whole.visits.len(), "some target is visited twice");

@@ -1,6 +1,6 @@
 //! The operator commands in a record, each with its end, kept in memory and extended with the record.
 
-use crate::commands::HEAD;
+use crate::commands::{HEAD, acknowledged_alarm};
 use crate::error::RecordError;
 use crate::record::{RecordReader, codec};
 use apex_model::event::EventKind;
@@ -22,6 +22,8 @@ pub struct RecordedCommand {
     pub end: String,
     /// Reason of a rejection or an expiry; `None` for other ends.
     pub reason: Option<String>,
+    /// The alarm that it acknowledges.
+    pub alarm: Option<String>,
 }
 
 /// All commands, kept in memory and grown with the record. Bound: each step is read once.
@@ -86,7 +88,8 @@ fn command(t_ns: i64, kind: &EventKind) -> Option<RecordedCommand> {
         [Value::Text(reason), ..] => Some(reason.to_string()),
         _ => None,
     };
-    Some(RecordedCommand { t_ns, number: *number, words: words.to_string(), end: end.to_string(), reason })
+    let alarm = acknowledged_alarm(rest).map(str::to_owned);
+    Some(RecordedCommand { t_ns, number: *number, words: words.to_string(), end: end.to_string(), reason, alarm })
 }
 
 #[cfg(test)]
@@ -94,6 +97,18 @@ mod tests {
     use super::*;
     use crate::authority::{Actor, ActorRole};
     use crate::commands::{Author, Command, CommandEnd, Order, Ticket};
+
+    #[test]
+    fn an_acknowledgement_names_its_alarm() {
+        let alarm = "fault: the \"mount\" :by ann (0:53:04)";
+        let of = |order: Order| {
+            let (words, ticket) = (format!("acknowledge {alarm}"), Ticket::default());
+            let given = Command { number: 1, words, order, author: None, ticket };
+            command(5, &given.entry(&CommandEnd::Accepted { at: Time(5) })).unwrap().alarm
+        };
+        assert_eq!(of(Order::Acknowledge(alarm.into())).as_deref(), Some(alarm));
+        assert_eq!(of(Order::Note), None);
+    }
 
     #[test]
     fn a_rejection_and_an_expiry_have_a_reason() {

@@ -4,8 +4,10 @@
 use super::announcements::Announcements;
 use super::targets::TargetChange;
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use crate::record::{EffectKind, Effects, RecordReader, Told};
-use apex_model::effect::Effect;
+use apex_model::effect::{Decision, DecisionKind, Effect};
+use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use rusqlite::{OptionalExtension, params};
@@ -25,6 +27,8 @@ pub(crate) struct DecisionRow {
     pub(crate) subject: String,
     pub(crate) text: String,
     pub(crate) place: Option<String>,
+    /// The method, for `selected`.
+    pub(crate) method: Option<MethodDetail>,
     /// The effect; `None` if this version of Apex cannot read it.
     pub(crate) effect: Option<Effect>,
 }
@@ -44,6 +48,7 @@ impl DecisionRow {
             subject: row.subject,
             text: row.text,
             place: row.place,
+            method: row.method,
             effect: Some(effect),
         }
     }
@@ -154,10 +159,13 @@ impl Decisions<'_> {
     }
 
     /// Returns the last binding of a variable of the task before the decision `id`.
-    pub(crate) fn binding(&self, task: TaskId, variable: &str, id: i64) -> DecisionResult {
-        let begin = format!("?{variable} = ").to_ascii_lowercase();
+    pub(crate) fn binding(&self, task: TaskId, variable: &Symbol, id: i64) -> DecisionResult {
         self.newest_told(task, "bound", |told| {
-            told.id < id && told.row.subject.to_ascii_lowercase().starts_with(&begin)
+            let Effect::Decided(Decision { kind: DecisionKind::Bound { variable: bound, .. }, .. }) = &told.effect
+            else {
+                return false;
+            };
+            told.id < id && bound == variable
         })
     }
 
@@ -175,14 +183,12 @@ impl Decisions<'_> {
 
     /// Returns the command with this number.
     pub(crate) fn command(&self, command: u64) -> DecisionResult {
-        let text = format!("command {command}");
-        self.first_of("command", |_, end| Box::new(0..end), |told| told.row.text == text)
+        self.first_of("command", |_, end| Box::new(0..end), |told| is_command(told, command))
     }
 
     /// Returns the command with this number that `task` sent.
     pub(crate) fn command_of(&self, task: TaskId, command: u64) -> DecisionResult {
-        let text = format!("command {command}");
-        self.newest_told(task, "command", |told| told.row.text == text)
+        self.newest_told(task, "command", |told| is_command(told, command))
     }
 
     /// Returns the last command whose form contains `words`.
@@ -194,8 +200,11 @@ impl Decisions<'_> {
 
     /// Returns the request to a solver with this number.
     pub(crate) fn request(&self, task: TaskId, request: u64) -> DecisionResult {
-        let begin = format!("request {request} to ");
-        self.newest_told(task, "solve", |told| told.row.text.starts_with(&begin))
+        self.newest_told(
+            task,
+            "solve",
+            |told| matches!(&told.effect, Effect::Solve(asked) if asked.request.0 == request),
+        )
     }
 
     /// Returns the message `form` that a task of the same agent sent at this instant.
@@ -270,6 +279,11 @@ impl Decisions<'_> {
         };
         read().map_err(|error| self.reader.damaged("the targets", error))
     }
+}
+
+/// Returns true for the command with this number.
+fn is_command(told: &Told, number: u64) -> bool {
+    matches!(&told.effect, Effect::Command { command, .. } if command.0 == number)
 }
 
 /// Returns the places of the effects at an instant, before the place `end`.

@@ -4,6 +4,7 @@
 
 use super::state::StateWord;
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use crate::record::{EffectKind, EffectNeed, Effects, Item, RecordReader};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::task::{OUTCOME_WORDS, TaskState};
@@ -33,7 +34,7 @@ pub(super) struct IndexedTask {
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
     /// The method of each selection; none from a new start of the step until it is selected again.
-    methods: Vec<(i64, Option<Arc<str>>)>,
+    methods: Vec<(i64, Option<Arc<MethodDetail>>)>,
 }
 
 /// Number of changes of a task in one block of [`IndexedTask::longest_ns`].
@@ -168,7 +169,7 @@ impl IndexedTask {
             }
             DecisionKind::Selected { method, goal, .. } => {
                 self.set_goal(at_ns, goal.to_string());
-                self.methods.push((at_ns, Some(Arc::from(effects.method(method)))));
+                self.methods.push((at_ns, Some(Arc::new(effects.method(method)))));
             }
             _ => {}
         }
@@ -264,7 +265,7 @@ impl IndexedTask {
     }
 
     /// Returns the method selected by `at_ns`.
-    pub(super) fn method_at(&self, at_ns: i64) -> Option<&str> {
+    pub(super) fn method_at(&self, at_ns: i64) -> Option<&MethodDetail> {
         last_known(&self.methods, at_ns)?.as_deref()
     }
 

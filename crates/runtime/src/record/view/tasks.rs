@@ -4,6 +4,7 @@ use super::RecordView;
 use super::index::{IndexedTask, TaskIndex};
 use super::state::StateWord;
 use crate::error::RecordError;
+use crate::method_detail::MethodDetail;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -65,6 +66,8 @@ pub struct Task {
     pub created_ns: i64,
     /// `procedure file.pdl:3:1`, if a method was selected by the instant.
     pub method: Option<String>,
+    /// `file:line:column` of that method; null for a built-in activity and a solver.
+    pub method_place: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
 }
@@ -75,7 +78,7 @@ pub enum TaskLookup {
     /// The task, and its children by number.
     Found {
         /// The task.
-        task: Task,
+        task: Box<Task>,
         /// Its children.
         children: Vec<Task>,
     },
@@ -92,6 +95,7 @@ impl Task {
     /// Returns the task at `at_ns`; `None` before its creation.
     fn at(id: u64, task: &IndexedTask, at_ns: i64) -> Option<Task> {
         let now = task.state_at(at_ns)?;
+        let method = task.method_at(at_ns);
         Some(Task {
             id,
             parent: task.parent,
@@ -101,7 +105,8 @@ impl Task {
             outcome: now.outcome.word().map(str::to_owned),
             since_ns: now.at_ns,
             created_ns: task.created_ns,
-            method: task.method_at(at_ns).map(str::to_owned),
+            method: method.map(MethodDetail::to_string),
+            method_place: method.and_then(|method| method.place.clone()),
             place: task.place.clone(),
         })
     }
@@ -155,7 +160,7 @@ impl RecordView {
             .filter_map(|(&id, child)| Task::at(id, child, at_ns))
             .take(CHILDREN_MAX)
             .collect();
-        Ok(TaskLookup::Found { task: row, children })
+        Ok(TaskLookup::Found { task: Box::new(row), children })
     }
 }
 

@@ -1,12 +1,16 @@
 //! An index of failures, interruptions and faults, shared by all views of a record and grown with it. (english: allow)
 
 use crate::error::RecordError;
-use crate::record::{EffectKind, RecordReader};
-use apex_model::task::{TaskState, is_failure_word};
+use crate::record::{EffectKind, Effects, RecordReader};
+use apex_model::because::{Because, Cause};
+use apex_model::effect::{Decision, Effect};
+use apex_model::task::{TaskId, TaskState, is_failure_word};
 use serde::Serialize;
 
 /// Kind of the effects that report faults.
 const FAULT: &str = "trouble"; // english: allow
+/// Kind of the effects that create tasks.
+const CREATED: &str = "created";
 
 /// A failure, an interruption or a fault.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,10 +22,18 @@ pub struct Trouble {
     pub kind: TroubleKind,
     /// The goal, target or message concerned.
     pub subject: String,
-    /// Cause.
+    /// Cause; empty for a fault whose message is its cause.
     pub cause: String,
     /// The number of the task concerned, if there is one.
     pub task: Option<u64>,
+    /// The number of the subtask whose failure is the cause.
+    pub failed_child: Option<u64>,
+    /// The number of the task that handles the failure, for the fault that reports a handled failure.
+    pub handler_task: Option<u64>,
+    /// The goal of that task as known at the instant of the query.
+    pub handler: Option<String>,
+    /// `file:line:column` of the clause of PDL.
+    pub place: Option<String>,
     /// The target's identifier, if the entry concerns a target.
     pub target: Option<String>,
 }
@@ -69,12 +81,18 @@ impl TroubleIndex {
         for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
             let Some(kind) = effects.table.kind(place).and_then(kind_of) else { continue };
             let told = effects.told(place)?;
+            let is_fault = kind == TroubleKind::Fault;
+            let repeats = is_fault && told.row.subject == told.row.text;
             let trouble = Trouble {
                 t_ns: told.at.0,
                 kind,
+                handler_task: if is_fault { handler_task(&effects, place, told.row.task)? } else { None },
+                handler: None,
+                failed_child: failed_child(&told.effect),
                 subject: told.row.subject,
-                cause: told.row.text,
+                cause: if repeats { String::new() } else { told.row.text },
                 task: told.row.task.map(|task| task.0),
+                place: told.row.place,
                 target: None,
             };
             let is_same = |before: &Trouble| {
@@ -88,6 +106,30 @@ impl TroubleIndex {
         self.read_to = self.read_to.max(last);
         Ok(())
     }
+}
+
+/// Returns the subtask whose failure is the cause of a decision.
+fn failed_child(effect: &Effect) -> Option<u64> {
+    match effect {
+        Effect::Decided(Decision { because: Because { cause: Cause::ChildFailed { child }, .. }, .. }) => Some(child.0),
+        _ => None,
+    }
+}
+
+/// Returns the task that handles the failure of `task`, which the fault at `place` reports: it is created directly after that.
+fn handler_task(effects: &Effects<'_>, place: usize, task: Option<TaskId>) -> Result<Option<u64>, RecordError> {
+    let next = place + 1;
+    if effects.table.kind(next).is_none_or(|kind| kind.word != CREATED) {
+        return Ok(None);
+    }
+    Ok(match effects.effect(next)? {
+        Effect::Decided(Decision {
+            task: Some(handler),
+            because: Because { cause: Cause::HandlesFailure { of }, .. },
+            ..
+        }) if Some(of) == task => Some(handler.0),
+        _ => None,
+    })
 }
 
 /// Returns the kind of the entry for an effect; `None` if the effect makes no entry.

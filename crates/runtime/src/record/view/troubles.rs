@@ -30,6 +30,7 @@ impl RecordView {
         let index = self.current(&self.indexes.faults, TroubleIndex::read_to, TroubleIndex::refresh)?;
         let mut troubles = index.until(until).to_vec();
         drop(index);
+        self.name_handlers(&mut troubles, until)?;
         for target in targets {
             let mut before = None;
             for change in target.history {
@@ -40,6 +41,10 @@ impl RecordView {
                         subject: target.name.clone(),
                         cause: change.detail.unwrap_or_default(),
                         task: None,
+                        failed_child: None,
+                        handler_task: None,
+                        handler: None,
+                        place: None,
                         target: Some(target.id.clone()),
                     });
                 }
@@ -48,13 +53,36 @@ impl RecordView {
         }
         if let Some(ending) = mission.ending.filter(|ending| ending.failed) {
             let (subject, t_ns) = ("the flight".to_owned(), mission.growth.end_ns);
-            let kind = TroubleKind::Ended;
-            troubles.push(Trouble { t_ns, kind, subject, cause: ending.reason, task: None, target: None });
+            troubles.push(Trouble {
+                t_ns,
+                kind: TroubleKind::Ended,
+                subject,
+                cause: ending.reason,
+                task: None,
+                failed_child: None,
+                handler_task: None,
+                handler: None,
+                place: None,
+                target: None,
+            });
         }
         // A stable sort: entries of one instant keep the order of the effects.
         troubles.sort_by_key(|trouble| trouble.t_ns);
         let left_out = troubles.len().saturating_sub(TROUBLES_MAX);
         troubles.drain(..left_out);
         Ok(Troubles { troubles, left_out })
+    }
+
+    /// Sets the goals of the tasks that handle failures, as known at `until`.
+    fn name_handlers(&mut self, entries: &mut [Trouble], until: i64) -> Result<(), RecordError> {
+        if entries.iter().all(|entry| entry.handler_task.is_none()) {
+            return Ok(());
+        }
+        let tasks = self.tasks_index()?;
+        for entry in entries {
+            let handler = entry.handler_task.and_then(|task| tasks.get(task));
+            entry.handler = handler.map(|task| task.goal_at(until).to_owned());
+        }
+        Ok(())
     }
 }

@@ -54,7 +54,8 @@ pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>
             for (number, visit) in (1_usize..).zip(&plan.visits) {
                 order.push((target_of(problem, number, &visit.target, visit.manoeuvre)?, Some(visit.manoeuvre)));
             }
-            single_visit::in_order(problem, NAME, &order, environment).map(Plan::SingleVisit)
+            let plan = single_visit::in_order(problem, NAME, &order, environment);
+            plan.map(Plan::SingleVisit).map_err(|fault| fault.reason)
         }
         _ => Err(another_kind(problem)),
     }

@@ -8,6 +8,7 @@
 pub mod brought;
 
 use crate::planners::single_visit;
+pub use crate::planners::single_visit::OrderFault;
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
@@ -34,40 +35,50 @@ impl Solver for Human {
     }
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        self.plan(problem, environment).map_err(|fault| fault.reason)
+    }
+}
+
+impl Human {
+    /// Returns the plan, as [`Solver::solve`].
+    ///
+    /// # Errors
+    /// The first visit that cannot be made.
+    pub fn plan(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, OrderFault> {
         let names: Vec<&str> = match problem {
             Problem::Surveillance(problem) => problem.targets.iter().map(|target| target.name.as_str()).collect(),
             Problem::SingleVisit(problem) => problem.targets.iter().map(|target| target.name.as_str()).collect(),
         };
-        let order = self.visits.iter().map(|name| {
+        let order = self.visits.iter().enumerate().map(|(visit, name)| {
             let index = names.iter().position(|known| known == name);
-            index.ok_or_else(|| format!("there is no target `{name}`; there are {}", names.join(", ")))
+            index.ok_or_else(|| {
+                let reason = format!("there is no target `{name}`; there are {}", names.join(", "));
+                OrderFault { visit: Some(visit), reason }
+            })
         });
-        let order = order.collect::<Result<Vec<usize>, String>>()?;
+        let order = order.collect::<Result<Vec<usize>, OrderFault>>()?;
         match problem {
             Problem::Surveillance(problem) => self.watched(problem, &order, environment),
-            Problem::SingleVisit(_) if self.repeat => {
-                Err("single visits are not repeated: leave `repeat` out".to_string())
-            }
+            Problem::SingleVisit(_) if self.repeat => Err("single visits are not repeated: leave `repeat` out".into()),
             Problem::SingleVisit(problem) => {
                 let order: Vec<(usize, Option<usize>)> = order.into_iter().map(|target| (target, None)).collect();
                 single_visit::in_order(problem, self.name(), &order, environment).map(Plan::SingleVisit)
             }
         }
     }
-}
 
-impl Human {
     fn watched(
         &self,
         problem: &SurveillanceProblem,
         order: &[usize],
         environment: &mut Environment<'_>,
-    ) -> Result<Plan, String> {
+    ) -> Result<Plan, OrderFault> {
         let scenario = Scenario::new(problem)?;
         let flown = scenario.flown(order.iter().copied());
         if let Some(name) = self.visits.get(flown.len()) {
             let number = flown.len() + 1;
-            return Err(format!("visit {number}, of {name}, cannot be made: it would end after the flight has to"));
+            let reason = format!("visit {number}, of {name}, cannot be made: it would end after the flight has to");
+            return Err(OrderFault { visit: Some(flown.len()), reason });
         }
         let plan = match self.repeat {
             true => scenario.cycle_plan(self.name(), order),
@@ -93,6 +104,12 @@ mod tests {
         Ok(plan)
     }
 
+    fn fault(solver: &Human, problem: &Problem) -> OrderFault {
+        let mut budget = WorkBudget::new(100_000);
+        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
+        solver.plan(problem, &mut environment).unwrap_err()
+    }
+
     fn human(visits: &[&str], repeat: bool) -> Human {
         Human { visits: visits.iter().map(ToString::to_string).collect(), repeat }
     }
@@ -112,10 +129,13 @@ mod tests {
         // The reasons are those of a list of visits: no planner made a cycle.
         let reasons = of(&names[..1], false).left_out;
         assert!(reasons.len() == 3 && !reasons.iter().any(|left_out| left_out.reason.contains("cycle")), "{reasons:?}");
-        let unknown = solve(&human(&["atlantis"], false), &asked).unwrap_err();
-        assert!(unknown.starts_with("there is no target `atlantis`; there are "), "{unknown}");
+        let unknown = fault(&human(&[names[0], "atlantis"], false), &asked);
+        assert!(unknown.reason.starts_with("there is no target `atlantis`; there are "), "{unknown:?}");
+        assert_eq!(unknown.visit, Some(1));
         let long: Vec<&str> = names.iter().copied().cycle().take(1_000).collect();
-        assert!(solve(&human(&long, false), &asked).unwrap_err().contains("would end after the flight has to"));
+        let late = fault(&human(&long, false), &asked);
+        assert!(late.reason.contains("would end after the flight has to"), "{late:?}");
+        assert!(late.reason.starts_with(&format!("visit {}, of ", late.visit.unwrap() + 1)), "{late:?}");
     }
 
     #[test]
@@ -132,9 +152,10 @@ mod tests {
         assert!(score(&again) > 0.9 * score(&best), "{} {}", score(&again), score(&best));
         let mut twice = order.clone();
         twice.push(order[0]);
-        let refused = solve(&human(&twice, false), &asked).unwrap_err();
-        assert!(refused.contains(&format!("visit {}, of {}", twice.len(), order[0])), "{refused}");
-        assert!(solve(&human(&order, true), &asked).is_err());
+        let refused = fault(&human(&twice, false), &asked);
+        assert!(refused.reason.contains(&format!("visit {}, of {}", twice.len(), order[0])), "{refused:?}");
+        assert_eq!(refused.visit, Some(order.len()));
+        assert_eq!(fault(&human(&order, true), &asked).visit, None);
     }
 
     #[test]

@@ -10,6 +10,27 @@ use apex_planning::solver::{Budget, Environment};
 /// Iterations over all visits in which better choices are sought.
 const PASSES_MAX: usize = 8;
 
+/// Fault of an order of visits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OrderFault {
+    /// The visit that cannot be made, by its place from 0; `None` if the fault is not that of one visit.
+    pub visit: Option<usize>,
+    /// Reason, which names the visit.
+    pub reason: String,
+}
+
+impl From<String> for OrderFault {
+    fn from(reason: String) -> OrderFault {
+        OrderFault { visit: None, reason }
+    }
+}
+
+impl From<&str> for OrderFault {
+    fn from(reason: &str) -> OrderFault {
+        reason.to_string().into()
+    }
+}
+
 /// Returns the plan that visits these targets, by index, in this order; `solver` is its planner. A target with a given manoeuvre is
 /// observed by that manoeuvre at once, the others in the way with the highest value.
 ///
@@ -20,13 +41,16 @@ pub fn in_order(
     solver: &str,
     targets: &[(usize, Option<usize>)],
     environment: &mut Environment<'_>,
-) -> Result<SingleVisitPlan, String> {
+) -> Result<SingleVisitPlan, OrderFault> {
     let mut schedule = Schedule::new(problem)?;
     let troubles = Troubles::new(&mut schedule);
     let mut best: Option<Candidate> = None;
     for (at, (target, manoeuvre)) in targets.iter().enumerate() {
         let data = problem.targets.get(*target).ok_or("a visit names no target")?;
-        let refused = |why: &str| format!("visit {}, of {}, cannot be made: {why}", at + 1, data.name);
+        let refused = |why: &str| OrderFault {
+            visit: Some(at),
+            reason: format!("visit {}, of {}, cannot be made: {why}", at + 1, data.name),
+        };
         if targets.get(..at).is_some_and(|before| before.iter().any(|(before, _)| before == target)) {
             return Err(refused("it has been visited before"));
         }
@@ -37,7 +61,7 @@ pub fn in_order(
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }
     let best = improved(&mut schedule, best.ok_or("no visits are given")?, targets, environment.budget);
-    plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
+    Ok(plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)?)
 }
 
 /// Returns all ways to observe `target`: by the given manoeuvre at once; otherwise by each manoeuvre, at once or from each corner of its

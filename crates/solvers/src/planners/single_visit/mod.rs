@@ -18,7 +18,7 @@ mod plan;
 mod search;
 mod time_independent;
 
-pub use in_order::in_order;
+pub use in_order::{OrderFault, in_order};
 pub use order_value::{OrderValue, OrderedVisit, order_value};
 pub(crate) use plan::most;
 pub use plan::{bounded_by, scored};
