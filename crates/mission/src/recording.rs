@@ -248,6 +248,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
+    #[allow(clippy::disallowed_methods, reason = "the test waits for a thread")]
     fn a_record_that_is_shown_while_it_is_written_is_protected_after_its_flight() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("flight.apex");

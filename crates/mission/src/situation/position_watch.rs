@@ -19,6 +19,8 @@ const NOTES_MAX: u8 = 10;
 pub(super) struct PositionWatch {
     /// The instant of the last accepted position, or of the beginning of the flight; `None` on the ground.
     known_at: Option<Time>,
+    /// True if a position was accepted.
+    is_known: bool,
     is_silent: bool,
     /// Number of doubted positions since the last accepted one.
     doubted: u32,
@@ -35,6 +37,7 @@ impl PositionWatch {
             self.doubts += u8::from(is_noted);
             return is_noted.then(|| Note { at, text: self.doubt(value) });
         }
+        self.is_known = true;
         let doubted = std::mem::take(&mut self.doubted);
         let before = self.known_at.replace(self.known_at.map_or(at, |known| known.max(at)));
         if std::mem::take(&mut self.is_silent) {
@@ -47,7 +50,8 @@ impl PositionWatch {
 
     fn doubt(&self, value: &Value) -> String {
         let why = match Location::from_value(value) {
-            Some(_) => "the vehicle cannot have flown there since the last position that was used",
+            Some(_) if self.is_known => "the vehicle cannot have flown there since the last position that was used",
+            Some(_) => "it is the first one, and far from the mission's start and all targets",
             None => "it does not state a place on or near the Earth",
         };
         let further = if self.doubts == NOTES_MAX { "; further ones are not noted" } else { "" };
@@ -114,6 +118,8 @@ mod tests {
     fn doubted_positions_are_noted_at_their_beginning_and_end() {
         let mut watch = PositionWatch::default();
         let wrong = Value::list([0.0, 0.0, 60.0].map(Value::Real));
+        let first = texts([watch.take(s(0), &wrong, false), watch.take(s(0), &place(), true)]);
+        assert!(first[0].1.contains("far from the mission's start"), "{first:?}");
         let mut told = texts((0..9).map(|at| watch.take(s(at), &wrong, false)));
         told.extend(texts([watch.take(s(9), &place(), true)]));
         let told: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
