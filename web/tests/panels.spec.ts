@@ -148,7 +148,8 @@ test('the map shows ground seen, wind, reach and the replaced plan, and only wha
   await expect(page.getByTestId('wind')).toContainText(/wind from \d{3}° at \d+ kt, measured/);
   const early = await countColours(page, map, colours);
   const before = early[COLOURS.seen] ?? 0;
-  expect(before).toBeLessThan(20);
+  // Edges of letters come near the colour: about 7 pixels in Chromium, 28 in Chromium without windows.
+  expect(before).toBeLessThan(40);
   await open(page, `?t=${at}`);
   await expect
     .poll(async () => (await countColours(page, map, colours))[COLOURS.seen] ?? 0)
