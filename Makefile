@@ -229,6 +229,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(MAKE) quality
 	$(MAKE) wheel
 	$(MAKE) properties
+	CONTENTION_PROGRAMS=2000 $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-executive --test contention_twin
 	MISTAKE_SEEDS="$(MISTAKE_SEEDS)" $(CI_CARGO) test --locked $(CI_PROFILE) --package apex-pdl --test mistakes
 	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	$(CI_CARGO) run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use support::{agent, message, run, story};
 
 /// Programs in one run of the test; `CONTENTION_PROGRAMS` sets another number, `CONTENTION_SEED` another seed.
-const PROGRAMS: u64 = 150;
+const PROGRAMS: u64 = 50;
 /// Seeds of programs that differed once.
 const FOUND: [u64; 1] = [30_399];
 const UNTIL: f64 = 300.0;
