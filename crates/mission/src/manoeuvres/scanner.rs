@@ -334,3 +334,37 @@ pub(super) fn quality(look: &LookResult) -> QualityFactors {
         resolution: factor(look.factors.resolution, &RESOLUTION),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::cell::Cell;
+
+    fn lines(longitude_deg: f64) -> Vec<(Position, Position)> {
+        vec![(Position::new(37.0, longitude_deg), Position::new(37.1, longitude_deg))]
+    }
+
+    proptest! {
+        /// The bounds save flights, and never change the choice. Times are whole seconds, so that equal ones are frequent.
+        #[test]
+        fn the_lines_of_the_shorter_time_are_chosen(times_s in (0..6_i32, 0..6_i32), less_s in (0..4_i32, 0..4_i32)) {
+            let (around_s, swept_s) = (f64::from(times_s.0), f64::from(times_s.1));
+            let bounds_s = (around_s - f64::from(less_s.0), swept_s - f64::from(less_s.1));
+            let is_around = |lines: &[(Position, Position)]| lines[0].0.longitude_deg < -120.5;
+            let count = Cell::new(0);
+            let flown = |lines: &[(Position, Position)]| {
+                count.set(count.get() + 1);
+                let duration_s = if is_around(lines) { around_s } else { swept_s };
+                Ok(FlownLines { lines: Vec::new(), entry: None, duration_s, length_m: 0.0 })
+            };
+            let least_s = |lines: &[(Position, Position)]| if is_around(lines) { bounds_s.0 } else { bounds_s.1 };
+            let (chosen, chosen_around) = faster(Some(lines(-121.0)), lines(-120.0), least_s, flown);
+            prop_assert_eq!(chosen_around, around_s < swept_s);
+            prop_assert_eq!(is_around(&chosen), chosen_around);
+            // A bound that leaves no choice saves the second flight.
+            let is_clear = if bounds_s.0 <= bounds_s.1 { around_s < bounds_s.1 } else { swept_s <= bounds_s.0 };
+            prop_assert_eq!(count.get(), if is_clear { 1 } else { 2 });
+        }
+    }
+}
