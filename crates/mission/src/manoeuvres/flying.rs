@@ -79,24 +79,6 @@ pub(super) fn fly(
     Ok(flown)
 }
 
-/// Share of a lower bound that counts: turns are computed in a plane, in which distances differ a little from those on the ellipsoid.
-const PLANE_SHARE: f64 = 0.999;
-
-/// Returns a lower bound of the time that [`fly`] states at cruise speed, in seconds: all distances with the strongest wind from behind, and
-/// the straight parts before the lines of a fixed wing.
-pub(super) fn least_s(lines: &[(Position, Position)], model: &VehicleModel, field: &WindField) -> f64 {
-    let speed_mps = model.true_airspeed_m_s_cruise + wind::speed_mps_max(field);
-    let lead_s = if model.airframe == Airframe::FixedWing { lead_in_s(model) } else { 0.0 };
-    let mut before = None;
-    let mut sum_s = 0.0;
-    for (from, to) in lines {
-        let way_s = before.map_or(0.0, |exit| geodesy::distance_m(exit, *from) / speed_mps);
-        sum_s += way_s.max(lead_s) + geodesy::distance_m(*from, *to) / speed_mps;
-        before = Some(*to);
-    }
-    PLANE_SHARE * sum_s
-}
-
 /// Returns the time and distance from the end of one line to the beginning of the next, including the lead-in; before the first line only
 /// the lead-in. `None` if the wind is too strong.
 fn join(
@@ -160,37 +142,3 @@ pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
 const TURN_SHARE: f64 = 0.5;
 /// Time in which a rotorcraft flies the last metres to a hover, s.
 const HANG_S: f64 = 3.0;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use apex_model::problem::{FOREVER_S, WindLayer};
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn no_lines_are_flown_in_less_than_the_bound(
-            places in prop::collection::vec((-0.2..0.2, -0.2..0.2), 2..14),
-            (east_mps, north_mps) in (-20.0..20.0, -20.0..20.0),
-            is_rotorcraft: bool,
-        ) {
-            let model = VehicleModel::named(if is_rotorcraft { "rmax" } else { "predator-b" }).unwrap();
-            let layer = WindLayer {
-                area: None,
-                altitude_m_min: 0.0,
-                altitude_m_max: 9_000.0,
-                from_s: 0.0,
-                until_s: FOREVER_S,
-                wind_east_mps: east_mps,
-                wind_north_mps: north_mps,
-                edr: 0.0,
-            };
-            let field = WindField { layers: vec![layer], ..WindField::default() };
-            let places: Vec<Position> = places.iter().map(|(north, east)| Position::new(37.0 + north, -120.0 + east)).collect();
-            let lines: Vec<(Position, Position)> = places.chunks_exact(2).map(|ends| (ends[0], ends[1])).collect();
-            let Ok(flown) = fly(&lines, 1_000.0, 0.0, None, &model, &field) else { return Ok(()) };
-            let bound_s = least_s(&lines, &model, &field);
-            prop_assert!(bound_s <= flown.duration_s, "{bound_s} and {}", flown.duration_s);
-        }
-    }
-}

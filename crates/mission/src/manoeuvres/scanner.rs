@@ -2,7 +2,7 @@
 //! its predicted factors.
 
 use super::altitudes::{self, closed_by};
-use super::flying::{FlownLines, fly, least_s};
+use super::flying::{FlownLines, fly};
 use super::growth::{LineGround, line_grounds, useful};
 use super::partial::{ClosedGround, OpenLines};
 use super::wish::Wish;
@@ -111,7 +111,6 @@ fn draft(
     let settings = SweepSettings { swath_m, overlap, track_deg: None, run_in_m: 0.5 * swath_m * crab };
     let flown =
         |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
-    let least_s = |lines: &[(Position, Position)]| least_s(lines, &mission.model, &mission.forecast);
     let mut entry = wish.approach;
     let (mut lines, mut along) = (Vec::new(), false);
     for area in &ground.areas {
@@ -125,7 +124,7 @@ fn draft(
         };
         let (chosen, is_around) = match around {
             Some(around) if ground.is_outline => (around, true),
-            around => faster(around, sweep_lines(area, &settings, entry)?, least_s, flown),
+            around => faster(around, sweep_lines(area, &settings, entry)?, flown),
         };
         along |= is_around && !ground.is_outline;
         lines.extend(chosen);
@@ -177,26 +176,15 @@ fn partly(
     drafts.collect()
 }
 
-/// Returns the lines along the outline and true if they take less time than the swept ones; the swept ones and false otherwise. `least_s`
-/// is a lower bound of the time of lines: those with the smaller bound are flown first, and the others only if their bound is smaller than
-/// the time of the first, because a flight takes a hundred times as long to compute as its bound.
+/// Returns the lines along the outline and true if they take less time than the swept ones; the swept ones and false otherwise.
 fn faster(
     around: Option<Vec<(Position, Position)>>,
     swept: Vec<(Position, Position)>,
-    least_s: impl Fn(&[(Position, Position)]) -> f64,
     flown: impl Fn(&[(Position, Position)]) -> Result<FlownLines, String>,
 ) -> (Vec<(Position, Position)>, bool) {
     let Some(around) = around else { return (swept, false) };
     let time_s = |lines: &[(Position, Position)]| flown(lines).map_or(f64::INFINITY, |flown| flown.duration_s);
-    let (around_least_s, swept_least_s) = (least_s(&around), least_s(&swept));
-    let is_around = if around_least_s <= swept_least_s {
-        let around_s = time_s(&around);
-        around_s < swept_least_s || around_s < time_s(&swept)
-    } else {
-        let swept_s = time_s(&swept);
-        around_least_s < swept_s && time_s(&around) < swept_s
-    };
-    if is_around { (around, true) } else { (swept, false) }
+    if time_s(&around) < time_s(&swept) { (around, true) } else { (swept, false) }
 }
 
 /// Returns the line moved back by `ahead_m`, the distance that the scanner of an aircraft with its nose up looks ahead, and extended at
@@ -332,39 +320,5 @@ pub(super) fn quality(look: &LookResult) -> QualityFactors {
         coverage: factor(look.factors.coverage, &COVERAGE),
         clarity: factor(look.factors.clarity, &CLARITY),
         resolution: factor(look.factors.resolution, &RESOLUTION),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use std::cell::Cell;
-
-    fn lines(longitude_deg: f64) -> Vec<(Position, Position)> {
-        vec![(Position::new(37.0, longitude_deg), Position::new(37.1, longitude_deg))]
-    }
-
-    proptest! {
-        /// The bounds save flights, and never change the choice. Times are whole seconds, so that equal ones are frequent.
-        #[test]
-        fn the_lines_of_the_shorter_time_are_chosen(times_s in (0..6_i32, 0..6_i32), less_s in (0..4_i32, 0..4_i32)) {
-            let (around_s, swept_s) = (f64::from(times_s.0), f64::from(times_s.1));
-            let bounds_s = (around_s - f64::from(less_s.0), swept_s - f64::from(less_s.1));
-            let is_around = |lines: &[(Position, Position)]| lines[0].0.longitude_deg < -120.5;
-            let count = Cell::new(0);
-            let flown = |lines: &[(Position, Position)]| {
-                count.set(count.get() + 1);
-                let duration_s = if is_around(lines) { around_s } else { swept_s };
-                Ok(FlownLines { lines: Vec::new(), entry: None, duration_s, length_m: 0.0 })
-            };
-            let least_s = |lines: &[(Position, Position)]| if is_around(lines) { bounds_s.0 } else { bounds_s.1 };
-            let (chosen, chosen_around) = faster(Some(lines(-121.0)), lines(-120.0), least_s, flown);
-            prop_assert_eq!(chosen_around, around_s < swept_s);
-            prop_assert_eq!(is_around(&chosen), chosen_around);
-            // A bound that leaves no choice saves the second flight.
-            let is_clear = if bounds_s.0 <= bounds_s.1 { around_s < bounds_s.1 } else { swept_s <= bounds_s.0 };
-            prop_assert_eq!(count.get(), if is_clear { 1 } else { 2 });
-        }
     }
 }
