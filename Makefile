@@ -49,6 +49,8 @@ CI_SELECTION := --workspace
 CI_LINTS := RUSTC_WORKSPACE_WRAPPER=$(abspath .ci/driver) CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
 CI_CARGO := $(CI_LINTS) cargo
 CI_BUILD := $(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples --bench '*' --bin xtask
+# Without a test, a build leaves out the features that tests ask of third parties, and these are compiled twice.
+CI_SMALL_TEST := files
 CI_APEX := $(TARGET)/ci/apex
 # In the profile of all else: `cargo xtask` would compile its packages for development, too.
 CI_XTASK := $(TARGET)/ci/xtask
@@ -308,7 +310,7 @@ rust-lints: rust-rules rust-build
 .PHONY: rust-rules
 rust-rules:
 	cargo fmt --all --check
-	$(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --bin xtask
+	$(CI_CARGO) build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --bin xtask --test $(CI_SMALL_TEST)
 	$(CI_XTASK) tidy
 
 # Libraries, the Python module among them, tests, measurements, and the command, which its tests run; their lints.

@@ -115,10 +115,23 @@ impl<R: Read> TelemetryLog<R> {
         Some(self.topics.len() - 1)
     }
 
-    /// Skips bytes until a packet begins.
-    fn resume(&mut self, at: u64) -> io::Result<()> {
-        self.damages
-            .add(|| format!("byte {at}: no packet begins here, or its checksum is wrong; looking for the next one"));
+    /// Notes what is wrong at `at`, and skips bytes until a packet begins. `stamp` is the time before a packet that is whole.
+    fn resume(&mut self, at: u64, stamp: Option<u64>) -> io::Result<()> {
+        self.damages.add(|| match (stamp, self.stamp) {
+            (Some(stamp), Some(before)) => format!(
+                "byte {at}: the packet's time is {} s {} the time of the packet before, more than a day; it is skipped",
+                stamp.abs_diff(before) / 1_000_000,
+                if stamp > before { "after" } else { "before" }
+            ),
+            (Some(stamp), None) => {
+                format!(
+                    "byte {at}: the packet's time is {stamp} us after 1970, which is no time of a flight; it is skipped"
+                )
+            }
+            (None, _) => {
+                format!("byte {at}: no packet begins here, or its checksum is wrong; looking for the next one")
+            }
+        });
         loop {
             self.bytes.skip(1);
             let window = self.bytes.peek(STAMP + LONGEST)?.to_vec();
@@ -162,14 +175,15 @@ impl<R: Read> LogReader for TelemetryLog<R> {
                 }
                 return Ok(false);
             };
-            let packet = self.packet(&window).filter(|_| self.plausible(stamp));
-            let Some(packet) = packet else {
+            let whole = self.packet(&window);
+            let untimely = whole.as_ref().map(|_| stamp);
+            let Some(packet) = whole.filter(|_| self.plausible(stamp)) else {
                 if window.len() < STAMP + LONGEST && is_cut(&window) {
                     self.damages.add(|| format!("byte {at}: the log ends within a packet"));
                     self.bytes.skip(window.len());
                     return Ok(false);
                 }
-                self.resume(at)?;
+                self.resume(at, untimely)?;
                 continue;
             };
             self.bytes.skip(packet.length);

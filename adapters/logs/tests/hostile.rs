@@ -54,6 +54,23 @@ fn a_hole_costs_only_what_was_in_it() {
     }
 }
 
+/// The time before the second packet of the vehicle is a hundred million seconds later; its bytes and its checksum are right.
+#[test]
+fn a_packet_at_an_impossible_time_is_named_as_such() {
+    let mut log = builders::tlog(3);
+    let packet = builders::tlog(1).len();
+    let stamp = u64::from_be_bytes(log[packet..packet + 8].try_into().unwrap()) + 100_000_000_000_000;
+    log[packet..packet + 8].copy_from_slice(&stamp.to_be_bytes());
+    let mut reader = Format::TelemetryLog.reader(&log[..], None);
+    let (mut message, mut count) = (Message::default(), 0);
+    while reader.next(&mut message).unwrap() {
+        count += 1;
+    }
+    assert_eq!(count, 5, "all others are read");
+    let note = "the packet's time is 100000000 s after the time of the packet before, more than a day; it is skipped";
+    assert_eq!(reader.damages().first, [format!("byte {packet}: {note}")]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 

@@ -236,7 +236,7 @@ fn preceded(trace: &[(bool, i64, i64)], runs: i64) -> Vec<(bool, i64, i64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
     fn results_are_dropped_only_when_nothing_can_be_related_to_them(
@@ -248,7 +248,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6_000))]
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
     fn relations_hold_as_soon_as_nothing_can_change_them(

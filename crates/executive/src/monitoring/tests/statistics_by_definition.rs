@@ -247,7 +247,7 @@ fn wanted() -> impl Strategy<Value = Wanted> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(1_000))]
 
     #[test]
     fn statistics_agree_with_the_definition_at_every_instant(trace in traces(12, 9), wanted in wanted(), rest in 0..15_i64) {

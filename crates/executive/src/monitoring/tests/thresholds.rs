@@ -92,7 +92,7 @@ fn tell(pairs: &mut [Pair], interests: &Interests, stimulus: &Stimulus, view: &T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
     #[test]
     fn a_monitor_misses_nothing_that_matters(
         wanted in proptest::collection::vec((conditions(), 0..3_i64, proptest::option::weighted(0.3, 0..4_u64)), 1..9),

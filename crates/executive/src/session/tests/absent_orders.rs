@@ -84,7 +84,7 @@ pub(super) fn windows(told: &mut Vec<String>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(ProptestConfig::with_cases(250))]
 
     /// A constraint that is always true lets the absence combine all results of the parts.
     #[test]

@@ -162,7 +162,7 @@ const CONJUNCTIONS: [&str; 12] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     /// A constraint that is always true keeps every result of the parts: every combination is tried at every look.
     #[test]
@@ -204,7 +204,7 @@ const PAIRS: [&str; 12] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(ProptestConfig::with_cases(250))]
 
     /// Another constraint that is always true keeps every result of the parts.
     #[test]
@@ -251,7 +251,7 @@ const ABSENCES: [&str; 7] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(150))]
 
     /// A constraint that is always true lets the absence combine all results of the parts.
     #[test]

@@ -228,7 +228,7 @@ pub(super) fn results_over(condition: &str, story: &[(i64, Told)], late: bool, l
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(150))]
 
     /// A constraint that is always true keeps an order from being swept: every combination is tried at every evaluation.
     #[test]

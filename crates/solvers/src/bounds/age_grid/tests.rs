@@ -38,7 +38,7 @@ fn problem(count: usize, seed: u64, dwell_s: f64, age_s: f64) -> SurveillancePro
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn no_word_costs_less(

@@ -109,7 +109,7 @@ fn random_multipliers(network: &Network, rng: &mut Generator) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(100))]
     #[test]
     fn what_is_proven_is_the_most_that_any_route_is_worth(seed in 0..100_000u64, share in 0..3u32) {
         let network = random(seed);

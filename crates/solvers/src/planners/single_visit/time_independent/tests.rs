@@ -354,7 +354,7 @@ fn most_benefits(schedule: &mut Schedule<'_>, count: usize) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
     #[test]
     fn no_plan_in_changing_wind_and_airspace_gathers_more_than_the_bound(seed in 0..10_000u64) {
         let problem = examples::random(4, seed);
