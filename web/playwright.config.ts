@@ -5,8 +5,10 @@ export default defineConfig({
   testDir: 'tests',
   testMatch: '**/*.spec.ts',
   outputDir: 'test-results',
-  // The files run two at a time; a test mostly waits for the browser to draw or for the server to answer.
+  globalSetup: './tests/served.ts',
+  // Tests run two at a time. Those of one file may, too, so that no long file is left at the end; files with a flight of their tests may not.
   workers: 2,
+  fullyParallel: true,
   timeout: 120_000,
   expect: { timeout: 15_000 },
   reporter: [['list']],

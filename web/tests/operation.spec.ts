@@ -53,6 +53,8 @@ async function lastCommand(page: Page, words: string): Promise<void> {
   await expect(page.getByTestId('last-command')).toContainText(words);
 }
 
+// One flight for all tests of this file.
+test.describe.configure({ mode: 'default' });
 test.beforeAll(async () => {
   flight = await fly(['--paused', '--pace', '100']);
 });

@@ -1,6 +1,6 @@
 /**
- * The server for the page tests: APEX_URL if one is running, otherwise `APEX_BIN serve APEX_RECORD` on a free port. APEX_BIN defaults to
- * the release build of this repository.
+ * Servers for the page tests: APEX_URL if one is running, as in a whole run (served.ts), otherwise `APEX_BIN serve APEX_RECORD` on a free
+ * port. APEX_BIN defaults to the release build of this repository.
  */
 
 import { type ChildProcess, spawn } from 'node:child_process';

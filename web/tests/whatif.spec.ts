@@ -20,6 +20,8 @@ const folder = mkdtempSync(join(tmpdir(), 'sherpa-'));
 const record = join(folder, 'watch.apex');
 let server: Server;
 
+// One flight for all tests of this file.
+test.describe.configure({ mode: 'default' });
 test.beforeAll(async () => {
   test.setTimeout(180_000);
   execFileSync(apexProgram(), ['fly', MISSION, '--record', record, '--no-progress'], { stdio: 'ignore' });

@@ -5,6 +5,7 @@
 //! Bound: O(targets) per sample, O(cells of the swath) near a target.
 
 mod ground;
+mod nearest;
 mod results;
 
 use crate::assess::Product;
@@ -263,8 +264,9 @@ impl FlownObservation {
 
     /// Returns the elevation of the target whose centre is nearest to a position; 0 without targets.
     pub fn elevation_m_near(&self, position: Position) -> f64 {
-        let distance_m = |watched: &TargetObservations| geodesy::distance_m(watched.grid.plane().centre(), position);
-        let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        let centres = self.watched.iter().map(|watched| watched.grid.plane().centre());
+        let nearest = nearest::nearest(position, centres, |centre| geodesy::distance_m(centre, position));
+        let nearest = nearest.and_then(|index| self.watched.get(index));
         nearest.map_or(0.0, |watched| watched.target.elevation_m)
     }
 

@@ -249,9 +249,12 @@ export class Player {
         ...this.faults,
         `The address has sel=target:${target}; no such target is known by this time.`,
       ];
-    if (address) this.apply(address);
+    const readNs = this.atNs;
+    if (address) this.take(address);
     this.speed = speedFor(this.range);
-    this.ask();
+    // The facts of this instant have just been read.
+    if (this.atNs !== readNs) this.momentQuestions.put(this.atNs);
+    this.askParts();
     if (mission.status !== 'complete') {
       this.updatedMs = performance.now();
       this.stopWatching = this.source.watch(
@@ -293,8 +296,13 @@ export class Player {
     };
   }
 
-  /** Takes over the state of an address. */
+  /** Takes over the state of an address, and requests its data. */
   apply(address: Address): void {
+    this.take(address);
+    this.ask();
+  }
+
+  private take(address: Address): void {
     const { window, selection, atNs } = address;
     this.visible = window ? shift(window, this.axis, 0) : this.axis;
     if (JSON.stringify(selection) !== JSON.stringify(this.selection)) this.why = null;
@@ -305,8 +313,9 @@ export class Player {
     this.desk.top = { left: address.left, right: address.tab };
     this.compareWith(address.versus);
     this.rows = address.rows ?? 'all';
-    if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
-    else this.seek(atNs ?? this.range.fromNs);
+    const isEnd = atNs === 'live' || (atNs === null && this.live);
+    this.moveTo(clamp(isEnd ? this.range.toNs : (atNs ?? this.range.fromNs), this.range));
+    this.following = isEnd && this.live;
   }
 
   /** Ends all timers and connections. */
@@ -531,8 +540,13 @@ export class Player {
 
   private ask(): void {
     if (!this.mission) return;
-    this.freshness.ask(this.atNs);
     this.momentQuestions.put(this.atNs);
+    this.askParts();
+  }
+
+  /** Requests what parts of the page show of the instant, without the facts about the flight as a whole. */
+  private askParts(): void {
+    this.freshness.ask(this.atNs);
     this.askLanes();
     this.taskQuestions.put({
       atNs: this.atNs,

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { RecordSource } from '../record/source';
 import type { Growth } from '../record/types';
+import { readAddress } from './address';
 import { Player } from './player.svelte';
 
 beforeEach(() => {
@@ -59,5 +60,19 @@ it('a command that a paused flight accepts is read, though mission time stands s
   expect(record.asked()).toBeGreaterThan(before);
   // Panels that read on their own read again.
   expect(player.revision).toBe(revision + 1);
+  player.close();
+});
+
+it('a record is opened with one reading of the instant of the address', async () => {
+  const record = liveRecord();
+  const player = new Player(record.source);
+  const { address } = readAddress('?t=30');
+  await player.open(address);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(player.atNs).toBe(30e9);
+  expect(record.asked()).toBe(1);
+  player.seek(20e9);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(record.asked()).toBe(2);
   player.close();
 });

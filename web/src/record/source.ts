@@ -153,6 +153,8 @@ export class ServedRecord implements RecordSource {
   private readonly api: string;
   /** The signals that carry the vehicle's state, once they are known. */
   private carriers: Carriers = {};
+  /** Requests of the present turn of the event loop by address: an equal one shares the answer. Later ones may have newer answers. */
+  private readonly askedAtOnce = new Map<string, Promise<unknown>>();
 
   /** `id` is the record's number in `/api/records`; 0 is the one with which the server was started. */
   constructor(
@@ -270,14 +272,24 @@ export class ServedRecord implements RecordSource {
     };
   };
 
-  private async get<T>(what: string, query: Record<string, string | number | boolean | null>): Promise<T> {
+  private get<T>(what: string, query: Record<string, string | number | boolean | null>): Promise<T> {
     const parameters = new URLSearchParams();
     for (const [name, value] of Object.entries(query)) {
       if (value !== null && value !== '') parameters.set(name, String(value));
     }
+    const address = `${this.api}/${what}?${parameters}`;
+    const asked = this.askedAtOnce.get(address) as Promise<T> | undefined;
+    if (asked) return asked;
+    const answer = this.read<T>(address);
+    this.askedAtOnce.set(address, answer);
+    queueMicrotask(() => this.askedAtOnce.delete(address));
+    return answer;
+  }
+
+  private async read<T>(address: string): Promise<T> {
     let response: Response;
     try {
-      response = await fetch(`${this.api}/${what}?${parameters}`);
+      response = await fetch(address);
     } catch {
       throw new RecordError('the server does not answer', 'is `apex serve` still running?');
     }

@@ -1,30 +1,31 @@
-/** Base map below the flight: outlines of land and borders from local files; no tiles, no glyphs, no network. */
+/** Base map below the flight: outlines of land and borders from local tiles; no glyphs, no other server. */
 
 import * as maplibre from 'maplibre-gl';
 import 'maplibre-gl/dist/maplibre-gl.css';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url';
 import { COLOURS } from '../../theme/colours';
+import { groundSource } from './ground';
 
 // Vite moves the worker file of MapLibre; without the new URL the map stays blank.
 maplibre.setWorkerUrl(workerUrl);
 
+const land = { source: 'ground', 'source-layer': 'land' };
+
 /** The style in the colours of the theme in use. */
 const style = (): maplibre.StyleSpecification => ({
   version: 8,
-  sources: {
-    land: { type: 'geojson', data: '/basemap/land.geojson', tolerance: 0.2 },
-    borders: { type: 'geojson', data: '/basemap/borders.geojson', tolerance: 0.2 },
-  },
+  sources: { ground: groundSource() },
   layers: [
     { id: 'sea', type: 'background', paint: { 'background-color': COLOURS.sea } },
-    { id: 'land', type: 'fill', source: 'land', paint: { 'fill-color': COLOURS.land } },
+    { ...land, id: 'land', type: 'fill', paint: { 'fill-color': COLOURS.land } },
     // The outlines of the US and of other countries come from two atlases: a line in the land's colour closes gaps between them.
-    { id: 'seam', type: 'line', source: 'land', paint: { 'line-color': COLOURS.land, 'line-width': 3 } },
-    { id: 'coast', type: 'line', source: 'land', paint: { 'line-color': COLOURS.coast, 'line-width': 0.8 } },
+    { ...land, id: 'seam', type: 'line', paint: { 'line-color': COLOURS.land, 'line-width': 3 } },
+    { ...land, id: 'coast', type: 'line', paint: { 'line-color': COLOURS.coast, 'line-width': 0.8 } },
     {
       id: 'borders',
       type: 'line',
-      source: 'borders',
+      source: 'ground',
+      'source-layer': 'borders',
       paint: { 'line-color': COLOURS.border, 'line-width': 1 },
     },
   ],
