@@ -20,6 +20,8 @@ const CORNER_S: f64 = 1.0;
 const CHORD_SHARE: f64 = 0.5;
 /// If the vehicle is closer than this to the first point of the path, no leg leads to that point.
 const AT_FIRST_M: f64 = 15.0;
+/// A fixed wing that has passed the first point is on the leg after it if it is this near to it.
+const PASSED_ACROSS_M: f64 = 120.0;
 /// A rotorcraft has arrived within this distance of the last point.
 const ARRIVED_M: f64 = 1.0;
 
@@ -67,10 +69,18 @@ impl FollowedPath {
             airspeeds: airspeeds.into(),
             nose: None,
         };
-        if path.leg.length_m < AT_FIRST_M {
+        if path.leg.length_m < AT_FIRST_M || path.is_on_first_leg(here) {
             path.step(here);
         }
         Some(path)
+    }
+
+    /// Returns true if a fixed wing has passed the first point and is on the leg after it: it would have to turn back to that point.
+    fn is_on_first_leg(&self, here: &Situation) -> bool {
+        let (Some(first), Some(second)) = (self.points.first(), self.points.get(1)) else { return false };
+        let leg = Line::new(first.position, second.position);
+        let (along_m, across_m, _) = leg.locate(here.state.position);
+        self.is_fixed_wing && (0.0..leg.length_m).contains(&along_m) && across_m.abs() <= PASSED_ACROSS_M
     }
 
     /// Returns the path to follow now.
