@@ -19,6 +19,24 @@ pub(crate) struct Spot {
     pub(crate) given: Value,
 }
 
+/// The step from one picture to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PictureStep {
+    /// Metres over ground.
+    Distance(f64),
+    /// Seconds.
+    Time(f64),
+}
+
+/// The direction of the nose of a rotorcraft along a path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Nose {
+    /// This heading.
+    Heading(f64),
+    /// Towards this place.
+    Towards(Position),
+}
+
 /// A place on a way, and the altitude of the leg to it if the command states one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WayPoint {
@@ -111,8 +129,12 @@ impl<'a> Arguments<'a> {
 
     /// Returns the required positional heading in radians; a bare number is degrees.
     pub(crate) fn heading(&self, index: usize) -> Result<f64, String> {
-        let value = self.need(index, "heading")?;
-        let number = self.number(value, "heading", Dimension::ANGLE, "270deg")?;
+        self.angle(self.need(index, "heading")?, "heading", "270deg")
+    }
+
+    /// Returns an angle in radians; a bare number is degrees.
+    fn angle(&self, value: &Value, what: &str, example: &str) -> Result<f64, String> {
+        let number = self.number(value, what, Dimension::ANGLE, example)?;
         let bare = value.as_number().is_some_and(|(_, dimension)| dimension == Dimension::NONE);
         Ok(if bare { number * apex_geo::geodesy::RAD_PER_DEG } else { number })
     }
@@ -169,14 +191,41 @@ impl<'a> Arguments<'a> {
         Ok(count as u32)
     }
 
-    /// Reads `:every`, the distance between pictures in metres.
-    pub(crate) fn every_keyword(&self) -> Result<f64, String> {
-        let Some(value) = self.keyword("every") else { return Err(self.wrong("`:every` is missing")) };
-        let every_m = self.number(value, "distance", Dimension::LENGTH, "20m")?;
-        if every_m <= 0.0 {
-            return Err(self.wrong(&format!("the distance {value} is not greater than zero")));
+    /// Reads the steps between pictures: `:every`, a distance over ground, or `:interval`, a time.
+    pub(crate) fn picture_step(&self) -> Result<PictureStep, String> {
+        let (value, what, dimension, such_as) = match (self.keyword("every"), self.keyword("interval")) {
+            (Some(value), None) => (value, "distance", Dimension::LENGTH, "20m"),
+            (None, Some(value)) => (value, "interval", Dimension::TIME, "2s"),
+            (None, None) => return Err(self.wrong("`:every` or `:interval` is missing")),
+            (Some(_), Some(_)) => return Err(self.wrong("it has both `:every` and `:interval`; give one of them")),
+        };
+        let step = self.number(value, what, dimension, such_as)?;
+        if step <= 0.0 {
+            return Err(self.wrong(&format!("the {what} {value} is not greater than zero")));
         }
-        Ok(every_m)
+        Ok(if dimension == Dimension::TIME { PictureStep::Time(step) } else { PictureStep::Distance(step) })
+    }
+
+    /// Reads `:nose`, the direction of the nose along a path: a heading, or the place towards which it points.
+    pub(crate) fn nose_keyword(&self) -> Result<Option<Nose>, String> {
+        let Some(value) = self.keyword("nose") else { return Ok(None) };
+        if value.as_number().is_some() {
+            let heading_rad = self.angle(value, "nose", "270deg")?;
+            return Ok(Some(Nose::Heading(crate::motion::wrap_tau(heading_rad))));
+        }
+        self.read_spot(value, "place of the nose").map(|spot| Some(Nose::Towards(spot.position)))
+    }
+
+    /// Returns azimuth and tilt, in radians, of a direction `(along AZIMUTH TILT)`; `None` for any other argument.
+    pub(crate) fn direction(&self, index: usize) -> Result<Option<(f64, f64)>, String> {
+        let Some([Value::Symbol(head), rest @ ..]) = self.at(index).and_then(Value::as_list) else { return Ok(None) };
+        let [azimuth, tilt] = rest else { return Err(self.wrong("a direction is (along AZIMUTH TILT)")) };
+        if !head.is("along") {
+            return Ok(None);
+        }
+        let azimuth_rad = self.angle(azimuth, "azimuth", "270deg")?;
+        let tilt_rad = self.angle(tilt, "tilt", "-30deg")?;
+        Ok(Some((crate::motion::wrap_tau(azimuth_rad), tilt_rad)))
     }
 
     /// `:centre`, if given.

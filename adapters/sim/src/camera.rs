@@ -4,7 +4,7 @@
 //! roll. Pointing is judged by the angle between the sight line and the target, never by tilt and pan alone, because pan is meaningless
 //! straight down.
 
-use crate::arguments::Spot;
+use crate::arguments::{PictureStep, Spot};
 use crate::motion::{State, wrap_pi};
 use crate::path::bearing;
 use apex_geo::geodesy::RAD_PER_DEG;
@@ -59,6 +59,19 @@ pub(crate) enum Aim {
     Down,
     /// A place at this altitude.
     At(Spot, f64),
+    /// A fixed direction.
+    Along(FixedDirection),
+}
+
+/// A direction that does not depend on where the camera is.
+#[derive(Clone, Debug)]
+pub(crate) struct FixedDirection {
+    /// Clockwise from north.
+    pub(crate) azimuth_rad: f64,
+    /// Above the horizon; negative below it.
+    pub(crate) tilt_rad: f64,
+    /// As written, for the answer.
+    pub(crate) given: Value,
 }
 
 impl Aim {
@@ -67,6 +80,7 @@ impl Aim {
         match self {
             Aim::Down => Value::symbol(DOWN),
             Aim::At(spot, _) => spot.given.clone(),
+            Aim::Along(direction) => direction.given.clone(),
         }
     }
 }
@@ -74,13 +88,14 @@ impl Aim {
 /// The word of commands and events for [`Aim::Down`].
 pub(crate) const DOWN: &str = "down";
 
-/// Pictures by distance.
+/// A series of pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PictureRun {
-    /// Distance over ground between pictures.
-    pub(crate) every_m: f64,
-    /// Distance flown since the last picture.
+    pub(crate) step: PictureStep,
+    /// Distance flown since the last picture was due.
     pub(crate) flown_m: f64,
+    /// Time since the last picture was due, s.
+    pub(crate) waited_s: f64,
     /// Instant of the last picture.
     pub(crate) last: Option<Time>,
 }
@@ -99,7 +114,7 @@ pub(crate) struct Camera {
     pub(crate) timer: Option<Time>,
     /// Instant from which the slew in progress counts as failed.
     pub(crate) slew_until: Option<Time>,
-    /// The present series of pictures taken by distance.
+    /// The present series of pictures.
     pub(crate) run: Option<PictureRun>,
     /// Pictures that the present command still requires after the one in progress.
     pub(crate) pictures_left: u32,
@@ -190,7 +205,11 @@ impl Camera {
     /// Returns the heading at which this mount sees its target; `None` if the mount pans, or if the target is so near the nadir that the
     /// picture contains it at any heading.
     pub(crate) fn nose_rad(&self, state: &State) -> Option<f64> {
-        let Some(Aim::At(spot, altitude_m)) = self.aim.as_ref().filter(|_| !self.pans()) else { return None };
+        let (spot, altitude_m) = match self.aim.as_ref().filter(|_| !self.pans())? {
+            Aim::Down => return None,
+            Aim::Along(direction) => return Some(direction.azimuth_rad),
+            Aim::At(spot, altitude_m) => (spot, altitude_m),
+        };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
         let below_m = state.altitude_m - altitude_m;
         let off_nadir_rad = atan2(distance_m, below_m);
@@ -232,6 +251,7 @@ impl Camera {
                 let (_, distance_m) = bearing(state.position, spot.position);
                 atan2(altitude_m - state.altitude_m, distance_m.max(0.1)) / RAD_PER_DEG
             }
+            Aim::Along(direction) => direction.tilt_rad / RAD_PER_DEG,
         };
         let (low, high) = (self.model.tilt_deg_min, self.model.tilt_deg_max);
         let outside = elevation_deg > high || elevation_deg < low - 1.0;
@@ -245,7 +265,13 @@ impl Camera {
 
     /// Returns the direction of the target.
     fn sight(aim: &Aim, state: &State) -> TargetDirection {
-        let Aim::At(spot, altitude_m) = aim else { return TargetDirection { forward: 0.0, right: 0.0, down: 1.0 } };
+        let (spot, altitude_m) = match aim {
+            Aim::Down => return TargetDirection { forward: 0.0, right: 0.0, down: 1.0 },
+            Aim::Along(direction) => {
+                return TargetDirection::of(direction.tilt_rad, direction.azimuth_rad - state.heading_rad);
+            }
+            Aim::At(spot, altitude_m) => (spot, altitude_m),
+        };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
         let relative = azimuth_rad - state.heading_rad;
         let down = state.altitude_m - altitude_m;
@@ -344,13 +370,21 @@ impl Camera {
     pub(crate) fn is_picture_due(&mut self, ground_speed: f64, dt: f64, now: Time) -> bool {
         let Some(run) = &mut self.run else { return false };
         run.flown_m += ground_speed * dt;
+        run.waited_s += dt;
         let rested = run.last.is_none_or(|last| (now - last).seconds() >= self.model.interval_s_min);
-        let due = run.last.is_none() || run.flown_m >= run.every_m;
+        let is_over = match run.step {
+            PictureStep::Distance(every_m) => run.flown_m >= every_m,
+            PictureStep::Time(every_s) => run.waited_s >= every_s,
+        };
+        let due = run.last.is_none() || is_over;
         if !due || !rested || self.state != CameraState::Pointing {
             return false;
         }
-        // Distance flown beyond the interval counts towards the next picture, so that the mean interval is kept.
-        run.flown_m = (run.flown_m - run.every_m).clamp(0.0, run.every_m);
+        // What exceeds the step counts towards the next picture, so that the mean step is kept.
+        match run.step {
+            PictureStep::Distance(every_m) => run.flown_m = (run.flown_m - every_m).clamp(0.0, every_m),
+            PictureStep::Time(every_s) => run.waited_s = (run.waited_s - every_s).clamp(0.0, every_s),
+        }
         run.last = Some(now);
         true
     }

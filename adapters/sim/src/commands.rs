@@ -4,7 +4,6 @@ use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Order};
-use crate::follow::FollowedPath;
 use crate::instants;
 use crate::names::unknown_name;
 use crate::way::{Way, with_goal};
@@ -72,15 +71,20 @@ const COMMANDS: &[CommandForm] = &[
         (1, 1),
         &["course", "hold", "hold-around", "via"],
     ),
-    command("follow-path", "(follow-path POINTS [:speeds SPEEDS] [:speed S])", (1, 1), &["speeds", "speed"]),
+    command(
+        "follow-path",
+        "(follow-path POINTS [:speeds SPEEDS] [:speed S] [:nose N])",
+        (1, 1),
+        &["speeds", "speed", "nose"],
+    ),
     command("set-altitude", "(set-altitude ALTITUDE)", (1, 1), &[]),
     command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
     command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
     command("scanner", "(scanner on) or (scanner off)", (1, 1), &[]),
     command("camera", "(camera NAME power-up), (camera NAME power-off) or (camera NAME rest)", (2, 2), &[]),
-    command("point-camera", "(point-camera NAME LOCATION) or (point-camera NAME down)", (2, 2), &[]),
+    command("point-camera", "(point-camera NAME LOCATION), or down or (along AZIMUTH TILT) as LOCATION", (2, 2), &[]),
     command("take-picture", "(take-picture NAME [:count N])", (1, 1), &["count"]),
-    command("take-pictures", "(take-pictures NAME :every DISTANCE)", (1, 1), &["every"]),
+    command("take-pictures", "(take-pictures NAME :every DISTANCE|:interval TIME)", (1, 1), &["every", "interval"]),
     command("stop-pictures", "(stop-pictures NAME)", (1, 1), &[]),
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
@@ -229,15 +233,8 @@ impl SimulatedWorld {
                 (if join { Order::JoinLine { from, to } } else { Order::FlyLine { from, to } }, altitude_m)
             }
             "follow-path" => {
-                let points = arguments.points(0)?;
-                let speeds = arguments.speeds_keyword(points.len())?;
-                for altitude_m in points.iter().filter_map(|point| point.altitude_m) {
-                    self.check_altitude(arguments, altitude_m, self.state.position)?;
-                }
-                let last_m = points.last().and_then(|point| point.altitude_m);
-                let path = FollowedPath::new(points, &speeds, &self.situation());
-                let mut path = path.ok_or_else(|| arguments.wrong("the path has no length"))?;
-                path.true_airspeed = arguments.speed_keyword()?;
+                let path = self.path_to_follow(arguments)?;
+                let last_m = path.last_altitude_m();
                 (Order::FollowPath(Box::new(path)), last_m)
             }
             "loiter" => {
@@ -287,7 +284,7 @@ impl SimulatedWorld {
         Ok(Order::Loiter { around, radius_m, duration })
     }
 
-    fn check_altitude(&self, arguments: &Arguments, altitude_m: f64, place: Position) -> Result<(), String> {
+    pub(crate) fn check_altitude(&self, arguments: &Arguments, altitude_m: f64, place: Position) -> Result<(), String> {
         let lowest_m = self.ground.elevation_m_at(place) + self.situation().height_m_min();
         let ceiling_m = self.model.ceiling_m;
         if altitude_m > ceiling_m {

@@ -247,7 +247,7 @@ impl ActiveOrder {
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
             }
             Stage::Follow(path) => {
-                let airspeed = path.true_airspeed.unwrap_or(here.true_airspeed);
+                let airspeed = path.true_airspeed().unwrap_or(here.true_airspeed);
                 (path.altitude_m(here).unwrap_or(here.altitude_m), airspeed)
             }
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),

@@ -1,9 +1,10 @@
 //! Following a path of points. Orbits, spirals, arcs and search patterns are commanded as such paths.
 //!
-//! A fixed wing follows the legs as lines, and chains of short legs as turns. A rotorcraft keeps the speeds that the command
-//! states at points, brakes for corners and for the end, and climbs along the legs.
+//! A fixed wing follows the legs as lines, and chains of short legs as turns, at the airspeed that the command states for the beginning of
+//! each leg. A rotorcraft keeps the ground speeds that the command states at points, brakes for corners and for the end, climbs along
+//! the legs, and holds its nose in the direction that the command states.
 
-use crate::arguments::WayPoint;
+use crate::arguments::{Nose, WayPoint};
 use crate::motion::{ALTITUDE_CAPTURE_S, wrap_pi};
 use crate::path::{Line, Path, bearing};
 use crate::situation::Situation;
@@ -19,6 +20,8 @@ const CORNER_S: f64 = 1.0;
 const CHORD_SHARE: f64 = 0.5;
 /// If the vehicle is closer than this to the first point of the path, no leg leads to that point.
 const AT_FIRST_M: f64 = 15.0;
+/// A fixed wing that has passed the first point is on the leg after it if it is this near to it.
+const PASSED_ACROSS_M: f64 = 120.0;
 /// A rotorcraft has arrived within this distance of the last point.
 const ARRIVED_M: f64 = 1.0;
 
@@ -38,6 +41,10 @@ pub(crate) struct FollowedPath {
     is_fixed_wing: bool,
     /// Airspeed along this path, m/s; `None`: the airspeed commanded before the path.
     pub(crate) true_airspeed: Option<f64>,
+    /// Airspeed of a fixed wing on the leg that begins at each point; empty for a constant one.
+    airspeeds: Arc<[f64]>,
+    /// Direction of the nose of a rotorcraft; `None`: along the track, or where a camera without pan needs it.
+    pub(crate) nose: Option<Nose>,
 }
 
 impl FollowedPath {
@@ -47,6 +54,7 @@ impl FollowedPath {
         points.get(1)?;
         let is_fixed_wing = here.fixed();
         let wanted: Vec<f64> = if is_fixed_wing { Vec::new() } else { speeds.to_vec() };
+        let airspeeds: Vec<f64> = if is_fixed_wing { speeds.to_vec() } else { Vec::new() };
         let speeds = if is_fixed_wing { Vec::new() } else { node_speeds(&points, speeds, here) };
         let mut path = FollowedPath {
             leg: Line::new(here.state.position, first.position),
@@ -58,11 +66,21 @@ impl FollowedPath {
             turn_rad_per_m: 0.0,
             is_fixed_wing,
             true_airspeed: None,
+            airspeeds: airspeeds.into(),
+            nose: None,
         };
-        if path.leg.length_m < AT_FIRST_M {
+        if path.leg.length_m < AT_FIRST_M || path.is_on_first_leg(here) {
             path.step(here);
         }
         Some(path)
+    }
+
+    /// Returns true if a fixed wing has passed the first point and is on the leg after it: it would have to turn back to that point.
+    fn is_on_first_leg(&self, here: &Situation) -> bool {
+        let (Some(first), Some(second)) = (self.points.first(), self.points.get(1)) else { return false };
+        let leg = Line::new(first.position, second.position);
+        let (along_m, across_m, _) = leg.locate(here.state.position);
+        self.is_fixed_wing && (0.0..leg.length_m).contains(&along_m) && across_m.abs() <= PASSED_ACROSS_M
     }
 
     /// Returns the path to follow now.
@@ -77,6 +95,27 @@ impl FollowedPath {
         let before = self.next.checked_sub(1).and_then(|index| self.wanted.get(index)).copied().unwrap_or(0.0);
         let on_leg = self.wanted.get(self.next).map_or(f64::INFINITY, |speed| speed.max(before));
         Path::Paced(self.leg.clone(), self.level_share() * to_brake.min(on_leg))
+    }
+
+    /// Returns the altitude of the last point, if it states one.
+    pub(crate) fn last_altitude_m(&self) -> Option<f64> {
+        self.points.last().and_then(|point| point.altitude_m)
+    }
+
+    /// Returns the airspeed to fly now; `None`: the airspeed commanded before the path.
+    pub(crate) fn true_airspeed(&self) -> Option<f64> {
+        self.airspeeds.get(self.next.saturating_sub(1)).copied().or(self.true_airspeed)
+    }
+
+    /// Returns the heading that the command demands at a position.
+    pub(crate) fn nose_rad(&self, position: Position) -> Option<f64> {
+        match self.nose? {
+            Nose::Heading(heading_rad) => Some(heading_rad),
+            Nose::Towards(place) => {
+                let (azimuth_rad, distance_m) = bearing(position, place);
+                (distance_m > 1.0).then_some(azimuth_rad)
+            }
+        }
     }
 
     /// Returns the horizontal share of the speed along a climbing or descending leg.

@@ -12,6 +12,7 @@ pub mod config;
 mod fixed_wing;
 mod flight;
 mod follow;
+mod following;
 mod fork;
 mod geodesic;
 mod gliding;

@@ -1,7 +1,7 @@
 //! Commands to the payload: scanner and cameras.
 
 use crate::arguments::Arguments;
-use crate::camera::{Aim, Camera, CameraState, DOWN, PictureRun};
+use crate::camera::{Aim, Camera, CameraState, DOWN, FixedDirection, PictureRun};
 use crate::instants;
 use crate::living::FaultKind;
 use crate::names::unknown_name;
@@ -94,8 +94,8 @@ impl SimulatedWorld {
                 return Err(arguments.wrong(&format!("{name} does not point at anything yet: use point-camera first")));
             }
             ("take-pictures", _) => {
-                let every_m = arguments.every_keyword()?;
-                camera.run = Some(PictureRun { every_m, flown_m: 0.0, last: None });
+                let step = arguments.picture_step()?;
+                camera.run = Some(PictureRun { step, flown_m: 0.0, waited_s: 0.0, last: None });
                 answer = Some(Value::symbol(&camera.model.name));
                 self.settled = false;
             }
@@ -158,6 +158,9 @@ impl SimulatedWorld {
     fn aim(&self, arguments: &Arguments) -> Result<Aim, String> {
         if arguments.at(1).and_then(Value::as_symbol).is_some_and(|symbol| symbol.is(DOWN)) {
             return Ok(Aim::Down);
+        }
+        if let (Some((azimuth_rad, tilt_rad)), Some(given)) = (arguments.direction(1)?, arguments.at(1)) {
+            return Ok(Aim::Along(FixedDirection { azimuth_rad, tilt_rad, given: given.clone() }));
         }
         let spot = arguments.spot(1, "target")?;
         let ground_m = self.ground.elevation_m_at(spot.position);

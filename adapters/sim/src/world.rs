@@ -304,7 +304,7 @@ impl SimulatedWorld {
         }
         let (altitude_m, true_airspeed) = self.flight.profile(&self.situation());
         let looking = self.cameras.iter().find_map(|camera| camera.nose_rad(&self.state));
-        let nose_rad = looking.or(self.nose_rad);
+        let nose_rad = self.flight.nose_rad(self.state.position).or(looking).or(self.nose_rad);
         let demand = Demand { path: self.flight.path(&self.situation()), altitude_m, true_airspeed, nose_rad };
         let bank = self.state.bank_rad;
         self.settled = match self.model.airframe {

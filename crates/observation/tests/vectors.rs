@@ -395,11 +395,16 @@ fn passes_of_polar_satellites() {
     let day = 1_189_209_600.0;
     let clock = |h: f64, m: f64, s: f64| h * 3_600.0 + m * 60.0 + s;
     let (zaca, tunk) = (Position::new(34.716, -119.783), Position::new(48.55, -119.35));
+    // By python-sgp4 2.27 with WGS72, to 1 ms and 1e-4 degrees; the reference states these figures without fractions of a second.
     let rows = [
-        (TERRA, zaca, vec![(clock(5., 25., 28.), 49.72), (clock(7., 3., 12.), 56.91), (clock(19., 5., 54.), 23.77)]),
-        (TERRA, tunk, vec![(clock(5., 28., 58.), 27.64), (clock(19., 2., 15.), 3.61)]),
-        (AQUA, zaca, vec![(clock(10., 18., 19.), 38.86), (clock(19., 43., 23.), 61.79)]),
-        (AQUA, tunk, vec![(clock(10., 14., 43.), 14.14), (clock(19., 46., 43.), 53.86)]),
+        (
+            TERRA,
+            zaca,
+            vec![(clock(5., 25., 28.557), 49.7163), (clock(7., 3., 12.187), 56.912), (clock(19., 5., 54.455), 23.7711)],
+        ),
+        (TERRA, tunk, vec![(clock(5., 28., 58.686), 27.6412), (clock(19., 2., 15.982), 3.6088)]),
+        (AQUA, zaca, vec![(clock(10., 18., 19.666), 38.8642), (clock(19., 43., 23.603), 61.7931)]),
+        (AQUA, tunk, vec![(clock(10., 14., 43.639), 14.1381), (clock(19., 46., 43.773), 53.8586)]),
     ];
     let all = PassLimits { half_scan_deg: MODIS_HALF_SCAN_DEG, nadir_angle_deg_max: 90.0 };
     for ((line1, line2), place, expected) in rows {
@@ -408,8 +413,8 @@ fn passes_of_polar_satellites() {
         for (time_s, nadir_deg) in expected {
             let pass = found.iter().find(|pass| (pass.time_s - time_s).abs() < 60.0);
             let pass = pass.unwrap_or_else(|| panic!("no pass near {time_s}: {found:?}"));
-            near(pass.time_s, time_s, 1.5);
-            near(pass.nadir_angle_deg, nadir_deg, 0.06);
+            near(pass.time_s, time_s, 0.5);
+            near(pass.nadir_angle_deg, nadir_deg, 0.01);
             assert_eq!(all.sees(pass), nadir_deg <= 55.0);
         }
     }

@@ -10,7 +10,7 @@ use super::perimeters::Perimeters;
 use super::sky::{SightLine, is_clear};
 use super::wind_error::WindError;
 use crate::atmosphere::Air;
-use crate::camera::{Aim, Camera, CameraState};
+use crate::camera::{Aim, Camera, CameraState, FixedDirection};
 use crate::config::WorldConfig;
 use crate::world::SimulatedWorld;
 use apex_geo::wind::{self, Wind};
@@ -19,10 +19,12 @@ use apex_model::problem::Position;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use apex_vehicle::{Airframe, EnergyModel};
-use libm::{atan2, hypot};
+use libm::{atan2, cos, hypot, sin, tan};
 
 /// Height above the ground at which the wind is sampled that drives the growth of fires.
 const OPEN_WIND_M: f64 = 10.0;
+/// Least angle below the horizon at which the ground in the middle of a picture is computed.
+const LOWEST_SIGHT_RAD: f64 = 10.0 * apex_geo::geodesy::RAD_PER_DEG;
 
 impl Living {
     /// Builds the dynamic world and draws its random parts from the seed; `None` without a world file.
@@ -237,12 +239,28 @@ impl SimulatedWorld {
             Some(Aim::At(spot, altitude_m)) => {
                 (self.navigation.truth(spot.position), self.state.altitude_m - altitude_m)
             }
+            Some(Aim::Along(direction)) => self.seen_along(direction),
             Some(Aim::Down) | None => (self.position(), self.state.altitude_m - self.ground_m),
         };
         let off_nadir_rad = atan2(crate::path::bearing(self.position(), place).1, altitude_m.max(0.1));
         let Some(living) = &self.living else { return true };
         let sight = SightLine { place, altitude_m: self.state.altitude_m, off_nadir_rad };
         !camera.broken && is_clear(&living.spec.clouds, living.seed, sight, now_s)
+    }
+
+    /// Returns the ground in the middle of a picture in a fixed direction, with the height above it; a view above the horizon ends where one
+    /// 10 degrees below it does.
+    fn seen_along(&self, direction: &FixedDirection) -> (Position, f64) {
+        let above_m = (self.state.altitude_m - self.ground_m).max(0.0);
+        let away_m = above_m / tan((-direction.tilt_rad).max(LOWEST_SIGHT_RAD));
+        (
+            crate::motion::moved(
+                self.position(),
+                away_m * cos(direction.azimuth_rad),
+                away_m * sin(direction.azimuth_rad),
+            ),
+            above_m,
+        )
     }
 
     /// Begins a look for a picture that shows the ground, and puts the picture into the downlink's store.

@@ -88,10 +88,9 @@ fn procedure(
     let before = u32::try_from(head.lines().count()).unwrap_or(0);
     let line = step_lines.first().copied().unwrap_or(1) + before;
     let summary = format!(
-        "{}; chosen among {} of {} manoeuvres that meet the goal, of {} tried",
+        "{}; chosen among {} manoeuvres that meet the goal and that no other one beats, of {} tried",
         told(chosen),
         synthesis.front.len(),
-        synthesis.meet,
         synthesis.tried
     );
     Ok(PlannedProcedure {

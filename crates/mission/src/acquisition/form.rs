@@ -66,14 +66,18 @@ impl<'a> Form<'a> {
         found.or(default).ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
     }
 
-    fn optional_angle_deg(&mut self, key: &'static str) -> Result<Option<f64>, String> {
+    pub(crate) fn optional_angle_deg(&mut self, key: &'static str) -> Result<Option<f64>, String> {
         Ok(self.number(key, Dimension::ANGLE, 1.0 / DEG_PER_RAD)?.map(|rad| rad * DEG_PER_RAD))
     }
 
-    fn word(&mut self, key: &'static str) -> Option<String> {
+    /// Returns a keyword's value.
+    pub(crate) fn value(&mut self, key: &'static str) -> Option<&'a Value> {
         self.used.push(key);
-        let (_, value) = self.fields.iter().find(|(name, _)| name == key)?;
-        Some(value.to_string().to_lowercase())
+        self.fields.iter().find(|(name, _)| name == key).map(|(_, value)| *value)
+    }
+
+    pub(crate) fn word(&mut self, key: &'static str) -> Option<String> {
+        self.value(key).map(|value| value.to_string().to_lowercase())
     }
 
     /// Reads one of two words; returns true for the second, false for the first or without a word.
@@ -87,7 +91,7 @@ impl<'a> Form<'a> {
     }
 
     /// Rejects keywords that were not read.
-    fn finish(&self) -> Result<(), String> {
+    pub(crate) fn finish(&self) -> Result<(), String> {
         let stray = self.fields.iter().find(|(key, _)| !self.used.contains(&key.as_str()));
         stray.map_or(Ok(()), |(key, _)| {
             let known: Vec<String> = self.used.iter().map(|key| format!(":{key}")).collect();
@@ -115,12 +119,11 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
     Ok(fields)
 }
 
-/// Reads a flight path. Sweeps are read where their area is known.
+/// Reads the flight path of a form. Sweeps are read where their area is known.
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
-pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
-    let mut form = Form::read(value, "the manoeuvre")?;
+pub(crate) fn read_path(form: &mut Form<'_>) -> Result<FlightPath, String> {
     let path = match form.name() {
         "straight-over" => FlightPath::StraightOver(StraightOver {
             track_deg: form.angle_deg("track", None)?,
@@ -135,7 +138,7 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
             look_angle_deg: form.angle_deg("look-angle", None)?,
             length_m: form.length("length")?,
         }),
-        "spiral" => FlightPath::Spiral(spiral_of(&mut form)?),
+        "spiral" => FlightPath::Spiral(spiral_of(form)?),
         "orbit" => FlightPath::Orbit(Orbit {
             radius_m: form.length("radius")?,
             height_m: form.length("height")?,
@@ -143,7 +146,7 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
             from_deg: form.angle_deg("azimuth", Some(180.0))?,
             clockwise: !form.is("turning", ["right", "left"])?,
         }),
-        "arc" => FlightPath::Arc(arc_of(&mut form)?),
+        "arc" => FlightPath::Arc(arc_of(form)?),
         "pirouette" => FlightPath::Pirouette(Pirouette {
             height_m: form.length("height")?,
             depression_deg: form.angle_deg("depression", None)?,
@@ -164,7 +167,7 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
             slant_m: form.length("distance")?,
             dwell_s: form.number("dwell", Dimension::TIME, 1.0)?.unwrap_or(10.0),
         }),
-        "expanding-square" => FlightPath::ExpandingSquare(square_of(&mut form)?),
+        "expanding-square" => FlightPath::ExpandingSquare(square_of(form)?),
         "sector-search" => FlightPath::SectorSearch(SectorSearch {
             radius_m: form.length("radius")?,
             height_m: form.length("height")?,
@@ -175,7 +178,6 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
             return Err(format!("there is no manoeuvre `{other}`; there are {}", known.collect::<Vec<_>>().join(", ")));
         }
     };
-    form.finish()?;
     Ok(path)
 }
 
@@ -347,6 +349,12 @@ mod tests {
         let fields = fields.iter();
         let fields = fields.flat_map(|(key, number)| [Value::symbol(&format!(":{key}")), Value::Real(*number)]);
         Value::list(std::iter::once(Value::symbol(name)).chain(fields))
+    }
+
+    fn path_of(value: &Value) -> Result<FlightPath, String> {
+        let mut form = Form::read(value, "the manoeuvre")?;
+        let path = read_path(&mut form)?;
+        form.finish().map(|()| path)
     }
 
     #[test]

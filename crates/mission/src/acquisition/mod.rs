@@ -7,6 +7,7 @@ mod answer;
 mod candidates;
 mod form;
 mod goal;
+mod modes;
 mod paths;
 mod permitted;
 mod predicted;

@@ -2,7 +2,7 @@
 //!
 //! Its result depends only on its arguments and the mission's data, so a replay gets the same result. Bound: O(points).
 
-use super::form::path_of;
+use super::modes::{Modes, check_sight, manoeuvre_of_form};
 use super::permitted::{PathRequirements, PlacedPath};
 use super::vehicle::{craft_of, instrument_of, scene_of};
 use crate::Mission;
@@ -19,6 +19,9 @@ use apex_observation::manoeuvres::{
     AttitudeMode, DataHandling, Element, FlightPath, Instrument, Manoeuvre, PayloadUse, Scene, Sight, SpeedProfile,
 };
 use std::sync::Arc;
+
+/// Points nearer to each other than this are one.
+const SAME_M: f64 = 0.01;
 
 /// Data of a mission that the function needs.
 pub(crate) struct Places {
@@ -40,20 +43,14 @@ struct Place {
     ground_m: f64,
 }
 
-/// Returns the manoeuvre that PDL flies: along a path with a camera (or the scanner), at a speed.
-pub(crate) fn manoeuvre_of(path: FlightPath, speed_mps: Option<f64>, craft_hovers: bool, scans: bool) -> Manoeuvre {
-    let speed = match speed_mps {
-        Some(speed_mps) if craft_hovers => SpeedProfile::GroundSpeed(speed_mps),
-        Some(speed_mps) => SpeedProfile::Airspeed(speed_mps),
-        None => SpeedProfile::Smear(1.0),
-    };
-    let attitude = match (&path, craft_hovers) {
-        (_, false) => AttitudeMode::Coordinated,
-        (FlightPath::StandOff(_) | FlightPath::Arc(_) | FlightPath::Orbit(_) | FlightPath::VantagePoint(_), true) => {
-            AttitudeMode::Pointing
-        }
-        _ => AttitudeMode::Coordinated,
-    };
+/// Returns the manoeuvre that PDL flies: along a path in its modes with a camera (or the scanner), at a speed.
+pub(crate) fn manoeuvre_of(
+    (path, modes): (FlightPath, Modes),
+    speed_mps: Option<f64>,
+    craft_hovers: bool,
+    scans: bool,
+) -> Manoeuvre {
+    let (attitude, speed) = (modes.attitude_of(&path, craft_hovers), modes.speed_of(speed_mps, craft_hovers));
     let payload = if scans { PayloadUse::LineScan } else { PayloadUse::Video };
     Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store }
 }
@@ -80,14 +77,15 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
 }
 
 impl Places {
-    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes; the ground speed at each (nil for a fixed wing); the
-    /// airspeed; `hover` or `line` as the kind of beginning; `down` or the target as the aim of the camera; pairs of a heading and a
-    /// place for the camera to point at from a hover; and the time for each.
+    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL NOSE)`: points with altitudes; the ground speed at each, of a fixed wing its
+    /// airspeed, or nil if that is constant; the airspeed; `hover`, `line` or `stand` (a hover is all) as the kind of beginning; `down`, the
+    /// target or `(along AZIMUTH TILT)` as the aim of the camera; pairs of a heading and a place for the camera to point at from a hover; the
+    /// time for each; and the option `:nose` of the flight command, if the manoeuvre demands a direction of the nose.
     fn points(&self, arguments: &[Value]) -> Result<Value, String> {
         let [form, target, camera, speed, met] = arguments else {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
         };
-        let path = path_of(form)?;
+        let (path, modes) = manoeuvre_of_form(form)?;
         let Place { position: place, elevation_m, ground_m, .. } = self.place(target)?;
         let speed_mps = match speed.as_number() {
             Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Some(speed),
@@ -101,20 +99,30 @@ impl Places {
         let craft = craft_of(&self.model, elevation_m + height_m);
         let scene = scene_of((place, elevation_m), &self.wind, height_m, place, at_s);
         let scans = matches!(instrument, Instrument::Scanner(_)) && carries_scanner(&self.model);
-        let manoeuvre = manoeuvre_of(path, speed_mps, craft.can_hover, scans);
+        let manoeuvre = manoeuvre_of((path, modes), speed_mps, craft.can_hover, scans);
         let refused = |refusal: apex_observation::manoeuvres::Refusal| refusal.to_string();
+        check_sight(&manoeuvre, &craft, &instrument)?;
         let track = manoeuvre.track(&craft, &instrument, &scene).map_err(refused)?;
-        let paced = manoeuvre.paced_points(&craft, &instrument, &scene).map_err(refused)?;
-        let speeds = paced.iter().map(|point| Value::measured(point.speed_mps, Dimension::SPEED));
+        let mut paced = manoeuvre.paced_points(&craft, &instrument, &scene).map_err(refused)?;
+        if !craft.can_hover {
+            // A fixed wing cannot change its speed within a line: the points of the path itself remain.
+            paced.retain(|paced| track.points().any(|point| point.point.minus(paced.point).length() < SAME_M));
+        }
         let fastest = paced.iter().map(|point| point.true_airspeed_mps).fold(0.0, f64::max);
-        let airspeed = if craft.can_hover {
-            (fastest + 0.5).min(craft.true_airspeed_mps_max)
-        } else {
-            speed_mps.unwrap_or(craft.true_airspeed_mps)
+        let (speeds, airspeed) = match manoeuvre.speed {
+            SpeedProfile::Airspeed(airspeed_mps) if !craft.can_hover => (Vec::new(), airspeed_mps),
+            _ if !craft.can_hover => (paced.iter().map(|point| point.true_airspeed_mps).collect(), fastest),
+            _ => {
+                let speeds = paced.iter().map(|point| point.speed_mps).collect();
+                (speeds, (fastest + 0.5).min(craft.true_airspeed_mps_max))
+            }
         };
-        let aim = match track.sight {
-            Sight::Down => Value::symbol("down"),
-            _ => target.clone(),
+        let aim = aim(track.sight, target);
+        // A camera that does not pan turns the nose itself.
+        let nose = match (manoeuvre.attitude, track.sight) {
+            (AttitudeMode::Fixed { heading_deg }, _) => Some(Value::Real(heading_deg)),
+            (AttitudeMode::Pointing, Sight::Down) if craft.can_hover => Some(value_of(place, elevation_m)),
+            _ => None,
         };
         let placed = |(point, height_m)| (scene.position(point), scene.elevation_m + height_m);
         let points: Vec<(Position, f64)> = match paced.is_empty() {
@@ -128,8 +136,14 @@ impl Places {
         let flown = PlacedPath { name, points: points_of, height_m, target_m: elevation_m, ground_m, span_s };
         self.requirements.check(&flown).map_err(refused)?;
         let points: Vec<Value> = points.iter().map(|(position, altitude_m)| value_of(*position, *altitude_m)).collect();
-        let begin = Value::symbol(if craft.can_hover { "hover" } else { "line" });
-        let speeds = if craft.can_hover { Value::list(speeds) } else { Value::nil() };
+        let begin = match (craft.can_hover, track.sight) {
+            (false, _) => "line",
+            (true, Sight::Target) if paced.is_empty() => "stand",
+            (true, _) => "hover",
+        };
+        let begin = Value::symbol(begin);
+        let speeds = Value::list(speeds.into_iter().map(|speed| Value::measured(speed, Dimension::SPEED)));
+        let nose = Value::list(nose.into_iter().flat_map(|nose| [Value::symbol(":nose"), nose]));
         let airspeed = Value::measured(airspeed, Dimension::SPEED);
         let looks = Value::list(aims(&track.elements, track.sight, &scene, height_m));
         let dwell_s = track.elements.iter().find_map(|element| match element {
@@ -137,7 +151,7 @@ impl Places {
             Element::Follow { .. } => None,
         });
         let dwell = Value::Duration(Duration::from_seconds(dwell_s.unwrap_or(0.0)));
-        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell]))
+        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell, nose]))
     }
 
     fn place(&self, value: &Value) -> Result<Place, String> {
@@ -170,6 +184,17 @@ pub(crate) fn height_m(path: &FlightPath) -> f64 {
         FlightPath::VantagePoint(path) => path.height_m(),
         FlightPath::ExpandingSquare(path) => path.height_m,
         FlightPath::SectorSearch(path) => path.height_m,
+    }
+}
+
+/// Returns the direction of the camera in the notation of `orient`.
+fn aim(sight: Sight, target: &Value) -> Value {
+    match sight {
+        Sight::Down => Value::symbol("down"),
+        Sight::Direction { azimuth_deg, tilt_deg } => {
+            Value::list([Value::symbol("along"), Value::Real(azimuth_deg), Value::Real(tilt_deg)])
+        }
+        Sight::Target | Sight::Nose { .. } => target.clone(),
     }
 }
 

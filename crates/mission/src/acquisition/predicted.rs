@@ -1,6 +1,6 @@
 //! Predicted yield of a manoeuvre in PDL notation in a mission.
 
-use super::form::path_of;
+use super::modes::{check_sight, manoeuvre_of_form};
 use super::paths::{height_m, manoeuvre_of};
 use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
 use crate::ground::MissionGround;
@@ -26,8 +26,8 @@ pub struct PerformedManoeuvre<'a> {
     pub sensor: Option<&'a str>,
     /// Airspeed of a fixed wing, ground speed of a rotorcraft; `None` is the speed of the sharpest pictures.
     pub speed_mps: Option<f64>,
-    /// Distance over ground between pictures.
-    pub every_m: f64,
+    /// Recording of a camera.
+    pub payload: PayloadUse,
     /// Its beginning, since the mission's start.
     pub from_s: f64,
 }
@@ -37,15 +37,16 @@ pub struct PerformedManoeuvre<'a> {
 /// # Errors
 /// An error message: the form is invalid, the mission has no such target or sensor, or a limit of vehicle, sensor or wind is exceeded.
 pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
-    let path = path_of(wanted.form)?;
+    let (path, modes) = manoeuvre_of_form(wanted.form)?;
     let target = target_of(mission, wanted.target)?;
     let instrument = instrument_of(&mission.model, wanted.sensor)?;
     let scene = scene(mission, (target.position, elevation_m(target)), &path, target.position, wanted.from_s);
     let craft = craft_of(&mission.model, scene.elevation_m + height_m(&path));
     let scans = matches!(instrument, Instrument::Scanner(_));
-    let manoeuvre = manoeuvre_of(path, wanted.speed_mps, craft.can_hover, scans);
-    let payload = if scans { manoeuvre.payload } else { PayloadUse::StillsEvery(wanted.every_m) };
+    let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, craft.can_hover, scans);
+    let payload = if scans { manoeuvre.payload } else { wanted.payload };
     let manoeuvre = Manoeuvre { payload, ..manoeuvre };
+    check_sight(&manoeuvre, &craft, &instrument)?;
     let TargetKind::Fire(fire) = &target.kind else {
         return Err(format!("the mission states no observation of `{}`: give it a value and a resolution", target.id));
     };

@@ -4,7 +4,7 @@
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
 use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, ground_m, heights_m, lowest_m, sensors};
-use super::goal::AcquisitionGoal;
+use super::goal::{AcquisitionGoal, PERFECT_POINTS};
 use super::permitted::{PathRequirements, PlacedPath};
 use super::predicted::forecast_of;
 use super::vehicle::{craft_of, scene_of};
@@ -14,7 +14,7 @@ use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, ZoneKind};
 use apex_observation::manoeuvres::{
-    FlightPath, Forecast, Instrument, PathPose, Refusal, Scene, rounded_down, rounded_up,
+    Craft, FlightPath, Forecast, Instrument, PathPose, Refusal, Scene, rounded_down, rounded_up,
 };
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
@@ -27,6 +27,9 @@ const ANSWERS_MAX: usize = 8;
 const RESOLUTION_MIN: f64 = 0.9;
 /// Candidates with at least this share of the best points count as equally good; the shortest time then decides.
 const AS_GOOD: f64 = 0.99;
+
+/// Share of the points that a candidate with all of them may lack, by rounding.
+const ALL_POINTS_SPARE: f64 = 1e-6;
 
 /// Place, time and remaining energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +66,7 @@ pub(crate) struct Synthesis {
     pub(crate) front: Vec<Predicted>,
     /// Candidates in all.
     pub(crate) tried: usize,
-    /// Candidates that meet the goal.
-    pub(crate) meet: usize,
-    /// Reasons of the rejected candidates, the nearest to the goal first.
+    /// Reasons of the rejected candidates, the nearest to the goal first; candidates that another one certainly beats are not predicted.
     pub(crate) misses: Vec<String>,
 }
 
@@ -86,8 +87,11 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
     }
     thin(&mut candidates);
     let tried = candidates.len();
-    let mut meeting = Vec::new();
-    for candidate in candidates {
+    let mut meeting: Vec<Predicted> = Vec::new();
+    for (candidate, cost) in by_time(mission, goal, candidates, start) {
+        if cost.is_some_and(|cost| meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &cost))) {
+            continue;
+        }
         match judged(mission, goal, candidate, start) {
             Ok(predicted) => meeting.push(predicted),
             Err(miss) => misses.push(miss),
@@ -97,10 +101,9 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
     misses.dedup_by(|next, before| next.why == before.why);
     let mut misses: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
     misses.truncate(ANSWERS_MAX);
-    let meet = meeting.len();
     let front = front(meeting);
     match front.is_empty() {
-        false => Ok(Synthesis { front, tried, meet, misses }),
+        false => Ok(Synthesis { front, tried, misses }),
         true => {
             let nearest = misses.first().map_or("no manoeuvre fits the vehicle and its sensors", String::as_str);
             Err(format!(
@@ -192,16 +195,12 @@ fn judged(
 ) -> Result<Predicted, Miss> {
     let name = candidate.manoeuvre.path.name();
     let at = format!("`{name}` from {:.0} m above the target", candidate.height_m);
-    let place = (goal.position, goal.target.elevation_m);
     let altitude_m = goal.target.elevation_m + candidate.height_m;
-    let craft = craft_of(&mission.model, altitude_m);
-    let direct_s = geodesy::distance_m(start.here, goal.position) / craft.true_airspeed_mps;
-    let scene = scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
-    let setting = (&craft, &candidate.instrument, &scene);
-    let forecast = forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid), false)
+    let (craft, scene) = setting(mission, goal, &candidate, start);
+    let conditions = (&craft, &candidate.instrument, &scene);
+    let forecast = forecast_of(mission, &candidate.manoeuvre, conditions, (&goal.target, &goal.grid), false)
         .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
-    let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
-    let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
+    let travel_s = travel_s(forecast.flown.poses.first(), &scene, goal, start, &craft);
     // The distance of a candidate from the goal is that of its worst deficit.
     let mut misses = Vec::new();
     if let Some(zone) = closed_by(mission, &forecast, &scene, Some(start.at_s + travel_s)) {
@@ -234,12 +233,7 @@ fn judged(
         misses.push(Miss { by: (end_s - by_s) / end_s, why });
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
-    if let Some(latency_s) = goal.latency_s.filter(|latency_s| home_s > *latency_s) {
-        let why = format!(
-            "{at}: data are read after landing, {home_s:.0} s after the observation, `:latency` is {latency_s:.0} s"
-        );
-        misses.push(Miss { by: (home_s - latency_s) / home_s, why });
-    }
+    misses.extend(late(mission, goal, &at, home_s));
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
         let why = format!(
@@ -252,6 +246,18 @@ fn judged(
         return Err(worst);
     }
     Ok(Predicted { candidate, scene, forecast, travel_s })
+}
+
+/// Returns the miss of a goal whose data would be on the ground too late: after the time that images take over the link of the mission, or,
+/// without such a link, after the way home.
+fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, home_s: f64) -> Option<Miss> {
+    let (after_s, how) = match mission.settings.images_on_ground {
+        Some(delay) => (delay.seconds(), "data are sent, and on the ground"),
+        None => (home_s, "data are read after landing,"),
+    };
+    let latency_s = goal.latency_s.filter(|latency_s| after_s > *latency_s)?;
+    let why = format!("{at}: {how} {after_s:.0} s after the observation, `:latency` is {latency_s:.0} s");
+    Some(Miss { by: (after_s - latency_s) / after_s, why })
 }
 
 /// Checks a candidate that begins at `from_s` by the requirements of the flight on its positions.
@@ -331,19 +337,66 @@ pub(crate) fn closed_by<'a>(
     })
 }
 
+/// Returns the figures by which candidates are compared, less is better: negative points, time, energy, turns.
+fn figures(one: &Predicted) -> [f64; 4] {
+    let forecast = &one.forecast;
+    [-forecast.points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
+}
+
+/// Returns true if no figure of `a` is greater than that of `b`, and one is less.
+fn beats(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
+}
+
+/// Returns true for a candidate with all points, which no other one can exceed.
+fn is_perfect(one: &Predicted) -> bool {
+    one.forecast.points >= (1.0 - ALL_POINTS_SPARE) * PERFECT_POINTS
+}
+
+/// Returns the candidates in the order of their ends, with time, energy and turns, which need no prediction of what they see; `None` for a
+/// candidate that is refused.
+fn by_time(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    candidates: Vec<ManoeuvreCandidate>,
+    start: Start,
+) -> Vec<(ManoeuvreCandidate, Option<[f64; 3]>)> {
+    let cost = |candidate: &ManoeuvreCandidate| {
+        let (craft, scene) = setting(mission, goal, candidate, start);
+        let flown = candidate.manoeuvre.fly(&craft, &candidate.instrument, &scene).ok()?;
+        let travel_s = travel_s(flown.poses.first(), &scene, goal, start, &craft);
+        Some([travel_s + flown.time_s, flown.energy, flown.turns as f64])
+    };
+    let mut all: Vec<_> = candidates.into_iter().map(|candidate| (cost(&candidate), candidate)).collect();
+    let end_s = |cost: &Option<[f64; 3]>| cost.map_or(f64::INFINITY, |[end_s, ..]| end_s);
+    all.sort_by(|a, b| end_s(&a.0).total_cmp(&end_s(&b.0)));
+    all.into_iter().map(|(cost, candidate)| (candidate, cost)).collect()
+}
+
+/// Returns the vehicle and the scene of a candidate.
+fn setting(mission: &Mission, goal: &AcquisitionGoal, candidate: &ManoeuvreCandidate, start: Start) -> (Craft, Scene) {
+    let craft = craft_of(&mission.model, goal.target.elevation_m + candidate.height_m);
+    let direct_s = geodesy::distance_m(start.here, goal.position) / craft.true_airspeed_mps;
+    let place = (goal.position, goal.target.elevation_m);
+    let scene = scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
+    (craft, scene)
+}
+
+/// Returns the flight time to the first pose of a manoeuvre.
+fn travel_s(first: Option<&PathPose>, scene: &Scene, goal: &AcquisitionGoal, start: Start, craft: &Craft) -> f64 {
+    let first = first.map_or(goal.position, |pose| scene.position(pose.point));
+    geodesy::distance_m(start.here, first) / craft.true_airspeed_mps
+}
+
 /// Returns the Pareto front of value, time, energy and turns; the chosen manoeuvre first.
 fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
-    let figures = |one: &Predicted| {
-        let forecast = &one.forecast;
-        [-forecast.points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
-    };
     let all: Vec<[f64; 4]> = meeting.iter().map(figures).collect();
-    let beats =
-        |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b);
     let stays = |index: usize| {
         let own = all.get(index);
         own.is_some_and(|own| {
-            let twin = |(other, figures): (usize, &[f64; 4])| beats(figures, own) || (other < index && figures == own);
+            let twin = |(other, figures): (usize, &[f64; 4])| {
+                beats(figures.as_slice(), own) || (other < index && figures == own)
+            };
             !all.iter().enumerate().any(twin)
         })
     };

@@ -3,7 +3,7 @@
 
 use super::craft::Craft;
 use super::manoeuvre::Manoeuvre;
-use super::modes::PayloadUse;
+use super::modes::{AttitudeMode, PayloadUse};
 use super::refusal::Refusal;
 use super::scene::{Instrument, Scene};
 use super::timing::{self, FlownPath, PathPose};
@@ -85,7 +85,7 @@ impl Manoeuvre {
                 (predict(context.target, context.grid, &lines, scanner, &context.prediction), 0, 1.0)
             }
             Instrument::Camera(camera) => {
-                let pictures = planned_pictures(&flown, (&self.payload, track.sight), camera, craft, (scene, context));
+                let pictures = planned_pictures(&flown, (self, track.sight), camera, craft, (scene, context));
                 let tracked = pictures.iter().filter(|picture| sees(&picture.view, scene)).count();
                 let share = tracked as f64 / pictures.len().max(1) as f64;
                 let count = pictures.len();
@@ -150,7 +150,7 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
 
 fn planned_pictures(
     flown: &FlownPath,
-    (payload, sight): (&PayloadUse, Sight),
+    (manoeuvre, sight): (&Manoeuvre, Sight),
     camera: &CameraSetting,
     craft: &Craft,
     (scene, context): (&Scene, &ForecastContext<'_>),
@@ -167,7 +167,7 @@ fn planned_pictures(
             continue;
         }
         let is_still = pose.ground_speed_mps < 0.05;
-        let interval_s = match payload {
+        let interval_s = match &manoeuvre.payload {
             PayloadUse::StillsEvery(every_m) if !is_still => {
                 (every_m / pose.ground_speed_mps).max(camera.interval_s_min)
             }
@@ -176,12 +176,12 @@ fn planned_pictures(
             PayloadUse::StillsEvery(_) => f64::INFINITY,
             PayloadUse::Video | PayloadUse::LineScan => VIDEO_S,
         };
-        let by_distance = matches!(payload, PayloadUse::StillsEvery(_)) && !is_still;
+        let by_distance = matches!(manoeuvre.payload, PayloadUse::StillsEvery(_)) && !is_still;
         let carried_s = if by_distance { flown_m / pose.ground_speed_mps } else { waited_s };
         let mut next_s = if is_still { 0.0 } else { (interval_s - carried_s).max(0.0) };
         let mut last_s = None;
         while next_s < lasts_s - 1e-6 && pictures.len() < PICTURES_MAX {
-            let here = between(pose, after, next_s / lasts_s);
+            let here = facing(between(pose, after, next_s / lasts_s), &manoeuvre.attitude, scene);
             let view;
             (view, angles) = view_of(&here, sight, camera, scene, angles);
             pictures.push(PlannedPicture { view, weights: weights_of(&here, camera, craft, (scene, context)) });
@@ -205,6 +205,15 @@ fn between(from: &PathPose, to: &PathPose, share: f64) -> PathPose {
         height_m: from.height_m + share * (to.height_m - from.height_m),
         ..*from
     }
+}
+
+/// Returns a pose with the nose towards the target, for a vehicle that moves and points it there; other poses unchanged.
+fn facing(pose: PathPose, attitude: &AttitudeMode, scene: &Scene) -> PathPose {
+    if !matches!(attitude, AttitudeMode::Pointing) || pose.ground_speed_mps < 0.05 {
+        return pose;
+    }
+    let heading_deg = attitude.heading_deg(pose.point, (pose.track_deg, pose.ground_speed_mps), scene);
+    PathPose { attitude: Attitude { heading_deg, ..pose.attitude }, ..pose }
 }
 
 /// Returns the view of a camera at a pose, with the angles that its mount reaches from the present ones.

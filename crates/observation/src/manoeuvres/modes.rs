@@ -133,7 +133,11 @@ impl AttitudeMode {
         }
         let limit = Limit { manoeuvre, figure: "a pan range", unit: "degrees" };
         let because = format!("{} cannot turn its nose away from its course, and its sensor does not pan", craft.name);
-        Err(limit.refusal(0.0, 90.0, &because, "fly it coordinated, or with a camera that pans".to_string()))
+        let nearest = match self {
+            AttitudeMode::Fixed { .. } => "fly it coordinated",
+            _ => "fly it coordinated, or with a camera that pans",
+        };
+        Err(limit.refusal(0.0, 90.0, &because, nearest.to_string()))
     }
 }
 

@@ -15,8 +15,12 @@ use apex_geo::plane::Point;
 pub const CORNER_DEG: f64 = 25.0;
 /// Time in which the direction of flight changes at a corner.
 pub const CORNER_S: f64 = 1.0;
-/// Number of pieces of constant speed into which a leg is divided if the speed depends on the distance from the target.
-const PIECE_SHARE: usize = 20;
+/// Ratio of speeds above which a leg counts as faster than the points at its ends.
+const FASTER: f64 = 1.01;
+/// Greatest number of pieces of constant speed into which a leg is divided if the speed depends on the distance from the target.
+const PIECES_MAX: usize = 20;
+/// Length of such a piece as a share of the height: the angle to the target changes little along it.
+const PIECE_HEIGHT_SHARE: f64 = 0.3;
 
 /// The vehicle at an instant of a manoeuvre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,15 +159,27 @@ pub(crate) fn pace(
     let airspeed = |chord: &Chord| airspeed_of(chord.track_deg, chord.speed_mps, scene.wind);
     let mut before: Option<&Chord> = None;
     let mut paced: Vec<PacedPoint> = Vec::new();
-    for chord in &chords {
+    for (index, chord) in chords.iter().enumerate() {
         let speed_mps = before.map_or(chord.speed_mps, |before| before.speed_mps.min(chord.speed_mps));
-        paced.push(PacedPoint {
+        let begin = PacedPoint {
             point: chord.from.point,
             height_m: chord.from.height_m,
             speed_mps: speed_mps.min(chord.from.speed_mps_max),
             true_airspeed_mps: airspeed(chord).max(before.map_or(0.0, airspeed)),
             is_observed: chord.is_observed,
-        });
+        };
+        paced.push(begin);
+        // On a leg the greater speed of its ends applies: one between two slower ones has its speed in the middle.
+        let end_mps = chords.get(index + 1).map_or(chord.speed_mps, |after| after.speed_mps.min(chord.speed_mps));
+        if chord.speed_mps > FASTER * begin.speed_mps.max(end_mps) {
+            paced.push(PacedPoint {
+                point: chord.from.point.plus(0.5, chord.to.point.minus(chord.from.point)),
+                height_m: 0.5 * (chord.from.height_m + chord.to.height_m),
+                speed_mps: chord.speed_mps,
+                true_airspeed_mps: airspeed(chord),
+                ..begin
+            });
+        }
         before = Some(chord);
     }
     paced.extend(before.map(|last| PacedPoint {
@@ -192,7 +208,10 @@ fn chord(
     }
     let track_deg = libm::atan2(step.x, step.y) / RAD_PER_DEG;
     // The speed of some profiles changes along a long line.
-    let count = if matches!(speed, SpeedProfile::SlowAtClosest(_)) { PIECE_SHARE } else { 1 };
+    let count = match speed {
+        SpeedProfile::SlowAtClosest(_) => pieces(length_m, 0.5 * (from.height_m + to.height_m)),
+        _ => 1,
+    };
     let mut chords = Vec::new();
     for index in 0..count {
         let at = |index: usize| {
@@ -226,6 +245,13 @@ fn chord(
         });
     }
     Ok(chords)
+}
+
+/// Returns the number of pieces of a leg whose speed depends on the distance from the target. The chords of a curve stay whole: the turn
+/// between two of them would be that of a short piece, with a bank that is not flown.
+fn pieces(length_m: f64, height_m: f64) -> usize {
+    let wanted = libm::ceil(length_m / (PIECE_HEIGHT_SHARE * height_m).max(1.0));
+    (wanted as usize).clamp(1, PIECES_MAX)
 }
 
 /// Returns the ground speeds at the ends of the chords. A pass backwards applies the limit of braking, a pass forwards that of

@@ -29,9 +29,11 @@ proptest! {
             point.minus(from.plus(share, step)).length()
         };
         let nearest = corners.windows(2).map(|pair| distance(pair[0], pair[1])).fold(f64::INFINITY, f64::min);
-        // Outside of a corner, or of the datum: the point with equal distances to it and to two legs, (2 - sqrt 2) S.
+        // Outside of a corner, or of the datum, within the square of half a spacing: at most the distance of the point that is as far from
+        // it as from two legs, (2 - sqrt 2) S.
         let corner = corners.iter().map(|corner| point.minus(*corner).length()).fold(f64::INFINITY, f64::min);
-        let most = if corner > nearest + 1e-9 { 0.5 } else { 2.0 - std::f64::consts::SQRT_2 };
+        let is_outside = corner < std::f64::consts::FRAC_1_SQRT_2 * spacing_m;
+        let most = if is_outside { 2.0 - std::f64::consts::SQRT_2 } else { 0.5 };
         prop_assert!(reach_m == 0.0 || nearest <= most * spacing_m + 1e-6, "{nearest} of {spacing_m}");
     }
 
