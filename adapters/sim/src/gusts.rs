@@ -78,11 +78,20 @@ struct Lateral {
     second: f64,
 }
 
-impl Lateral {
-    /// Advances the filter by `angle`, the step in units of `L / V`, with two independent normal numbers.
-    fn step(&mut self, angle: f64, (one, other): (f64, f64)) {
+/// Factors of one step of a [`Lateral`]: the same for all steps of a flight of some length.
+struct LateralStep {
+    /// The step in units of `L / V`.
+    angle: f64,
+    kept: f64,
+    root: f64,
+    across: f64,
+    rest: f64,
+}
+
+impl LateralStep {
+    /// Returns the factors of a step of `angle`, in units of `L / V`.
+    fn new(angle: f64) -> LateralStep {
         let kept = exp(-angle);
-        let (first, second) = (kept * self.first, kept * (angle * self.first + self.second));
         // The stationary covariance is [[1, 1/2], [1/2, 1/2]].
         let square = kept * kept;
         let first_first = (1.0 - square).max(0.0);
@@ -90,8 +99,17 @@ impl Lateral {
         let second_second = (0.5 - square * (angle * angle + angle + 0.5)).max(0.0);
         let root = sqrt(first_first);
         let across = if root > 0.0 { first_second / root } else { 0.0 };
+        LateralStep { angle, kept, root, across, rest: sqrt((second_second - across * across).max(0.0)) }
+    }
+}
+
+impl Lateral {
+    /// Advances the filter by a step, with two independent normal numbers.
+    fn step(&mut self, step: &LateralStep, (one, other): (f64, f64)) {
+        let LateralStep { angle, kept, root, across, rest } = *step;
+        let (first, second) = (kept * self.first, kept * (angle * self.first + self.second));
         self.first = first + root * one;
-        self.second = second + across * one + sqrt((second_second - across * across).max(0.0)) * other;
+        self.second = second + across * one + rest * other;
     }
 
     /// Returns the gust for a deviation of one.
@@ -159,16 +177,19 @@ impl Gusts {
         let angle = |scale_m: f64| step_s * speed / scale_m;
         let [along, across, up] = scales.scale_m.map(angle);
         let [sigma_along, sigma_across, sigma_up] = scales.sigma_m_s;
+        let (kept, fades) = (exp(-along), exp(-step_s / HEAVE_S));
+        let root = sqrt(1.0 - kept * kept);
+        let (across, up) = (LateralStep::new(across), LateralStep::new(up));
         for _ in 0..steps as u32 {
+            self.along = kept * self.along + root * self.random.normal();
+            // The process along the flight needs one number; recorded flights have drawn two.
+            self.random.skip_normal();
             let mut pair = || (self.random.normal(), self.random.normal());
-            let (one, _) = pair();
-            let kept = exp(-along);
-            self.along = kept * self.along + sqrt(1.0 - kept * kept) * one;
-            self.across.step(across, pair());
-            self.up.step(up, pair());
+            self.across.step(&across, pair());
+            self.up.step(&up, pair());
             let gust = sigma_up * self.up.value();
             let before = self.heave_m_s;
-            self.heave_m_s = gust + (before - gust) * exp(-step_s / HEAVE_S);
+            self.heave_m_s = gust + (before - gust) * fades;
             self.bump_m_s2 = (self.heave_m_s - before) / step_s;
         }
         self.velocity_m_s = [sigma_along * self.along, sigma_across * self.across.value(), sigma_up * self.up.value()];

@@ -27,6 +27,12 @@ impl Random {
         let radius = sqrt(-2.0 * log(self.uniform()));
         radius * cos(std::f64::consts::TAU * self.uniform())
     }
+
+    /// Skips the number that [`Random::normal`] would draw.
+    pub(crate) fn skip_normal(&mut self) {
+        self.uniform();
+        self.uniform();
+    }
 }
 
 /// A stationary random process with standard deviation one and exponential correlation.
@@ -62,6 +68,14 @@ mod tests {
         assert_eq!(draw(1, 1).to_bits(), draw(1, 1).to_bits());
         assert_ne!(draw(1, 1).to_bits(), draw(1, 2).to_bits());
         assert_ne!(draw(1, 1).to_bits(), draw(2, 1).to_bits());
+    }
+
+    #[test]
+    fn a_skipped_number_is_the_next_one_that_is_drawn() {
+        let (mut drawn, mut skipped) = (Random::new(1, 1), Random::new(1, 1));
+        drawn.normal();
+        skipped.skip_normal();
+        assert_eq!(drawn.normal().to_bits(), skipped.normal().to_bits());
     }
 
     #[test]

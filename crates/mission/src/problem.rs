@@ -257,7 +257,7 @@ pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> 
         from_s: timing::first_s(look, 0.0),
         is_explained: false,
     };
-    manoeuvres::of(&wish).err()
+    manoeuvres::trouble(&wish)
 }
 
 /// Returns the problem of the visits that can give a valid picture.

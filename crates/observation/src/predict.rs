@@ -4,7 +4,7 @@
 //! follows from the turbulence and the attitude hold, cloud from the forecast cover.
 //! Bound: O(length / [`PIECE_M`]) pieces per line and O(cells seen).
 
-use crate::assess::{AssessContext, Product, assess};
+use crate::assess::{AssessContext, Product, assess, assess_factors};
 use crate::attitude::Attitude;
 use crate::clarity::{AttitudeHold, ClarityWeights, expected_rate_weight, share_within};
 use crate::footprint::Ground;
@@ -142,9 +142,31 @@ pub fn gain_points(
     scanner: &PredictedScanner,
     context: &PredictionContext<'_>,
 ) -> f64 {
-    let without = predict(target, grid, &[], scanner, &PredictionContext { is_explained: false, ..*context });
-    let with = predict(target, grid, lines, scanner, &PredictionContext { is_explained: false, ..*context });
-    with.points() - without.points()
+    gain_after(target, grid, (&[], lines), scanner, context)
+}
+
+/// Returns the gain of `more` lines that are flown after `lines`: the points of all of them less the points of `lines` alone.
+pub fn gain_after(
+    target: &ObservedTarget,
+    grid: &TargetGrid,
+    (lines, more): (&[PlannedLine], &[PlannedLine]),
+    scanner: &PredictedScanner,
+    context: &PredictionContext<'_>,
+) -> f64 {
+    let assess_context = AssessContext {
+        zero_unix_s: context.zero_unix_s,
+        products: context.products,
+        first_valid_s: context.first_valid_s,
+        is_explained: false,
+    };
+    let points = |planned: &TargetLooks| {
+        let all: Vec<&TargetLooks> = context.seen.into_iter().chain([planned]).collect();
+        assess_factors(target, grid, &all, &assess_context).points()
+    };
+    let mut planned = planned_looks(target, grid, lines, scanner, context);
+    let without = points(&planned);
+    add_lines(&mut planned, target, grid, more, scanner, context);
+    points(&planned) - without
 }
 
 /// Returns true if flying again is worthwhile: its gain exceeds the value displaced by its time. `points_per_s` is the displaced benefit
@@ -165,12 +187,24 @@ pub fn planned_looks(
     if scanner.setting.mode.scan_rates_hz.is_empty() {
         looks.remarks.insert(Remark::ScanRateNotKnown);
     }
+    add_lines(&mut looks, target, grid, lines, scanner, context);
+    looks
+}
+
+/// Adds the looks of lines, one pass per line.
+fn add_lines(
+    looks: &mut TargetLooks,
+    target: &ObservedTarget,
+    grid: &TargetGrid,
+    lines: &[PlannedLine],
+    scanner: &PredictedScanner,
+    context: &PredictionContext<'_>,
+) {
     for line in lines {
         looks.begin_pass(grid);
-        add_line(&mut looks, target, grid, line, scanner, context);
+        add_line(looks, target, grid, line, scanner, context);
         looks.end_pass();
     }
-    looks
 }
 
 fn add_line(

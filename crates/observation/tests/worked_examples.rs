@@ -11,7 +11,8 @@ use apex_observation::footprint::FlatGround;
 use apex_observation::grid::{GridSettings, TargetGrid};
 use apex_observation::looks::{SeenGround, StripFacts, TargetLooks};
 use apex_observation::predict::{
-    AirConditions, PlannedLine, PredictedScanner, PredictionContext, gain_points, is_worth_flying_again, predict,
+    AirConditions, PlannedLine, PredictedScanner, PredictionContext, gain_after, gain_points, is_worth_flying_again,
+    predict,
 };
 use apex_observation::result::{LookResult, LossCause};
 use apex_observation::score::{CostRow, CostTerm, failure_probability, mission_score};
@@ -298,6 +299,34 @@ fn climbing_for_clarity_pays_up_to_a_height() {
     let result = predicted(&target, &grid, &one, AirConditions { edr: 0.45, ..AirConditions::STILL });
     near(result.factors.clarity, 0.495, 0.001);
     assert!(result.losses.iter().any(|loss| loss.cause == LossCause::Roll && loss.points > 50.0));
+}
+
+#[test]
+fn the_gain_of_more_lines_is_the_difference_of_two_predictions() {
+    let size = (10_000.0, 8_000.0);
+    let target = rectangle("fire", size, vec![WantedLook::new("any", 100.0, 10.0), WantedLook::new("fine", 30.0, 5.0)]);
+    let grid = TargetGrid::new(&target, GridSettings::default()).unwrap();
+    let seen = passes(&grid, size, 6_000.0, &[(4_000.0, 0.0, 10_000.0, 1.0)], 0.0);
+    let first_valid_s = BTreeMap::new();
+    for (seen, is_explained) in [(None, false), (Some(&seen), true), (Some(&seen), false)] {
+        let context = PredictionContext {
+            zero_unix_s: ZERO_UNIX_S,
+            ground: &FlatGround::default(),
+            conditions: &AirConditions { edr: 0.3, clear_share: 0.8 },
+            seen,
+            products: &[],
+            first_valid_s: &first_valid_s,
+            is_explained,
+        };
+        let line = |y: f64, from_s: f64| planned(size, y, (-200.0, 10_200.0), 4_000.0, from_s);
+        let all = [line(2_000.0, 900.0), line(6_000.0, 1_100.0), line(4_000.0, 1_300.0)];
+        let points = |lines: &[PlannedLine]| predict(&target, &grid, lines, &scanner(10.0), &context).points();
+        for count in 0..=all.len() {
+            let (lines, more) = all.split_at(count);
+            let gain = gain_after(&target, &grid, (lines, more), &scanner(10.0), &context);
+            assert_eq!(gain.to_bits(), (points(&all) - points(lines)).to_bits(), "{count} lines before");
+        }
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use crate::diagnostic::Span;
 use crate::fix::Fix;
 use apex_model::quantity::{UNITS, Unit};
 use apex_model::symbol::Symbol;
+use std::sync::LazyLock;
 
 /// Length in characters above which names are not compared: this bounds the cost of a message.
 const NAME_CHARACTERS_MAX: usize = 64;
@@ -16,6 +17,8 @@ const NAMES_MAX: usize = 5_000;
 const SUGGESTIONS_MAX: usize = 3;
 /// Cost of one ordinary edit.
 const EDIT: u32 = 10;
+/// Least cost of an edit that adds, drops or replaces a letter.
+const LETTER_EDIT_MIN: u32 = EDIT - 3;
 /// A suggestion is certain only if the distance of the next one is greater by more than this.
 const MARGIN: u32 = 4;
 
@@ -40,8 +43,13 @@ pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
             continue;
         }
         let limit = u32::try_from(allowed).unwrap_or(1) * EDIT;
-        let plain = (letters.len().abs_diff(wanted.len()) <= allowed).then(|| distance(&wanted, &letters));
-        let cost = plain.unwrap_or(u32::MAX).min(distance_by_words(&wanted, &letters).unwrap_or(u32::MAX));
+        // Most names have too few letters in common.
+        let apart = letters_apart(&wanted, &letters);
+        let is_close =
+            letters.len().abs_diff(wanted.len()) <= allowed && apart.saturating_mul(LETTER_EDIT_MIN) <= limit;
+        let plain = is_close.then(|| distance(&wanted, &letters));
+        let by_words = if apart == 0 { distance_by_words(&wanted, &letters) } else { None };
+        let cost = plain.unwrap_or(u32::MAX).min(by_words.unwrap_or(u32::MAX));
         if cost <= limit {
             found.push(Near { name: candidate, cost });
         }
@@ -132,11 +140,29 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     likely.map(|near| near.name).collect()
 }
 
+/// Returns a lower bound of the number of letters that must be added, dropped or replaced to make `b` of `a`, whatever their order; marks
+/// between words do not count. 0 if a name has other than ASCII letters.
+fn letters_apart(a: &[char], b: &[char]) -> u32 {
+    let mut surplus = [0_i32; 128];
+    for (name, one) in [(a, 1), (b, -1)] {
+        for letter in name.iter().filter(|letter| !is_mark(**letter)) {
+            let Some(count) = surplus.get_mut(*letter as usize) else { return 0 };
+            *count += one;
+        }
+    }
+    let total = |of: fn(i32) -> i32| surplus.iter().map(|count| of(*count).max(0)).sum::<i32>();
+    total(|count| count).max(total(|count| -count)).unsigned_abs()
+}
+
+/// Returns true for a mark between words.
+fn is_mark(letter: char) -> bool {
+    matches!(letter, '-' | '_' | '/' | ' ')
+}
+
 /// Returns the distance of names of several words that differ in the order of the words, in the marks between them, or in both.
 fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
-    let is_mark = |c: &char| matches!(c, '-' | '_' | '/' | ' ');
     let words = |name: &[char]| -> Vec<String> {
-        let mut words: Vec<String> = name.split(is_mark).map(|word| word.iter().collect()).collect();
+        let mut words: Vec<String> = name.split(|letter| is_mark(*letter)).map(|word| word.iter().collect()).collect();
         words.sort();
         words
     };
@@ -190,12 +216,25 @@ fn replaced(x: char, y: char) -> u32 {
     }
 }
 
+/// Rows of a keyboard.
+const ROWS: [&str; 4] = ["1234567890-", "qwertyuiop", "asdfghjkl", "zxcvbnm"];
+
+/// Row and place of each ASCII key of [`ROWS`].
+static PLACES: LazyLock<[Option<(usize, usize)>; 128]> = LazyLock::new(|| {
+    let mut places = [None; 128];
+    for (row, keys) in ROWS.iter().enumerate() {
+        for (at, key) in keys.bytes().enumerate() {
+            if let Some(place) = places.get_mut(usize::from(key)) {
+                *place = Some((row, at));
+            }
+        }
+    }
+    places
+});
+
 /// Returns true if the keys are neighbours on a keyboard.
 fn are_neighbours(x: char, y: char) -> bool {
-    const ROWS: [&str; 4] = ["1234567890-", "qwertyuiop", "asdfghjkl", "zxcvbnm"];
-    let place = |key: char| {
-        ROWS.iter().enumerate().find_map(|(row, keys)| keys.chars().position(|each| each == key).map(|at| (row, at)))
-    };
+    let place = |key: char| PLACES.get(key as usize).copied().flatten();
     match (place(x), place(y)) {
         (Some((row_x, at_x)), Some((row_y, at_y))) if row_x == row_y => at_x.abs_diff(at_y) == 1,
         (Some((row_x, at_x)), Some((row_y, at_y))) if row_x.abs_diff(row_y) == 1 => {
@@ -235,6 +274,33 @@ mod tests {
         assert_eq!(nearest("groundspeed", ["ground-speed", "wind-speed"]), Some("ground-speed"));
         assert_eq!(nearest("speed-ground", ["ground-speed", "wind-speed"]), Some("ground-speed"));
         assert_eq!(nearest("targets", ["target"]), Some("target"));
+    }
+
+    /// Names of a few letters and marks: each pair is compared with the distance and the order of words, without the bound on letters.
+    #[test]
+    fn names_with_other_letters_are_left_out_only_if_they_are_far() {
+        let mut state = 1_u64;
+        let mut draw = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % below
+        };
+        let letters: Vec<char> = "abcgh-_/ eé".chars().collect();
+        let mut name = |length: u64| -> String {
+            (0..1 + draw(length)).map(|_| letters[draw(letters.len() as u64) as usize]).collect()
+        };
+        let mut found = 0;
+        for round in 0..20_000 {
+            let (wanted, other) = (name(3 + round % 12), name(3 + round % 12));
+            let (a, b): (Vec<char>, Vec<char>) = (wanted.chars().collect(), other.chars().collect());
+            let allowed = (a.len() / 3).clamp(1, 4);
+            let plain = if a.len().abs_diff(b.len()) <= allowed { distance(&a, &b) } else { u32::MAX };
+            let cost = plain.min(distance_by_words(&a, &b).unwrap_or(u32::MAX));
+            let is_near = a != b && cost <= allowed as u32 * EDIT;
+            let expected: Vec<Near<'_>> = is_near.then_some(Near { name: &other, cost }).into_iter().collect();
+            assert_eq!(near(&wanted, [other.as_str()]), expected, "`{wanted}` and `{other}`");
+            found += usize::from(is_near);
+        }
+        assert!(found > 500, "{found} near names, expected more than 500");
     }
 
     #[test]

@@ -61,25 +61,34 @@ struct Flown {
     broken: Vec<String>,
 }
 
-fn fly(seed: u64, replayed: bool) -> Flown {
+/// Results of a flight that are kept in addition to its statements: a record that is replayed, a record, a digest.
+#[derive(Clone, Copy, Default)]
+struct Kept {
+    replayed: bool,
+    recorded: bool,
+    has_digest: bool,
+}
+
+fn fly(seed: u64, wanted: Kept) -> Flown {
     let temporary = tempfile::tempdir().unwrap();
     let kept = std::env::var_os("APEX_FAULT_KEEP").map(|folder| PathBuf::from(folder).join(seed.to_string()));
     let folder = kept.as_deref().unwrap_or(temporary.path());
     std::fs::create_dir_all(folder).unwrap();
     mission::write(seed, folder);
-    fly_in(folder, seed, (replayed, kept.is_some()), broken)
+    fly_in(folder, seed, Kept { recorded: kept.is_some(), ..wanted }, broken)
 }
 
 /// The rules that a flight broke.
 type Rules = fn(&Story, &RunEnd, &CheckResult) -> Vec<String>;
 
-/// Flies the mission in `folder`, `replayed` or at least recorded.
-fn fly_in(folder: &Path, seed: u64, (replayed, recorded): (bool, bool), rules: Rules) -> Flown {
+/// Flies the mission in `folder`.
+fn fly_in(folder: &Path, seed: u64, kept: Kept, rules: Rules) -> Flown {
+    let Kept { replayed, recorded, has_digest } = kept;
     let mission = Arc::new(Mission::load(folder).unwrap_or_else(|error| panic!("mission {seed}: {error:?}")));
     let means = solver::means();
     let world = apex_simulation::world(&mission, Some(seed)).unwrap_or_else(|error| panic!("world {seed}: {error:?}"));
     let mut vehicle = BadLink::new(world, seed);
-    let (mut story, mut check) = (Story::of(folder), FlightCheck::new(&mission));
+    let (mut story, mut check) = (Story::of(folder, has_digest), FlightCheck::new(&mission));
     let path = folder.join("flight.apex");
     let mut recorder =
         (replayed || recorded).then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());
@@ -130,7 +139,7 @@ fn flights_with_failures_end_well_or_say_why_not() {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut seed = first;
     while hours < wanted {
-        let flown = fly(seed, seed.is_multiple_of(REPLAYED_EVERY));
+        let flown = fly(seed, Kept { replayed: seed.is_multiple_of(REPLAYED_EVERY), ..Kept::default() });
         hours += flown.hours;
         faults += flown.story.faults.len();
         let kinds: BTreeSet<&str> = flown.story.faults.iter().map(|span| span.kind.as_str()).collect();
@@ -171,7 +180,9 @@ fn flights_with_failures_end_well_or_say_why_not() {
 #[test]
 fn the_same_seed_gives_the_same_flight() {
     for seed in [3, 8, 21] {
-        let (once, twice) = (fly(seed, false), fly(seed, false));
+        let digested = Kept { has_digest: true, ..Kept::default() };
+        let (once, twice) = (fly(seed, digested), fly(seed, digested));
+        assert!(once.story.digest().is_some(), "seed {seed}");
         assert_eq!(once.story.digest(), twice.story.digest(), "seed {seed}");
         assert!(once.broken.is_empty(), "seed {seed}: {:?}", once.broken);
     }
@@ -197,7 +208,8 @@ fn shipped_missions_with_failures_end_well() {
             }
             let world = mission::shipped_world(seed, 1.0, name == "diagnosis");
             std::fs::write(folder.path().join("world.json"), world).unwrap();
-            let flown = fly_in(folder.path(), seed, (true, true), kept_by_all);
+            let flown =
+                fly_in(folder.path(), seed, Kept { replayed: true, recorded: true, has_digest: false }, kept_by_all);
             if !flown.broken.is_empty() {
                 wrong.push(format!("{name} {seed}: {}", flown.broken.join("; ")));
             }

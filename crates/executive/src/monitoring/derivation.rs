@@ -66,9 +66,15 @@ pub(crate) fn derive(
     let Surroundings { library, index, .. } = surroundings;
     let with_readers = |each: Changed| (index.readers(&each.variable.attribute), each);
     let mut changed: Vec<(&[InputReader], Changed)> = changed.into_iter().map(with_readers).collect();
+    // Most samples concern few of the derivations.
+    let mut concerned: SmallVec<[bool; 32]> = smallvec![false; index.ranked().len()];
+    changed.iter().for_each(|(readers, _)| concern(&mut concerned, readers));
     let mut recordings = Vec::new();
     let mut due: Vec<(Time, Value)> = Vec::new();
     for (number, RankedDerivation { attribute, holds_numbers }) in index.ranked().iter().enumerate() {
+        if !concerned.get(number).is_some_and(|concerned| *concerned) {
+            continue;
+        }
         let Some(derivation) = library.derivations.get(attribute) else { continue };
         let mut settled = Settled::new();
         for (readers, each) in &changed {
@@ -90,6 +96,7 @@ pub(crate) fn derive(
             };
             let readers = index.readers(attribute);
             if recording.stimulus.is_some() && !readers.is_empty() {
+                concern(&mut concerned, readers);
                 changed.push((readers, Changed { variable: variable.clone(), at }));
             }
             let recording = first_trouble_only(recording, &variable, histories);
@@ -97,6 +104,15 @@ pub(crate) fn derive(
         }
     }
     recordings
+}
+
+/// Marks the derivations that read a variable.
+fn concern(concerned: &mut [bool], readers: &[InputReader]) {
+    for reader in readers {
+        if let Some(concerned) = concerned.get_mut(reader.derivation) {
+            *concerned = true;
+        }
+    }
 }
 
 /// Returns the number of samples that deriving once more from the same samples would record, if that changed nothing else. `derived` is

@@ -9,6 +9,7 @@
 
 mod idle;
 mod instants;
+mod search;
 
 use crate::plane::{Point, point_to_segment};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -108,9 +109,9 @@ impl Flyer {
     /// pose, or faster than the vehicle.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
         let Some((start, end)) = self.headings(from, to) else { return Vec::new() };
-        let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
-            .filter_map(|word| self.path(word, (from, start), (to, end), f64::INFINITY))
-            .collect();
+        let search = PathSearch::new(self, (from, start), (to, end));
+        let mut found: Vec<TurnPath> =
+            words(start.is_some(), end.is_some()).filter_map(|word| search.path(word, f64::INFINITY)).collect();
         if found.is_empty() {
             // The places are too near for a turn at one end only: directions at intervals of a full circle over [`TRACKS`] are examined
             // at the other.
@@ -129,15 +130,16 @@ impl Flyer {
     /// that are probably short are tried first.
     pub fn quickest(&self, from: Pose, to: Pose) -> Option<TurnPath> {
         let (start, end) = self.headings(from, to)?;
+        let search = PathSearch::new(self, (from, start), (to, end));
         let mut tried: Vec<(f64, usize, PathType)> = words(start.is_some(), end.is_some())
             .enumerate()
-            .map(|(number, word)| (self.guess_m(word, (from.point, start), (to.point, end)), number, word))
+            .map(|(number, word)| (search.guess_m(word), number, word))
             .collect();
         tried.sort_by(|(a_m, a, _), (b_m, b, _)| a_m.total_cmp(b_m).then(a.cmp(b)));
         let mut best: Option<(TurnPath, usize)> = None;
         for (_, number, word) in tried {
             let until_s = best.map_or(f64::INFINITY, |(best, _)| best.time_s);
-            let Some(path) = self.path(word, (from, start), (to, end), until_s) else { continue };
+            let Some(path) = search.path(word, until_s) else { continue };
             // Of equally fast paths the one of the first type counts.
             let is_better = |(best, first): (TurnPath, usize)| {
                 path.time_s < best.time_s || (path.time_s == best.time_s && number < first)
@@ -147,14 +149,6 @@ impl Flyer {
             }
         }
         best.map(|(best, _)| best).or_else(|| self.paths(from, to).first().copied())
-    }
-
-    /// Returns the length of a path of this type to where the end is when a straight flight arrives; infinite without one.
-    fn guess_m(&self, word: PathType, (from, start): (Point, Option<f64>), (to, end): (Point, Option<f64>)) -> f64 {
-        let ends = PathEnds::new(word, self.turn_radius_m, (from, start), end);
-        let direct_s = to.minus(from).length() / self.true_airspeed_mps;
-        let parts = word.parts(&ends, to.plus(-direct_s, self.wind_mps));
-        parts.map_or(f64::INFINITY, |(_, parts)| parts.iter().map(|part| part.length_m).sum())
     }
 
     /// Returns the headings at both ends, for stated tracks; `None` if the wind permits no path.
@@ -169,108 +163,15 @@ impl Flyer {
             (start, end) => Some((start.flatten(), end.flatten())),
         }
     }
-
-    /// Returns the first instant found at which a path of this type and exactly that duration reaches its end. No path is shorter than
-    /// the straight one; from its duration on instants are examined in sequence. If the length jumps between two of them, because a turn
-    /// vanishes or becomes a full circle, both sides of the jump are examined. Instants after `until_s` are not examined.
-    fn path(
-        &self,
-        word: PathType,
-        (from, start): (Pose, Option<f64>),
-        (to, end): (Pose, Option<f64>),
-        until_s: f64,
-    ) -> Option<TurnPath> {
-        let circle_s = TAU * self.turn_radius_m / self.true_airspeed_mps;
-        let ends = PathEnds::new(word, self.turn_radius_m, (from.point, start), end);
-        let look = |time_s: f64| {
-            let point = to.point.plus(-time_s, self.wind_mps);
-            let (heading_rad, parts) = word.parts(&ends, point)?;
-            let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
-            let missed_s = length_m / self.true_airspeed_mps - time_s;
-            Some(PathCandidate { time_s, missed_s, heading_rad, parts })
-        };
-        let path = |look: PathCandidate| TurnPath {
-            from: from.point,
-            heading_rad: look.heading_rad,
-            flyer: *self,
-            parts: look.parts,
-            time_s: look.time_s + look.missed_s,
-        };
-        if self.wind_mps == Point::default() {
-            return look(0.0).map(path);
-        }
-        let apart = to.point.minus(from.point);
-        let speed = self.heading_rad(angle(apart)).map(|heading_rad| {
-            let track = unit(angle(apart));
-            self.true_airspeed_mps * unit(heading_rad).dot(track) + self.wind_mps.dot(track)
-        });
-        let direct_s = if apart.length() > 0.0 { apart.length() / speed? } else { 0.0 };
-        let wind_mps = self.wind_mps.length();
-        // Three full circles more than the straight way, longer if the end moves away.
-        let lasts_s = 3.0 * circle_s / (1.0 - wind_mps / self.true_airspeed_mps);
-        let count = (libm::ceil(lasts_s / circle_s) * INSTANTS_PER_CIRCLE).min(INSTANTS_MAX);
-        let exact_s = EXACT * (circle_s + direct_s);
-        let moves = [direct_s, direct_s + lasts_s].map(|time_s| to.point.plus(-time_s, self.wind_mps));
-        if word.is_out_of_reach(&ends, moves) {
-            return None;
-        }
-        let instants = Instants { from_s: direct_s, lasts_s, count, exact_s, until_s };
-        self.first_reached((word, &ends, to.point), &instants, &look).map(path)
-    }
-
-    /// Returns the candidate of the first instant at which its duration is exact. Instants at which it is surely not exact are not
-    /// examined.
-    fn first_reached(
-        &self,
-        (word, ends, to): (PathType, &PathEnds, Point),
-        instants: &Instants,
-        look: &impl Fn(f64) -> Option<PathCandidate>,
-    ) -> Option<PathCandidate> {
-        let Instants { lasts_s, count, until_s, exact_s, .. } = *instants;
-        let step_s = lasts_s / count;
-        let (mut before, mut index) = (look(instants.from_s), 1);
-        while index <= count as usize {
-            let now_s = instants.at_s(index);
-            if now_s - step_s > until_s + exact_s {
-                break;
-            }
-            let idle = before.map_or(0, |before| self.idle_steps((word, ends, to), &before, step_s, exact_s));
-            if idle > 1 {
-                index += idle;
-                before = look(instants.at_s(index - 1));
-                continue;
-            }
-            let now = look(now_s);
-            // If the path type exists only in a part of the interval, that part is searched.
-            let since = match (before, now) {
-                (None, Some(now)) => Some((now.outermost(now_s - step_s, look), now)),
-                (Some(before), None) => Some((before, before.outermost(now_s, look))),
-                (before, now) => before.zip(now),
-            };
-            if let Some(found) = since.and_then(|pair| PathCandidate::reached(pair, look, self.turn_radius_m, exact_s))
-            {
-                return Some(found);
-            }
-            (before, index) = (now, index + 1);
-        }
-        None
-    }
 }
 
-/// The instants at which a path is examined.
-struct Instants {
-    from_s: f64,
-    lasts_s: f64,
-    /// Number of equal steps in `lasts_s`.
-    count: f64,
-    exact_s: f64,
-    until_s: f64,
-}
-
-impl Instants {
-    fn at_s(&self, index: usize) -> f64 {
-        self.from_s + self.lasts_s * index as f64 / self.count
-    }
+/// Paths from one pose to another, whatever their types.
+struct PathSearch<'a> {
+    flyer: &'a Flyer,
+    from: (Pose, Option<f64>),
+    to: (Pose, Option<f64>),
+    /// Duration of the straight flight; `None` if the wind permits none.
+    direct_s: Option<f64>,
 }
 
 /// A path type with its length at some instant.
@@ -364,7 +265,9 @@ impl PathType {
                 return None;
             }
             let length = libm::sqrt(squared);
-            let line = if distance > 0.0 { angle(apart) + libm::atan2(beside, length) } else { start.or(end)? };
+            // Between circles of one sense the line is parallel to the line between their centres.
+            let aside = if beside == 0.0 { 0.0 } else { libm::atan2(beside, length) };
+            let line = if distance > 0.0 { angle(apart) + aside } else { start.or(end)? };
             let heading = start.unwrap_or(line);
             let turns = [turned(self.first, line - heading), length, turned(self.last, end.unwrap_or(line) - line)];
             return Some((heading, of([self.first, 0.0, self.last], turns)));

@@ -23,7 +23,7 @@ use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan, SingleVisitProble
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::footprint::Ground;
-use apex_observation::predict::{AirConditions, Conditions, PlannedLine, PredictionContext, predict};
+use apex_observation::predict::{AirConditions, Conditions, PlannedLine, PredictionContext, gain_after};
 use apex_observation::target::{ObservedTarget, WantedLook};
 use apex_runtime::ports::Input;
 use apex_solvers::planners::single_visit::{OrderValue, OrderedVisit, order_value};
@@ -315,11 +315,9 @@ fn gain(
     let looks = fire.wanted.looks.iter().map(|look| WantedLook { latency: None, ..look.clone() }).collect();
     let wanted = ObservedTarget { looks, ..fire.wanted.clone() };
     let altitude_m = lost.begin.altitude_m;
-    let mut lines: Vec<PlannedLine> = rest.iter().map(|line| planned(mission, *line, altitude_m, again_s)).collect();
-    let without = predict(&wanted, grid, &lines, &scanner, &context).points();
-    lines.push(planned(mission, (lost.begin.position, lost.until.position), altitude_m, again_s));
-    let with = predict(&wanted, grid, &lines, &scanner, &context).points();
-    Ok((with - without).max(0.0))
+    let lines: Vec<PlannedLine> = rest.iter().map(|line| planned(mission, *line, altitude_m, again_s)).collect();
+    let again = planned(mission, (lost.begin.position, lost.until.position), altitude_m, again_s);
+    Ok(gain_after(&wanted, grid, (&lines, &[again]), &scanner, &context).max(0.0))
 }
 
 /// Returns the points that a delay costs the later visits, and the targets that are then left out. Times: now, the departure to these

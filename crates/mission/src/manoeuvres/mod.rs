@@ -43,6 +43,16 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
+/// Returns the error of [`of`], or `None`: sooner than [`of`], because the ways are not compared.
+pub(crate) fn trouble(wish: &Wish<'_>) -> Option<String> {
+    match &wish.fire.pictures.camera {
+        None if carries_scanner(&wish.mission.model) => {
+            scanner::trouble(wish).map(|why| without_manoeuvres(wish, why, SCANNER_ONLY))
+        }
+        _ => with_camera(wish).err(),
+    }
+}
+
 /// Returns pictures from vantage points and along lines and, if the program uses library "manoeuvres", its paths around and next to the
 /// target.
 fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
@@ -88,4 +98,53 @@ fn best<T>(mut made: Vec<T>, manoeuvre: impl Fn(&T) -> &Manoeuvre) -> Vec<T> {
     // The best and the fastest stay.
     let kept = |index: usize| (0..MANOEUVRES_MAX).any(|slot| slot * (count - 1) / (MANOEUVRES_MAX - 1) == index);
     front.into_iter().enumerate().filter(|(index, _)| kept(*index)).map(|(_, way)| way).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mission, Target, TargetKind};
+    use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+
+    /// Returns a zone that closes the air around a target for the whole mission.
+    fn shut(target: &Target) -> AirspaceZone {
+        let Position { latitude_deg, longitude_deg } = target.position;
+        let corner =
+            |(north_deg, east_deg): (f64, f64)| Position::new(latitude_deg + north_deg, longitude_deg + east_deg);
+        AirspaceZone {
+            name: "Z-1".to_string(),
+            kind: ZoneKind::Restricted,
+            corners: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(corner).to_vec(),
+            altitude_m_min: 0.0,
+            altitude_m_max: 50_000.0,
+            active: TimeWindow { from_s: 0.0, until_s: 1e9 },
+        }
+    }
+
+    #[test]
+    fn the_trouble_is_the_error_of_comparing_all_ways() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions");
+        let (mut troubles, mut ways) = (Vec::new(), 0);
+        for name in ["western-states", "stand-off"] {
+            let mission = Mission::load(&folder.join(name)).unwrap();
+            let every_sixth = || mission.targets.iter().step_by(6);
+            for (target, change) in every_sixth().flat_map(|target| (0..3).map(move |change| (target, change))) {
+                let TargetKind::Fire(fire) = &target.kind else { continue };
+                let mut mission = mission.clone();
+                let mut look = fire.wanted.looks[0].clone();
+                match change {
+                    0 => {}
+                    1 => look.resolution.wanted_m *= 1e-3,
+                    _ => mission.zones.push(shut(target)),
+                }
+                let (approach, is_explained) = (mission.start, false);
+                let wish = Wish { mission: &mission, target, fire, look: &look, approach, from_s: 60.0, is_explained };
+                let defined = of(&wish);
+                ways += usize::from(defined.is_ok());
+                assert_eq!(trouble(&wish), defined.err(), "{name}: {}, change {change}", target.id);
+                troubles.extend(trouble(&wish));
+            }
+        }
+        assert!(ways >= 3 && troubles.len() >= 3, "{ways} looks with a way, {troubles:?}");
+    }
 }

@@ -37,49 +37,70 @@ struct SweepDraft {
     shut_by: Option<String>,
 }
 
+/// Drafts of a wish that may pay, with the reason that applies if none of them adds anything.
+struct Drafts {
+    promising: Vec<SweepDraft>,
+    without_sweeps: String,
+}
+
 /// Returns the sweeps with the points that they are predicted to add.
 ///
 /// # Errors
 /// If there is none: the reason, with the nearest possibility.
 pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
-    let Some(scanner) = scanner_of(&wish.mission.model) else {
-        return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
+    let scanner = scanner_on(wish)?;
+    let Drafts { promising, without_sweeps } = drafts(wish, &scanner)?;
+    let made: Vec<Sweep> = promising.into_iter().filter_map(|draft| predicted(wish, &scanner, draft)).collect();
+    if made.is_empty() { Err(without_sweeps) } else { Ok(made) }
+}
+
+/// Returns the error of [`sweeps`], or `None`: the first sweep that adds something ends the search.
+pub(super) fn trouble(wish: &Wish<'_>) -> Option<String> {
+    let search = || -> Result<Option<String>, String> {
+        let scanner = scanner_on(wish)?;
+        let Drafts { promising, without_sweeps } = drafts(wish, &scanner)?;
+        let is_possible = promising.into_iter().any(|draft| predicted(wish, &scanner, draft).is_some());
+        Ok((!is_possible).then_some(without_sweeps))
     };
+    search().unwrap_or_else(Some)
+}
+
+/// Returns the scanner of the vehicle.
+fn scanner_on(wish: &Wish<'_>) -> Result<PredictedScanner, String> {
+    let model = &wish.mission.model;
+    scanner_of(model).ok_or_else(|| format!("the vehicle `{}` carries no line scanner", model.name))
+}
+
+/// Returns the drafts at all altitudes and spacings.
+fn drafts(wish: &Wish<'_>, scanner: &PredictedScanner) -> Result<Drafts, String> {
     let mut drafts = Vec::new();
     let mut closed: Option<(f64, &AirspaceZone)> = None;
     let mut trouble = None;
     let grounds = line_grounds(wish.fire);
     for altitude_m in altitudes::of(wish, &scanner.setting.mode)? {
         let height_m = altitude_m - wish.target.elevation_m;
-        let spacings = spacings(wish, &scanner, height_m);
+        let spacings = spacings(wish, scanner, height_m);
         for (ground, spacing) in grounds.iter().flat_map(|ground| spacings.iter().map(move |spacing| (ground, spacing)))
         {
-            match draft(wish, &scanner, (ground, *spacing), altitude_m) {
+            match draft(wish, scanner, (ground, *spacing), altitude_m) {
                 Err(why) => trouble = Some(why),
                 Ok(draft) => match closed_by(wish, &draft.lines, altitude_m) {
                     None => drafts.push(draft),
                     Some(zone) => {
                         // Of the closed altitudes, the lowest is nearest to a lower face, the highest to an upper one.
                         closed = Some((altitude_m, zone));
-                        drafts.extend(partly(wish, &scanner, (&draft, spacing.1), zone));
+                        drafts.extend(partly(wish, scanner, (&draft, spacing.1), zone));
                     }
                 },
             }
         }
     }
-    let mut made = Vec::new();
-    for draft in promising(drafts) {
-        made.extend(predicted(wish, &scanner, draft));
-    }
-    if made.is_empty() {
-        let by_zone = closed.map(|(altitude_m, zone)| {
-            let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
-            format!("it needs {altitude_m:.0} m at most, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name)
-        });
-        let nothing = || "no sweep would add anything".to_string();
-        return Err(by_zone.or(trouble).unwrap_or_else(nothing));
-    }
-    Ok(made)
+    let by_zone = closed.map(|(altitude_m, zone)| {
+        let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
+        format!("it needs {altitude_m:.0} m at most, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name)
+    });
+    let nothing = || "no sweep would add anything".to_string();
+    Ok(Drafts { promising: promising(drafts), without_sweeps: by_zone.or(trouble).unwrap_or_else(nothing) })
 }
 
 /// Returns names and swaths by which lines are spaced: the useful swath, and the whole swath, which needs fewer lines.

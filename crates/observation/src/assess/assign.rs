@@ -24,21 +24,16 @@ pub(super) enum Chosen {
     Passes(Vec<Vec<(u32, f64)>>),
 }
 
-impl Chosen {
-    /// Returns the entries of a cell for wanted look `k`, each with the factor of its interval.
-    pub(super) fn of<'a>(
-        &'a self,
-        k: usize,
-        entries: &'a [(u32, u32)],
-    ) -> impl Iterator<Item = ((u32, u32), f64)> + 'a {
-        entries.iter().filter_map(move |entry| match self {
-            Chosen::All => Some((*entry, 1.0)),
-            Chosen::Passes(passes) => {
-                let chosen = passes.get(k)?.iter().find(|(pass, _)| *pass == entry.0)?;
-                Some((*entry, chosen.1))
-            }
-        })
-    }
+/// Returns the entries of a cell for wanted look `k` among those of its passes, each with the factor of its interval.
+pub(super) fn serving<'a>(
+    passes: &'a [Vec<(u32, f64)>],
+    k: usize,
+    entries: &'a [(u32, u32)],
+) -> impl Iterator<Item = ((u32, u32), f64)> + 'a {
+    entries.iter().filter_map(move |entry| {
+        let chosen = passes.get(k)?.iter().find(|(pass, _)| *pass == entry.0)?;
+        Some((*entry, chosen.1))
+    })
 }
 
 /// A pass that sees the cell, with its expected value for each wanted look.

@@ -18,6 +18,7 @@ use crate::grid::TargetGrid;
 use crate::looks::{TargetLooks, TargetPass};
 use crate::result::{Factors, LookResult, Loss, LossCause, Remark, SeenFigures, TargetResult};
 use crate::target::{ObservedTarget, WantedLook};
+use assign::Chosen;
 use by_cell::ByCell;
 use chance::CellWorth;
 use std::collections::BTreeSet;
@@ -64,8 +65,15 @@ fn assessed(
     for cell in 0..grid.len() {
         let chosen = assign::assign(&by_cell, cell, &worths, &mut scratch);
         for (k, worth) in worths.iter().enumerate() {
-            let entries = chosen.of(k, by_cell.of(cell));
-            let outcome = chance::outcome(&by_cell, worth, entries, &mut scratch);
+            let entries = by_cell.of(cell);
+            let outcome = match &chosen {
+                Chosen::All => {
+                    chance::outcome(&by_cell, worth, entries.iter().map(|entry| (*entry, 1.0)), &mut scratch)
+                }
+                Chosen::Passes(passes) => {
+                    chance::outcome(&by_cell, worth, assign::serving(passes, k, entries), &mut scratch)
+                }
+            };
             if let Some(all) = cells.get_mut(k) {
                 all.push(outcome);
             }

@@ -102,7 +102,9 @@ impl<'a> StripWorth<'a> {
         self.look.resolution.factor(f64::from(look.pixel_along_m), f64::from(look.pixel_across_m))
     }
 
-    /// Returns the value of a look; `interval` is the factor of the time since the previous look that counts.
+    /// Returns the value of a look; `interval` is the factor of the time since the previous look that counts. It is called for each look of
+    /// each cell, so its callers contain it.
+    #[inline]
     pub(super) fn of(&self, pass: u32, look: &CellLook, strip: &StripFacts, interval: f64) -> LookWorth {
         let clear = clear_of(look, strip);
         let steady = strip.weights.steady() * f64::from(look.glint);

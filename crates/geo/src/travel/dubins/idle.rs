@@ -33,14 +33,10 @@ impl Flyer {
         let excess_s = SURELY_LESS * (now.missed_s - exact_s);
         let wind_mps = self.wind_mps.length();
         let end = to.plus(-now.time_s, self.wind_mps);
-        let turns = || now.parts.iter().filter(|part| part.turn != 0.0);
         let is_idle = |steps: f64| {
             let time_s = steps * step_s;
-            word.changes(ends, end, wind_mps * time_s).is_some_and(|ChangeBounds { length_m, turn_rad }| {
-                let apart_rad = turn_rad + SURELY_APART_RAD;
-                let keeps = |turned_rad: f64| turned_rad > apart_rad && turned_rad < TAU - apart_rad;
-                length_m / self.true_airspeed_mps + time_s < excess_s
-                    && turns().all(|part| keeps(part.length_m / self.turn_radius_m))
+            word.changes(ends, end, wind_mps * time_s).is_some_and(|bounds| {
+                bounds.length_m / self.true_airspeed_mps + time_s < excess_s && self.keeps_turns(now, &bounds)
             })
         };
         // The excess falls fastest if the end comes straight towards the path.
@@ -49,6 +45,26 @@ impl Flyer {
             steps = libm::floor(0.5 * steps);
         }
         if steps > 1.0 { steps as usize } else { 0 }
+    }
+
+    /// Returns true if a path with a line surely exists from `now` until `until_s`, and none of its turns vanishes or becomes a full
+    /// circle: its length then changes by no more than its end moves.
+    pub(super) fn is_steady(
+        &self,
+        (word, ends, to): (PathType, &PathEnds, Point),
+        now: &PathCandidate,
+        until_s: f64,
+    ) -> bool {
+        let end = to.plus(-now.time_s, self.wind_mps);
+        let moved_m = self.wind_mps.length() * (until_s - now.time_s);
+        word.between == 0.0 && word.changes(ends, end, moved_m).is_some_and(|bounds| self.keeps_turns(now, &bounds))
+    }
+
+    /// Returns true if no turn of a path vanishes or becomes a full circle within these bounds.
+    fn keeps_turns(&self, now: &PathCandidate, bounds: &ChangeBounds) -> bool {
+        let apart_rad = bounds.turn_rad + SURELY_APART_RAD;
+        let keeps = |turned_rad: f64| turned_rad > apart_rad && turned_rad < TAU - apart_rad;
+        now.parts.iter().filter(|part| part.turn != 0.0).all(|part| keeps(part.length_m / self.turn_radius_m))
     }
 }
 

@@ -225,9 +225,33 @@ proptest! {
         let (start, end) = (Some(start).filter(|_| free != 1), Some(end).filter(|_| free != 2));
         for word in words(start.is_some(), end.is_some()) {
             let pose = |point: Point, heading_rad: Option<f64>| (Pose { point, track_rad: None }, heading_rad);
-            let found = flyer.path(word, pose(from, start), pose(to, end), f64::INFINITY);
+            let found = PathSearch::new(&flyer, pose(from, start), pose(to, end)).path(word, f64::INFINITY);
             let found = found.map(|path| (path.time_s, path.parts));
             prop_assert_eq!(found, by_every_instant(&flyer, word, (from, start), (to, end)));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// Speeds, radii and distances as of aircraft: rounding is coarser there than near the origin.
+    #[test]
+    fn crossings_are_those_of_halving_whole_intervals(
+        away in 0.0..60.0_f64, bearing in -3.2..3.2_f64, start in -3.2..3.2_f64, end in -3.2..3.2_f64,
+        speed in 15.0..250.0_f64, roll in 0.2..0.7_f64, share in 0.0..0.95_f64, blows in -3.2..3.2_f64, free in 0..6_usize,
+    ) {
+        let wind_mps = Point::default().plus(share * speed, unit(blows));
+        let flyer = Flyer { true_airspeed_mps: speed, turn_radius_m: turn_radius_m(speed, roll), wind_mps };
+        let from = Point { x: -61_234.5, y: 7_890.1 };
+        let to = from.plus(away * flyer.turn_radius_m, unit(bearing));
+        let (start, end) = (Some(start).filter(|_| free != 1), Some(end).filter(|_| free != 2));
+        for word in words(start.is_some(), end.is_some()) {
+            let pose = |point: Point, heading_rad: Option<f64>| (Pose { point, track_rad: None }, heading_rad);
+            let found = PathSearch::new(&flyer, pose(from, start), pose(to, end)).path(word, f64::INFINITY);
+            let found = found.map(|path| (path.time_s.to_bits(), path.parts));
+            let defined = by_every_instant(&flyer, word, (from, start), (to, end));
+            prop_assert_eq!(found, defined.map(|(time_s, parts)| (time_s.to_bits(), parts)));
         }
     }
 }
