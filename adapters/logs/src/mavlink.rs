@@ -125,7 +125,7 @@ impl<R: Read> TelemetryLog<R> {
             ),
             (Some(stamp), None) => {
                 format!(
-                    "byte {at}: the packet's time is {stamp} us after 1970, which is no time of a flight; it is skipped"
+                    "byte {at}: the packet's time is {stamp} us after 1970, which is not the time of a flight; it is skipped"
                 )
             }
             (None, _) => {
