@@ -19,6 +19,7 @@ __all__ = [
     "PlanningError",
     "Quantity",
     "Reason",
+    "RecordWarning",
     "Result",
     "Results",
     "Session",
@@ -47,6 +48,7 @@ __version__: str
 class ApexError(Exception): ...
 class ConditionError(ApexError): ...
 class InputError(ApexError): ...
+class RecordWarning(UserWarning): ...
 
 class MissionError(ApexError):
     message: str
@@ -262,7 +264,7 @@ def fly_json(
 def fly_runs_json(
     mission: Mission,
     series: tuple[int | None, int, int],
-    until_s: float | None,
+    until_s_and_out: tuple[float | None, Path | None],
     means: Means,
     on_progress: Callable[[int], object] | None,
 ) -> str: ...

@@ -339,6 +339,11 @@ def replay(record: str | Path) -> ReplayResult:
     ------
     MissionError
         The record cannot be read, holds no steps, or was written by a version that reads its program differently.
+
+    Warns
+    -----
+    RecordWarning
+        The record is incomplete, was changed, is not as it was signed, or is of another version of Apex.
     """
     answer = json.loads(_apex.replay_json(Path(record)))
     difference = answer.pop("difference")
@@ -358,6 +363,11 @@ def trace(record: str | Path) -> list[dict[str, Any]]:
     ------
     MissionError
         The record cannot be read.
+
+    Warns
+    -----
+    RecordWarning
+        The record is incomplete, was changed, is not as it was signed, or is of another version of Apex.
     """
     # Texts of messages may hold other ends of lines, such as U+2028.
     return [json.loads(line) for line in _apex.trace_json(Path(record)).split("\n") if line]
@@ -410,6 +420,11 @@ def fork(
     ------
     MissionError
         The record cannot be forked at this instant, or the flight fails.
+
+    Warns
+    -----
+    RecordWarning
+        The record is incomplete, was changed, is not as it was signed, or is of another version of Apex.
     """
     lines = None if inputs is None else "".join(f"{json.dumps(line)}\n" for line in inputs)
     changes = (wind_factor, seed, lines, list(plan or ()))
@@ -424,5 +439,10 @@ def report(record: str | Path) -> Report:
     ------
     MissionError
         The record cannot be read, or is not the record of a mission.
+
+    Warns
+    -----
+    RecordWarning
+        The record is incomplete, was changed, is not as it was signed, or is of another version of Apex.
     """
     return Report(**json.loads(_apex.report_json(Path(record))))

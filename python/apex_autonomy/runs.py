@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from apex_autonomy import _apex
@@ -26,7 +27,8 @@ class Runs:
         ``fires_seen``, ``realised_cost`` and ``expected_cost_stated`` where a world file has ignitions,
         ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements:
         ``positions``,
-        ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``.
+        ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``; and
+        ``not_landed``, what is known of a vehicle that is not on the ground at the end.
     summary : dict
         ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``ignorance``
         (realised next to expected), ``violations`` by kind and ``lost`` by reason.
@@ -46,6 +48,7 @@ def fly_runs(
     jobs: int = 1,
     seed: int | None = None,
     until_s: float | None = None,
+    out: str | Path | None = None,
     planners: Iterable[Planner] = (),
     table: str | None = None,
     solver_timeout_s: float | None = None,
@@ -68,6 +71,9 @@ def fly_runs(
         Seed of the first flight; left out, the mission's.
     until_s : float, optional
         Mission time at which a flight ends at the latest.
+    out : str or path, optional
+        Table of the flights, ``.parquet`` or ``.csv``, with a column for each member of a row. It is opened before the
+        first flight; a file that exists keeps its content until the series has ended.
     planners, table, solver_timeout_s, solver_memory_mib
         As of :func:`fly`; the memory is multiplied by `jobs`.
     on_progress : callable, optional
@@ -76,7 +82,7 @@ def fly_runs(
     Raises
     ------
     MissionError
-        A number is out of range, or the mission cannot be simulated. A flight that fails is a row with its reason.
+        A number is out of range, the mission cannot be simulated, or the table cannot be written. A flight that fails is a row with its reason.
 
     Examples
     --------
@@ -86,5 +92,6 @@ def fly_runs(
     [(7, 'completed'), (8, 'completed'), (9, 'completed')]
     """
     resources = means(planners, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
-    answer = json.loads(_apex.fly_runs_json(mission._native, (seed, runs, jobs), until_s, resources, on_progress))
+    ends = (until_s, None if out is None else Path(out))
+    answer = json.loads(_apex.fly_runs_json(mission._native, (seed, runs, jobs), ends, resources, on_progress))
     return Runs(rows=answer["runs"], summary=answer["summary"], text=answer["summary_text"])

@@ -2,8 +2,9 @@
 
 use apex_mission::error::MissionError as Failure;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::exceptions::{PyException, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
+use std::ffi::CString;
 
 create_exception!(apex_autonomy, ApexError, PyException, "Base of all exceptions of this package.");
 create_exception!(
@@ -33,6 +34,13 @@ create_exception!(
     "There is no plan: the problem cannot be read or is invalid, nothing can be visited, or the planner's plan was refused."
 );
 
+create_exception!(
+    apex_autonomy,
+    RecordWarning,
+    PyUserWarning,
+    "A flight record whose content is used is incomplete, was changed, is not as it was signed, or is of another version of Apex."
+);
+
 /// Registers the exceptions in the module.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let python = module.py();
@@ -46,7 +54,17 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
         mission.setattr(attribute, python.None())?;
     }
     module.add("MissionError", mission)?;
-    module.add("PlanningError", python.get_type::<PlanningError>())
+    module.add("PlanningError", python.get_type::<PlanningError>())?;
+    module.add("RecordWarning", python.get_type::<RecordWarning>())
+}
+
+/// Warns of a record by Python's `warnings`, at the line that called the package.
+///
+/// # Errors
+/// The exception that a filter of the program makes of the warning.
+pub(crate) fn warn(python: Python<'_>, text: &str) -> PyResult<()> {
+    let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
+    PyErr::warn(python, &python.get_type::<RecordWarning>(), &text, 2)
 }
 
 /// Returns an [`InputError`].

@@ -1,6 +1,6 @@
 //! Flight records: replay, continuation with changes, report.
 
-use crate::errors::{mission as failed, value};
+use crate::errors::{mission as failed, value, warn};
 use crate::flight::{Watch, report_value};
 use crate::planning::{Means, positive};
 use apex_mission::error::{MissionError, MissionResult};
@@ -17,8 +17,9 @@ use std::path::{Path, PathBuf};
 /// Replays a record and returns the comparison as JSON.
 #[pyfunction]
 pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
-    let replayed = python.detach(|| -> MissionResult<String> {
-        let report = recorded::replay(&open(&record)?)?;
+    let reader = open(python, &record)?;
+    let replayed = python.detach(move || -> MissionResult<String> {
+        let report = recorded::replay(&reader)?;
         if report.batches == 0 {
             let message = format!("{} holds no steps: there is nothing to compare", record.display());
             return Err(MissionError::record_file(message).help("fly the mission again"));
@@ -47,8 +48,8 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
 /// Returns the trace of a record: a line of JSON for each input and each effect.
 #[pyfunction]
 pub(crate) fn trace_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
-    let traced = python.detach(|| -> MissionResult<String> {
-        let reader = open(&record)?;
+    let reader = open(python, &record)?;
+    let traced = python.detach(move || -> MissionResult<String> {
         let lines = trace_record(&reader, Vec::new(), TraceFormat::JsonLines, TraceFilter::default());
         Ok(String::from_utf8_lossy(&lines.map_err(recording::read)?).into_owned())
     });
@@ -79,8 +80,9 @@ pub(crate) fn fork_json(
     let until = until_s.map(|until_s| positive(until_s, "until_s")).transpose()?.map(Time::from_seconds);
     let means = means.inner.clone();
     let (mut watch, controls) = Watch::new(None);
-    let forked = python.detach(|| -> MissionResult<String> {
-        let reader = open(&record)?;
+    let reader = open(python, &record)?;
+    let watching = &mut watch;
+    let forked = python.detach(move || -> MissionResult<String> {
         let parts = [
             wind_factor.map(|factor| format!("wind times {factor}")),
             seed.map(|seed| format!("seed {seed}")),
@@ -95,7 +97,7 @@ pub(crate) fn fork_json(
         };
         let inputs = inputs.map(|text| scenario::parse("the inputs", &text)).transpose()?.unwrap_or_default();
         let changes = (Changes { inputs, plan }, WorldChanges { wind, seed }, text);
-        let terms = ForkTerms { until, controls: Some(controls), observer: Some(&mut watch) };
+        let terms = ForkTerms { until, controls: Some(controls), observer: Some(watching) };
         let forked = apex_simulation::fork(&reader, Time::from_seconds(at_s), changes, means, terms, &output);
         recording::release(&output);
         let forked = forked?;
@@ -114,8 +116,8 @@ pub(crate) fn fork_json(
 /// Returns the report of a recorded flight, computed from its steps, as JSON.
 #[pyfunction]
 pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
-    let reported = python.detach(|| -> MissionResult<String> {
-        let reader = open(&record)?;
+    let reader = open(python, &record)?;
+    let reported = python.detach(move || -> MissionResult<String> {
         let Some(mission) = recorded::mission_of(&reader)? else {
             return Err(MissionError::record_file(format!("{} is not the record of a mission", record.display()))
                 .because("its program names no vehicle and no targets")
@@ -126,7 +128,10 @@ pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     reported.map_err(|failure| failed(python, failure))
 }
 
-/// Opens a record. An incomplete record is accepted: its content is used, and its report states it.
-fn open(path: &Path) -> MissionResult<RecordReader> {
-    recording::open(path).map(|(reader, _)| reader)
+/// Opens a record. Its warning, such as that it is incomplete, is a `RecordWarning` of Python.
+fn open(python: Python<'_>, path: &Path) -> PyResult<RecordReader> {
+    let opened = python.detach(|| recording::open(path));
+    let (reader, warning) = opened.map_err(|failure| failed(python, failure))?;
+    warning.map_or(Ok(()), |text| warn(python, &text))?;
+    Ok(reader)
 }

@@ -5,11 +5,12 @@ import signal
 import sqlite3
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import pytest
 
-from apex_autonomy import Mission, MissionError, Planner, PlanningError, fly, fork, replay, report, trace
+from apex_autonomy import Mission, MissionError, Planner, PlanningError, RecordWarning, fly, fork, replay, report, trace
 
 WATCH = Path(__file__).parents[2] / "crates/cli/tests/missions/plain-watch"
 SHORT_S = 1200
@@ -189,3 +190,18 @@ def test_a_trace_with_other_ends_of_lines_in_its_texts_is_read(flown, tmp_path):
     fork(flight.record, 600, output=tmp_path / "noted.apex", inputs=[note], until_s=620)
     events = [line["form"] for line in trace(tmp_path / "noted.apex") if line["kind"] == "event"]
     assert f'(note "{said}")' in events
+
+
+def test_a_changed_file_is_read_with_a_warning(flown, tmp_path):
+    _, flight = flown
+    copy = tmp_path / "packed.apex"
+    copy.write_bytes(Path(flight.record).read_bytes())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert replay(copy).equal
+    database = sqlite3.connect(copy)
+    database.execute("vacuum")
+    database.close()
+    for read in (replay, trace, report):
+        with pytest.warns(RecordWarning, match="changed after it was closed"):
+            read(copy)

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pyarrow.csv
+import pyarrow.parquet
 import pytest
 
 from apex_autonomy import Mission, MissionError, fly_runs
@@ -18,6 +20,33 @@ def test_rows_do_not_depend_on_jobs() -> None:
     assert fly_runs(mission, runs=3, seed=5, jobs=2).rows == alone.rows
     assert alone.summary["completed"] == 3
     assert alone.text.startswith("3 flights, 3 completed")
+
+
+@pytest.mark.parametrize("end", ["parquet", "csv"])
+def test_the_table_has_the_rows(tmp_path: Path, end: str) -> None:
+    path = tmp_path / f"runs.{end}"
+    series = fly_runs(Mission.load(MISSION), runs=3, seed=5, out=path)
+    read = pyarrow.parquet.read_table if end == "parquet" else pyarrow.csv.read_csv
+    rows = read(path).to_pylist()
+    assert list(rows[0]) == list(series.rows[0])
+    numbers = ["seed", "end_s", "score", "benefits", "observed", "left_out", "reflies", "plans", "positions"]
+    assert [[row[name] for name in numbers] for row in rows] == [[row[name] for name in numbers] for row in series.rows]
+    assert [row["outcome"] for row in rows] == ["completed"] * 3
+
+
+def test_a_table_that_cannot_be_written_is_named_before_the_flights(tmp_path: Path) -> None:
+    mission = Mission.load(MISSION)
+    flown: list[int] = []
+    with pytest.raises(MissionError, match="does not determine the format"):
+        fly_runs(mission, runs=2, out=tmp_path / "runs.txt", on_progress=flown.append)
+    with pytest.raises(MissionError, match="cannot write"):
+        fly_runs(mission, runs=2, out=tmp_path / "absent" / "runs.csv", on_progress=flown.append)
+    kept = tmp_path / "kept.csv"
+    kept.write_text("of another series")
+    with pytest.raises(MissionError, match="0 runs cannot be flown"):
+        fly_runs(mission, runs=0, out=kept)
+    assert kept.read_text() == "of another series"
+    assert flown == []
 
 
 def test_bad_numbers_and_exceptions_are_raised() -> None:

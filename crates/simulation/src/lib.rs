@@ -5,10 +5,12 @@ mod flight;
 mod fork;
 mod ignorance;
 mod runs;
+mod runs_table;
 mod world;
 
 pub use flight::{create_record, create_record_with, fly, fly_to_the_end, pace_of};
 pub use fork::{ForkTerms, Forked, WorldChanges, check_fork, fork};
 pub use ignorance::IgnoranceSummary;
 pub use runs::{JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs};
+pub use runs_table::RunsTable;
 pub use world::world;

@@ -107,7 +107,7 @@ pub struct RunRow {
     pub beyond_landing_distance: u64,
     /// Requirements whose unavoidable violation the flight announced.
     pub said_broken: u64,
-    /// Statement about a vehicle that did not land, or that crashed; `None` if it is on the ground. Not in tables.
+    /// Statement about a vehicle that did not land, or that crashed; `None` if it is on the ground.
     pub not_landed: Option<String>,
 }
 

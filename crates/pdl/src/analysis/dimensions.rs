@@ -107,6 +107,11 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
         let found = match Kinds::of(program.library, right) {
             Kind::Number(found) => found,
             Kind::Other(what) => {
+                if let ExprKind::Indexical(name) = &right.kind
+                    && !report.mistyped.insert(name.clone())
+                {
+                    continue;
+                }
                 let wanted = Kind::Number(declared.dimension).words();
                 let message = format!("`({attribute} ..)` is {wanted}, but this is {what}");
                 let diagnostic = Diagnostic::error(codes::VALUE_TYPE, report.locator.span(right.place), message)

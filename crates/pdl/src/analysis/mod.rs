@@ -70,6 +70,8 @@ pub(crate) struct Program<'l> {
 struct FindingCollector<'l> {
     locator: Locator<'l>,
     diagnostics: Vec<Diagnostic>,
+    /// Indexicals that were reported as values of the wrong type: one wrong definition would be an error at each of its uses.
+    mistyped: BTreeSet<Symbol>,
 }
 
 impl FindingCollector<'_> {
@@ -85,7 +87,11 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     let methods = Methods::new(library);
     let endings = Endings::new(library, names, &methods);
     let program = Program { library, names, fragment, foreign, methods, endings };
-    let mut report = FindingCollector { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
+    let mut report = FindingCollector {
+        locator: Locator::new(&library.sources),
+        diagnostics: Vec::new(),
+        mistyped: BTreeSet::new(),
+    };
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
     early_ends::findings(library, &program.endings).into_iter().for_each(|each| report.add(each));
@@ -122,7 +128,8 @@ pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], na
     let endings = Endings::new(&whole, names, &methods);
     let foreign = BTreeSet::new();
     let program = Program { library: &whole, names, fragment: false, foreign: &foreign, methods, endings };
-    let mut report = FindingCollector { locator: Locator::new(&whole.sources), diagnostics: Vec::new() };
+    let mut report =
+        FindingCollector { locator: Locator::new(&whole.sources), diagnostics: Vec::new(), mistyped: BTreeSet::new() };
     limits::check(&program, &mut report);
     probes::check(&program, &mut report);
     probes::without_effect(conditions, &mut report);

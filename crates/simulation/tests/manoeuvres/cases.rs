@@ -141,9 +141,9 @@ impl Case {
         let speed = self.speed_mps.map_or_else(String::new, |speed| format!("at {speed}m/s "));
         let steps = match self.payload {
             PayloadUse::StillsEvery(every_m) => format!("every {every_m}m"),
-            PayloadUse::StillsInterval(interval_s) => format!("at intervals of {interval_s}s"),
+            PayloadUse::StillsInterval(interval_s) => format!("at interval {interval_s}s"),
             // A video is recorded as pictures.
-            PayloadUse::Video | PayloadUse::LineScan => "at intervals of 1s".to_string(),
+            PayloadUse::Video | PayloadUse::LineScan => "at interval 1s".to_string(),
         };
         match self.form.0 {
             "pirouette" => format!("(look around field by {} with {})", self.value(), self.camera),
