@@ -144,3 +144,13 @@ fn colours_are_only_in_coloured_text() {
     assert!(render(&checked.diagnostics, sources, true).contains('\u{1b}'));
     assert!(!render(&checked.diagnostics, sources, false).contains('\u{1b}'));
 }
+
+/// The unit of the constant is misspelt; it is compared with a speed in two places.
+#[test]
+fn a_constant_of_the_wrong_type_is_one_error() {
+    let text = "(defindexical +limit+ 2/s)\n(state-variable (climb ?aircraft) :unit m/s)\n\
+        (procedure (index (watch))\n  (step up (wait-for-it) (waitfor (climb plane > +limit+)))\n  \
+        (step down (wait-for-it) (waitfor (climb plane < +limit+))))\n(primitive (index (wait-for-it)))\n";
+    let told = messages(text);
+    assert_eq!(told.matches("error[E0307]").count(), 1, "{told}");
+}
