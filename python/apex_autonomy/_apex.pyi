@@ -264,7 +264,7 @@ def fly_json(
 def fly_runs_json(
     mission: Mission,
     series: tuple[int | None, int, int],
-    until_s_and_out: tuple[float | None, Path | None],
+    ends: tuple[float | None, Path | None],
     means: Means,
     on_progress: Callable[[int], object] | None,
 ) -> str: ...

@@ -9,18 +9,18 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Flies a mission in the worlds of `runs` seeds; returns the rows and the summary as JSON, and writes the rows to the table `out`. An exception of `on_progress`, or Ctrl-C,
-/// ends the series after the flights in progress, and is then raised.
+/// Flies a mission in the worlds of `runs` seeds; returns the rows and the summary as JSON, and writes the rows to a table. An exception of
+/// `on_progress`, or Ctrl-C, ends the series after the flights in progress, and is then raised.
 #[pyfunction]
 pub(crate) fn fly_runs_json(
     python: Python<'_>,
     mission: &LoadedMission,
     series: (Option<u64>, usize, usize),
-    (until_s, out): (Option<f64>, Option<PathBuf>),
+    ends: (Option<f64>, Option<PathBuf>),
     means: &Means,
     on_progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let (first_seed, runs, jobs) = series;
+    let ((first_seed, runs, jobs), (until_s, out)) = (series, ends);
     let until = until_s.map(|until_s| positive(until_s, "until_s")).transpose()?.map(Time::from_seconds);
     let terms = RunTerms { first_seed, runs, jobs, until };
     let table = out.map(|path| RunsTable::open(&path)).transpose().map_err(|failure| failed(python, failure))?;
