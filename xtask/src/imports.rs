@@ -39,7 +39,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "apex-runtime",
         ],
     ),
-    ("crates/simulation", &["apex-model", "apex-mission", "apex-portfolio", "apex-runtime", "apex-sim"]),
+    ("crates/simulation", &["apex-model", "apex-mission", "apex-portfolio", "apex-runtime", "apex-sim", "apex-tables"]),
     ("crates/runtime", &["apex-model", "apex-forms", "apex-executive", "apex-planning"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo", "apex-vehicle"]),
     (
