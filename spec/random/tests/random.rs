@@ -4,7 +4,7 @@ use apex_random::{campaign, generate, page, shrink};
 
 /// The number used in CI; `make nightly` runs a million. Conditions of execution end many tasks before they are interrupted, so this many
 /// programs are needed to reach every least count below.
-const COUNT: u64 = 6_000;
+const COUNT: u64 = 10_000;
 
 #[test]
 fn the_executive_and_the_reference_do_the_same() {
