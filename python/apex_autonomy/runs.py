@@ -82,7 +82,8 @@ def fly_runs(
     Raises
     ------
     MissionError
-        A number is out of range, the mission cannot be simulated, or the table cannot be written. A flight that fails is a row with its reason.
+        A number is out of range, the mission cannot be simulated, or the table cannot be written. A flight that fails
+        is a row with its reason.
 
     Examples
     --------

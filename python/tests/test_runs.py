@@ -28,7 +28,7 @@ def test_the_table_has_the_rows(tmp_path: Path, end: str) -> None:
     series = fly_runs(Mission.load(MISSION), runs=3, seed=5, out=path)
     read = pyarrow.parquet.read_table if end == "parquet" else pyarrow.csv.read_csv
     rows = read(path).to_pylist()
-    assert list(rows[0]) == list(series.rows[0])
+    assert set(rows[0]) == set(series.rows[0])
     numbers = ["seed", "end_s", "score", "benefits", "observed", "left_out", "reflies", "plans", "positions"]
     assert [[row[name] for name in numbers] for row in rows] == [[row[name] for name in numbers] for row in series.rows]
     assert [row["outcome"] for row in rows] == ["completed"] * 3
