@@ -46,6 +46,9 @@ def test_a_table_that_cannot_be_written_is_named_before_the_flights(tmp_path: Pa
     with pytest.raises(MissionError, match="0 runs cannot be flown"):
         fly_runs(mission, runs=0, out=kept)
     assert kept.read_text() == "of another series"
+    with pytest.raises(MissionError, match="0 runs cannot be flown"):
+        fly_runs(mission, runs=0, out=tmp_path / "empty.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.csv"]
     assert flown == []
 
 

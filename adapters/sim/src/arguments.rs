@@ -219,10 +219,10 @@ impl<'a> Arguments<'a> {
     /// Returns azimuth and tilt, in radians, of a direction `(along AZIMUTH TILT)`; `None` for any other argument.
     pub(crate) fn direction(&self, index: usize) -> Result<Option<(f64, f64)>, String> {
         let Some([Value::Symbol(head), rest @ ..]) = self.at(index).and_then(Value::as_list) else { return Ok(None) };
-        let [azimuth, tilt] = rest else { return Err(self.wrong("a direction is (along AZIMUTH TILT)")) };
         if !head.is("along") {
             return Ok(None);
         }
+        let [azimuth, tilt] = rest else { return Err(self.wrong("a direction is (along AZIMUTH TILT)")) };
         let azimuth_rad = self.angle(azimuth, "azimuth", "270deg")?;
         let tilt_rad = self.angle(tilt, "tilt", "-30deg")?;
         Ok(Some((crate::motion::wrap_tau(azimuth_rad), tilt_rad)))

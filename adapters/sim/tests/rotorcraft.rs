@@ -173,6 +173,22 @@ fn pictures(run: &Run) -> Vec<(f64, Position)> {
     times.map(|time_s| (time_s, Position::new(at(&latitudes, time_s), at(&longitudes, time_s)))).collect()
 }
 
+/// Only a list that begins with `along` is a direction; any other one is a wrong location.
+#[test]
+fn a_camera_is_pointed_in_a_fixed_direction() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    let camera = || word("camera-1");
+    run.carry_out(form("camera", [camera(), word("power-up")]), 20.0).unwrap();
+    let along = |parts: &[f64]| form("along", parts.iter().map(|part| Value::Real(*part)));
+    let wrong = run.carry_out(form("point-camera", [camera(), along(&[90.0])]), 1.0).unwrap_err();
+    assert!(wrong.contains("a direction is (along AZIMUTH TILT)"), "{wrong}");
+    let elsewhere = form("elsewhere", [Value::Real(1.0)]);
+    let wrong = run.carry_out(form("point-camera", [camera(), elsewhere]), 1.0).unwrap_err();
+    assert!(wrong.contains("is not a location"), "{wrong}");
+    run.carry_out(form("point-camera", [camera(), along(&[90.0, -30.0])]), 30.0).unwrap();
+    assert!((run.last_number("camera-tilt") / geodesy::RAD_PER_DEG + 30.0).abs() < 1.0);
+}
+
 #[test]
 fn pictures_by_distance_keep_their_distance_and_stop() {
     let mut run = hovering(wind(0.0, 0.0, 0.0));

@@ -145,12 +145,14 @@ fn colours_are_only_in_coloured_text() {
     assert!(!render(&checked.diagnostics, sources, false).contains('\u{1b}'));
 }
 
-/// The unit of the constant is misspelt; it is compared with a speed in two places.
+/// The unit of the indexical is misspelt; it is compared with a speed in two places, and with a height in a third one.
 #[test]
-fn a_constant_of_the_wrong_type_is_one_error() {
-    let text = "(defindexical +limit+ 2/s)\n(state-variable (climb ?aircraft) :unit m/s)\n\
+fn an_indexical_of_the_wrong_type_is_one_error_for_each_variable() {
+    let text = "(defindexical +limit+ 2/s)\n(state-variable (climb ?aircraft) :unit m/s)\n(state-variable (height ?aircraft) :unit m)\n\
         (procedure (index (watch))\n  (step up (wait-for-it) (waitfor (climb plane > +limit+)))\n  \
-        (step down (wait-for-it) (waitfor (climb plane < +limit+))))\n(primitive (index (wait-for-it)))\n";
+        (step down (wait-for-it) (waitfor (climb plane < +limit+)))\n  \
+        (step high (wait-for-it) (waitfor (height plane > +limit+))))\n(primitive (index (wait-for-it)))\n";
     let told = messages(text);
-    assert_eq!(told.matches("error[E0307]").count(), 1, "{told}");
+    let of = |variable: &str| told.matches(&format!("error[E0307]: `({variable} ..)`")).count();
+    assert_eq!((of("climb"), of("height")), (1, 1), "{told}");
 }

@@ -8,12 +8,24 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A file for the table, opened before the flights, so that a series is not lost because its table cannot be written.
+/// A file for the table, opened before the flights, so that a series is not lost because its table cannot be written. Without a table, a
+/// file that did not exist is removed again.
 #[derive(Debug)]
 pub struct RunsTable {
     path: PathBuf,
     file: File,
     is_parquet: bool,
+    /// True for a file that this value has created, and that holds no table.
+    is_new: bool,
+}
+
+impl Drop for RunsTable {
+    fn drop(&mut self) {
+        if self.is_new {
+            // Nothing is lost if it stays: the file is empty.
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
 }
 
 impl RunsTable {
@@ -42,23 +54,29 @@ impl RunsTable {
             ))
             .help("name another file, or remove the record first"));
         }
+        let is_new = !path.exists();
         let file = File::options().create(true).truncate(false).write(true).open(path);
         let file = file.map_err(|error| unwritten(path, &error))?;
-        Ok(RunsTable { path: path.to_path_buf(), file, is_parquet })
+        Ok(RunsTable { path: path.to_path_buf(), file, is_parquet, is_new })
     }
 
     /// Writes the rows.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(self, rows: &[RunRow]) -> MissionResult {
-        let RunsTable { path, file, is_parquet } = self;
-        let written = file.set_len(0).and_then(|()| {
-            let mut output = BufWriter::new(&file);
-            write_columns(&mut output, is_parquet, &columns(rows))?;
-            output.flush()
-        });
-        written.map_err(|error| unwritten(&path, &error))
+    pub fn write(mut self, rows: &[RunRow]) -> MissionResult {
+        self.is_new = false;
+        self.put(rows).map_err(|error| unwritten(&self.path, &error))
+    }
+
+    fn put(&self, rows: &[RunRow]) -> io::Result<()> {
+        // A pipe has no length.
+        if self.file.metadata()?.is_file() {
+            self.file.set_len(0)?;
+        }
+        let mut output = BufWriter::new(&self.file);
+        write_columns(&mut output, self.is_parquet, &columns(rows))?;
+        output.flush()
     }
 }
 

@@ -75,28 +75,10 @@ pub(crate) struct Synthesis {
 /// # Errors
 /// No vehicle or sensor of the mission can meet the goal: the nearest miss.
 pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start) -> Result<Synthesis, String> {
-    let sensors = sensors(mission, goal)?;
-    light(mission, goal, &sensors, start.at_s)?;
     let mut misses: Vec<Miss> = Vec::new();
-    let mut candidates = Vec::new();
-    for (name, instrument) in &sensors {
-        height_miss(mission, goal, (name, instrument), &mut misses);
-        for height_m in heights_m(mission, goal, instrument) {
-            candidates.extend(at_height((mission, goal), (name, instrument), height_m, (start.here, start.at_s)));
-        }
-    }
-    thin(&mut candidates);
+    let candidates = all_candidates(mission, goal, start, &mut misses)?;
     let tried = candidates.len();
-    let mut meeting: Vec<Predicted> = Vec::new();
-    for (candidate, cost) in by_time(mission, goal, candidates, start) {
-        if cost.is_some_and(|cost| meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &cost))) {
-            continue;
-        }
-        match judged(mission, goal, candidate, start) {
-            Ok(predicted) => meeting.push(predicted),
-            Err(miss) => misses.push(miss),
-        }
-    }
+    let meeting = predicted(mission, goal, candidates, start, &mut misses);
     misses.sort_by(|a, b| a.by.total_cmp(&b.by));
     misses.dedup_by(|next, before| next.why == before.why);
     let mut misses: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
@@ -112,6 +94,47 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
             ))
         }
     }
+}
+
+/// Returns the candidates of all sensors at all heights, at most [`CANDIDATES_MAX`]; adds the misses of heights.
+fn all_candidates(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    start: Start,
+    misses: &mut Vec<Miss>,
+) -> Result<Vec<ManoeuvreCandidate>, String> {
+    let sensors = sensors(mission, goal)?;
+    light(mission, goal, &sensors, start.at_s)?;
+    let mut candidates = Vec::new();
+    for (name, instrument) in &sensors {
+        height_miss(mission, goal, (name, instrument), misses);
+        for height_m in heights_m(mission, goal, instrument) {
+            candidates.extend(at_height((mission, goal), (name, instrument), height_m, (start.here, start.at_s)));
+        }
+    }
+    thin(&mut candidates);
+    Ok(candidates)
+}
+
+/// Returns the candidates that meet the goal, without those that a perfect one beats whatever they saw; adds the misses of the others.
+fn predicted(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    candidates: Vec<ManoeuvreCandidate>,
+    start: Start,
+    misses: &mut Vec<Miss>,
+) -> Vec<Predicted> {
+    let mut meeting: Vec<Predicted> = Vec::new();
+    for (candidate, cost) in by_time(mission, goal, candidates, start) {
+        if cost.is_some_and(|cost| meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &cost))) {
+            continue;
+        }
+        match judged(mission, goal, candidate, start) {
+            Ok(predicted) => meeting.push(predicted),
+            Err(miss) => misses.push(miss),
+        }
+    }
+    meeting
 }
 
 /// Adds a miss: the required pixels need a height at which the vehicle may not fly.
@@ -337,10 +360,12 @@ pub(crate) fn closed_by<'a>(
     })
 }
 
-/// Returns the figures by which candidates are compared, less is better: negative points, time, energy, turns.
+/// Returns the figures by which candidates are compared, less is better: negative points, time, energy, turns. All perfect candidates have
+/// equal points.
 fn figures(one: &Predicted) -> [f64; 4] {
     let forecast = &one.forecast;
-    [-forecast.points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
+    let points = if is_perfect(one) { PERFECT_POINTS } else { forecast.points };
+    [-points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
 }
 
 /// Returns true if no figure of `a` is greater than that of `b`, and one is less.
@@ -434,3 +459,6 @@ pub(super) fn told(one: &Predicted) -> String {
         one.travel_s
     )
 }
+
+#[cfg(test)]
+mod tests;

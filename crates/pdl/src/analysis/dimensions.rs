@@ -108,7 +108,7 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
             Kind::Number(found) => found,
             Kind::Other(what) => {
                 if let ExprKind::Indexical(name) = &right.kind
-                    && !report.mistyped.insert(name.clone())
+                    && !report.mistyped.insert((attribute.clone(), name.clone()))
                 {
                     continue;
                 }

@@ -70,8 +70,9 @@ pub(crate) struct Program<'l> {
 struct FindingCollector<'l> {
     locator: Locator<'l>,
     diagnostics: Vec<Diagnostic>,
-    /// Indexicals that were reported as values of the wrong type: one wrong definition would be an error at each of its uses.
-    mistyped: BTreeSet<Symbol>,
+    /// State variables with the indexicals that were reported as values of the wrong type for them: one wrong definition would be an error
+    /// at each of its uses.
+    mistyped: BTreeSet<(Symbol, Symbol)>,
 }
 
 impl FindingCollector<'_> {
