@@ -2,7 +2,8 @@
 
 use super::form::form_of;
 use super::goal::AcquisitionGoal;
-use super::solve::{Predicted, Start, Synthesis, synthesise, told};
+use super::pareto::Predicted;
+use super::solve::{Start, Synthesis, synthesise, told};
 use crate::Mission;
 use crate::energy::energy;
 use crate::problem::here;

@@ -8,6 +8,7 @@ mod candidates;
 mod form;
 mod goal;
 mod modes;
+mod pareto;
 mod paths;
 mod permitted;
 mod predicted;

@@ -4,7 +4,8 @@
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
 use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, ground_m, heights_m, lowest_m, sensors};
-use super::goal::{AcquisitionGoal, PERFECT_POINTS};
+use super::goal::AcquisitionGoal;
+use super::pareto::{ANSWERS_MAX, Predicted, beats, figures, front, is_perfect};
 use super::permitted::{PathRequirements, PlacedPath};
 use super::predicted::forecast_of;
 use super::vehicle::{craft_of, scene_of};
@@ -21,15 +22,8 @@ use apex_observation::timing::LightNeed;
 use apex_observation::timing::sun::solar_position;
 use apex_requirements::margin::sensor::ViewDirection;
 
-/// Maximum number of manoeuvres, and of misses, in an answer.
-const ANSWERS_MAX: usize = 8;
 /// Least mean factor of resolution: nearly all of the ground has at least the wanted resolution.
 const RESOLUTION_MIN: f64 = 0.9;
-/// Candidates with at least this share of the best points count as equally good; the shortest time then decides.
-const AS_GOOD: f64 = 0.99;
-
-/// Share of the points that a candidate with all of them may lack, by rounding.
-const ALL_POINTS_SPARE: f64 = 1e-6;
 
 /// Place, time and remaining energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,16 +34,6 @@ pub(crate) struct Start {
     pub(crate) at_s: f64,
     /// Flight time left without the reserve.
     pub(crate) endurance_s: f64,
-}
-
-/// A candidate with its predicted result.
-#[derive(Clone, Debug)]
-pub(crate) struct Predicted {
-    pub(super) candidate: ManoeuvreCandidate,
-    pub(super) scene: Scene,
-    pub(super) forecast: Forecast,
-    /// Flight time to its beginning.
-    pub(super) travel_s: f64,
 }
 
 /// A rejected candidate: its relative distance from meeting the goal, and the reason.
@@ -360,24 +344,6 @@ pub(crate) fn closed_by<'a>(
     })
 }
 
-/// Returns the figures by which candidates are compared, less is better: negative points, time, energy, turns. All perfect candidates have
-/// equal points.
-fn figures(one: &Predicted) -> [f64; 4] {
-    let forecast = &one.forecast;
-    let points = if is_perfect(one) { PERFECT_POINTS } else { forecast.points };
-    [-points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
-}
-
-/// Returns true if no figure of `a` is greater than that of `b`, and one is less.
-fn beats(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
-}
-
-/// Returns true for a candidate with all points, which no other one can exceed.
-fn is_perfect(one: &Predicted) -> bool {
-    one.forecast.points >= (1.0 - ALL_POINTS_SPARE) * PERFECT_POINTS
-}
-
 /// Returns the candidates in the order of their ends, with time, energy and turns, which need no prediction of what they see; `None` for a
 /// candidate that is refused.
 fn by_time(
@@ -411,34 +377,6 @@ fn setting(mission: &Mission, goal: &AcquisitionGoal, candidate: &ManoeuvreCandi
 fn travel_s(first: Option<&PathPose>, scene: &Scene, goal: &AcquisitionGoal, start: Start, craft: &Craft) -> f64 {
     let first = first.map_or(goal.position, |pose| scene.position(pose.point));
     geodesy::distance_m(start.here, first) / craft.true_airspeed_mps
-}
-
-/// Returns the Pareto front of value, time, energy and turns; the chosen manoeuvre first.
-fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
-    let all: Vec<[f64; 4]> = meeting.iter().map(figures).collect();
-    let stays = |index: usize| {
-        let own = all.get(index);
-        own.is_some_and(|own| {
-            let twin = |(other, figures): (usize, &[f64; 4])| {
-                beats(figures.as_slice(), own) || (other < index && figures == own)
-            };
-            !all.iter().enumerate().any(twin)
-        })
-    };
-    let mut front: Vec<Predicted> =
-        meeting.into_iter().enumerate().filter(|(index, _)| stays(*index)).map(|(_, one)| one).collect();
-    let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
-    let is_good = |one: &Predicted| one.forecast.points >= AS_GOOD * best;
-    front.sort_by(|a, b| {
-        let (a_s, b_s) = (a.travel_s + a.forecast.time_s, b.travel_s + b.forecast.time_s);
-        let by_time = a_s.total_cmp(&b_s).then(a.forecast.turns.cmp(&b.forecast.turns));
-        match (is_good(a), is_good(b)) {
-            (true, true) => by_time,
-            (one, other) => other.cmp(&one).then(b.forecast.points.total_cmp(&a.forecast.points)).then(by_time),
-        }
-    });
-    front.truncate(ANSWERS_MAX);
-    front
 }
 
 /// Returns one line for operators: a candidate and its predicted quality.
