@@ -190,6 +190,30 @@ fn a_camera_is_pointed_in_a_fixed_direction() {
 }
 
 #[test]
+fn pictures_by_time_keep_their_interval_and_stop() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    let camera = || word("camera-1");
+    let interval =
+        |s: f64| form("take-pictures", [camera(), word(":interval"), Value::Duration(Duration::from_seconds(s))]);
+    run.carry_out(form("camera", [camera(), word("power-up")]), 20.0).unwrap();
+    run.carry_out(form("point-camera", [camera(), word("down")]), 10.0).unwrap();
+    assert!(run.carry_out(interval(0.0), 1.0).unwrap_err().contains("not greater than zero"));
+    let both = form("take-pictures", [camera(), word(":every"), Value::Real(5.0), word(":interval"), Value::Real(5.0)]);
+    assert!(run.carry_out(both, 1.0).unwrap_err().contains("give one of them"));
+    run.carry_out(interval(7.0), 1.0).unwrap();
+    // The vehicle hovers: no distance is flown.
+    run.carry_out(form("wait", [Value::Duration(Duration::from_seconds(100.0))]), 110.0).unwrap();
+    let taken = pictures(&run);
+    // One at the beginning, and one every 7 s of about 100 s.
+    assert!((14..=16).contains(&taken.len()), "{}", taken.len());
+    let gaps_s: Vec<f64> = taken.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    assert!(gaps_s.iter().all(|gap_s| (gap_s - 7.0).abs() < 0.3), "{gaps_s:?}");
+    run.carry_out(form("stop-pictures", [camera()]), 1.0).unwrap();
+    run.carry_out(form("wait", [Value::Duration(Duration::from_seconds(20.0))]), 30.0).unwrap();
+    assert_eq!(pictures(&run).len(), taken.len());
+}
+
+#[test]
 fn pictures_by_distance_keep_their_distance_and_stop() {
     let mut run = hovering(wind(0.0, 0.0, 0.0));
     let camera = || word("camera-1");
