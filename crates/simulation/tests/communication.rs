@@ -6,6 +6,8 @@
 
 #[path = "communication/flown.rs"]
 mod flown;
+#[path = "support/shipped.rs"]
+mod shipped;
 
 use flown::{Flown, World};
 
@@ -290,17 +292,10 @@ fn a_pipeline_is_inspected_beyond_a_shadow() {
     use apex_mission::deliberation::PlanningResources;
     use apex_mission::flight::MissionFlight;
     use apex_mission::report::MissionValue;
-    let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/pipeline-inspection");
     for (middle, least_points) in [("flange-20", 310.0), ("crossing-23", 340.0)] {
-        let folder = tempfile::tempdir().unwrap();
-        for entry in std::fs::read_dir(&shipped).unwrap() {
-            let entry = entry.unwrap();
-            std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
-        }
-        let program = folder.path().join("mission.pdl");
-        let text = std::fs::read_to_string(&program).unwrap();
-        assert!(text.contains(":around crossing-23"));
-        std::fs::write(&program, text.replace(":around crossing-23", &format!(":around {middle}"))).unwrap();
+        let around = format!(":around {middle}");
+        let changes = [(":around crossing-23", around.as_str()), (":budget 2s", ":budget 200ms")];
+        let folder = shipped::copy_with("pipeline-inspection", &changes);
         let mission = std::sync::Arc::new(Mission::load(folder.path()).unwrap());
         let mut vehicle = apex_simulation::world(&mission, None).unwrap();
         let means = PlanningResources::of(&std::sync::Arc::new(apex_solvers::shipped()));

@@ -5,18 +5,14 @@
 #[path = "contingencies/flown.rs"]
 #[allow(clippy::disallowed_methods, reason = "a distance that this test does not use")]
 mod flown;
+#[path = "support/shipped.rs"]
+mod shipped;
 
 use apex_mission::diagnosis::{ModelQuery, answer};
-use std::path::Path;
 
 /// Flies `missions/diagnosis` with these faults of the world.
 fn shipped_with(faults: &str) -> flown::Flown {
-    let folder = tempfile::tempdir().unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/diagnosis");
-    for file in std::fs::read_dir(shipped).unwrap() {
-        let file = file.unwrap();
-        std::fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-    }
+    let folder = shipped::copy_with("diagnosis", &[]);
     let world = format!("{{\"format\": \"apex-world-1\", \"faults\": [{faults}]}}");
     std::fs::write(folder.path().join("world.json"), world).unwrap();
     let mission = folder.path().to_path_buf();

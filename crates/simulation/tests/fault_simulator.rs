@@ -26,6 +26,8 @@ mod link;
 mod mission;
 #[path = "fault_simulator/rules.rs"]
 mod rules;
+#[path = "support/shipped.rs"]
+mod shipped;
 #[path = "fault_simulator/solver.rs"]
 mod solver;
 #[path = "fault_simulator/story.rs"]
@@ -195,17 +197,14 @@ fn shipped_missions_with_failures_end_well() {
     for name in ["pipeline-inspection", "stand-off", "structure-watch", "diagnosis"] {
         let seeds = 11..11 + number("APEX_FAULT_SHIPPED", 2);
         for seed in seeds {
-            let folder = tempfile::tempdir().unwrap();
-            let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
-            for file in std::fs::read_dir(&shipped).unwrap() {
-                let file = file.unwrap();
-                std::fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
-            }
-            let program = std::fs::read_to_string(shipped.join("mission.pdl")).unwrap();
-            if !program.contains(":world ") {
-                let program = program.replace(":type native-sim", ":type native-sim :world \"world.json\"");
-                std::fs::write(folder.path().join("mission.pdl"), program).unwrap();
-            }
+            let world = (":type native-sim", ":type native-sim :world \"world.json\"");
+            let changes: &[(&str, &str)] = match name {
+                "pipeline-inspection" => &[world, (":budget 2s", ":budget 200ms")],
+                "stand-off" => &[world],
+                "structure-watch" => &[(":budget 500ms", ":budget 50ms")],
+                _ => &[],
+            };
+            let folder = shipped::copy_with(name, changes);
             let world = mission::shipped_world(seed, 1.0, name == "diagnosis");
             std::fs::write(folder.path().join("world.json"), world).unwrap();
             let flown =

@@ -8,6 +8,8 @@
 
 #[path = "guarded/random_mission.rs"]
 mod random_mission;
+#[path = "support/shipped.rs"]
+mod shipped;
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
@@ -21,7 +23,6 @@ use apex_runtime::EndReason;
 use apex_runtime::ports::Observer;
 use apex_simulation::{create_record, world};
 use random_mission::RandomMission;
-use std::path::Path;
 use std::sync::Arc;
 
 fn number(name: &str, usual: u64) -> u64 {
@@ -71,16 +72,7 @@ fn shown(name: &str, result: &CheckResult) -> Option<String> {
 
 #[test]
 fn western_states_keeps_its_requirements() {
-    let folder = tempfile::tempdir().unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
-    for entry in std::fs::read_dir(shipped).unwrap() {
-        let entry = entry.unwrap();
-        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
-    }
-    let program = folder.path().join("mission.pdl");
-    let text = std::fs::read_to_string(&program).unwrap();
-    // The quality of plans is not under test here.
-    std::fs::write(&program, text.replace(":budget 3s", ":budget 200ms")).unwrap();
+    let folder = shipped::copy_with("western-states", &[(":budget 3s", ":budget 200ms")]);
     let mission = Arc::new(Mission::load(folder.path()).unwrap());
     let mut wrong = Vec::new();
     let mut positions = 0;

@@ -18,9 +18,18 @@ use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tempfile::TempDir;
+
+#[path = "support/shipped.rs"]
+mod shipped;
 
 fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/structure-watch")
+}
+
+/// Returns a copy of the mission whose planner has a tenth of the budget.
+fn planned_quickly() -> TempDir {
+    shipped::copy_with("structure-watch", &[(":budget 500ms", ":budget 50ms")])
 }
 
 fn fly(mission: Mission) -> FlightOutcome {
@@ -120,7 +129,7 @@ impl Observer for Detours {
 #[test]
 fn planned_ways_around_obstacles_are_flown_without_detours() {
     let mut detours = Detours::default();
-    fly_in(Mission::load(&shipped()).unwrap(), None, &mut [&mut detours]);
+    fly_in(Mission::load(planned_quickly().path()).unwrap(), None, &mut [&mut detours]);
     assert_eq!(detours.found, Vec::new());
 }
 
@@ -147,7 +156,7 @@ fn a_fire_that_a_picture_shows_is_likelier_to_burn_again_and_leads_to_a_new_plan
     let mut count = 0;
     for seed in 2..=4 {
         let mut sightings = Sightings::default();
-        let flown = fly_in(Mission::load(&shipped()).unwrap(), Some(seed), &mut [&mut sightings]);
+        let flown = fly_in(Mission::load(planned_quickly().path()).unwrap(), Some(seed), &mut [&mut sightings]);
         // The last plan is made some minutes before the end of the watch.
         for (site, seen_s) in sightings.0.iter().filter(|(_, seen_s)| *seen_s < 2_700.0) {
             count += 1;
@@ -176,13 +185,13 @@ fn the_planner_plans_to_the_end_of_the_watch() {
 
 #[test]
 fn a_camera_that_sees_too_coarsely_observes_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    for entry in std::fs::read_dir(shipped()).unwrap() {
+    let folder = planned_quickly();
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
         let entry = entry.unwrap();
         let text = std::fs::read_to_string(entry.path()).unwrap();
         // The helicopter stays 39 m above the ground: 2.5 cm are the finest pixels.
         let text = text.replace("\"resolution_m\": 0.05", "\"resolution_m\": 0.01");
-        std::fs::write(folder.path().join(entry.file_name()), text).unwrap();
+        std::fs::write(entry.path(), text).unwrap();
     }
     let flown = fly(Mission::load(folder.path()).unwrap());
     let MissionValue::Ignorance(cost, looks) = &flown.report.value else { panic!("of another kind") };

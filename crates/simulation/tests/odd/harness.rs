@@ -27,7 +27,7 @@ pub(crate) fn program(options: &str, cruise: &str) -> String {
     format!(
         "(defapplication \"Odd\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\" \"contingencies\" \"replanning\") {options}\n \
          :agents ((agent uav-1 :initial-task (fly the mission))))\n\
-         (solver auto (index (see them)) :budget 1s)\n\
+         (solver auto (index (see them)) :budget 200ms)\n\
          (procedure (index (fly the mission))\n\
            (step up (take off to {cruise}))\n\
            (step survey (see them) (waitfor (end ?up)) (restart-when (new plan)))\n\

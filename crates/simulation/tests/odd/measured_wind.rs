@@ -49,7 +49,7 @@ fn surveillance_is_planned_in_the_wind_that_is_measured() {
     let program = "(defapplication \"Watch\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\" \"contingencies\" \"replanning\")\n\
          :vehicle (sim :model quadrotor :at home) :start \"2026-05-12T18:30:00Z\" :duration 40min :end-margin 10min\n\
          :targets \"t.geojson\" :weather \"a.csv\" :agents ((agent uav-1 :initial-task (fly the mission))))\n\
-         (solver auto (index (see them)) :budget 1s)\n\
+         (solver auto (index (see them)) :budget 200ms)\n\
          (procedure (index (fly the mission))\n\
            (step up (take off to 160m))\n\
            (step survey (see them) (waitfor (end ?up)) (restart-when (new plan)))\n\
