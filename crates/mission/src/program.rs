@@ -13,10 +13,10 @@ use rust_embed::RustEmbed;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The PDL libraries that ship with the product.
+/// The files of `library/`: the PDL libraries that ship with the product, and some data next to them, for which a filter would cost the
+/// compilation of a matcher of file names.
 #[derive(RustEmbed)]
 #[folder = "../../library"]
-#[include = "*.pdl"]
 struct Shipped;
 
 /// Signatures of the functions that the command registers for PDL.
