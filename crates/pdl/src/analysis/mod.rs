@@ -28,6 +28,7 @@ mod own_tag;
 mod probes;
 mod profiles;
 mod published;
+mod published_words;
 mod quoted_words;
 mod replenished;
 mod resemblance;
@@ -110,7 +111,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     operands(library, &mut report);
     resemblance::check(&program, &mut report);
     let published = published::findings(library).into_iter().chain(objects::findings(library));
-    published.for_each(|each| report.add(each));
+    published.chain(published_words::findings(library)).for_each(|each| report.add(each));
     if !fragment {
         let words = quoted_words::findings(library, foreign, &report.diagnostics);
         words.into_iter().for_each(|each| report.add(each));

@@ -70,12 +70,7 @@ fn publish(
     (variable, value): (&Expr, &Expr),
     report: &mut FindingsWithPlaces<'_>,
 ) {
-    let view = match &variable.kind {
-        ExprKind::Constant(value) => View::Value(value),
-        ExprKind::Template(template) => View::Template(template),
-        _ => return,
-    };
-    let Some(items) = view.items() else { return };
+    let Some(items) = view_of(variable).and_then(View::items) else { return };
     let Some(attribute) = items.first().and_then(|item| item.value()?.as_symbol()) else { return };
     // An attribute that something reads is meant as it is written.
     if read.contains(attribute) || is_known(library, attribute, variable, report) {
@@ -84,14 +79,18 @@ fn publish(
     }
 }
 
+/// Returns a view of a form with constant and computed parts; `None` for an expression that is computed as a whole.
+pub(super) fn view_of(form: &Expr) -> Option<View<'_>> {
+    match &form.kind {
+        ExprKind::Constant(value) => Some(View::Value(value)),
+        ExprKind::Template(template) => Some(View::Template(template)),
+        _ => None,
+    }
+}
+
 /// Checks a message that has the form of a measurement.
 fn message(library: &Library, form: &Expr, report: &mut FindingsWithPlaces<'_>) {
-    let view = match &form.kind {
-        ExprKind::Constant(value) => View::Value(value),
-        ExprKind::Template(template) => View::Template(template),
-        _ => return,
-    };
-    let Some(items) = view.items() else { return };
+    let Some(items) = view_of(form).and_then(View::items) else { return };
     let is_equal = |item: &View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|word| word.is("="));
     let Some(attribute) = items.first().and_then(|item| item.value()?.as_symbol()) else { return };
     match items.as_slice() {
