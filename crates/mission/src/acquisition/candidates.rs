@@ -22,7 +22,7 @@ pub(super) const CANDIDATES_MAX: usize = 160;
 /// Least height above ground if the mission requires no other: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 20.0);
 /// Height kept from faces of zones without a requirement.
-const FACE_M: f64 = 30.0;
+pub(super) const FACE_M: f64 = 30.0;
 /// Height by which a vehicle may leave its altitude.
 const LEVEL_M: f64 = 3.0;
 /// Relative difference below which two heights count as equal.
@@ -115,12 +115,16 @@ pub(crate) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
 
 /// Returns the lowest height above the target: the clearance that the mission requires, otherwise the least height of the vehicle.
 pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
+    clearance_m(mission) + LEVEL_M + (ground_m(mission, goal) - goal.target.elevation_m).max(0.0)
+}
+
+/// Returns the clearance over ground that candidates keep.
+pub(super) fn clearance_m(mission: &Mission) -> f64 {
     let least_m = match mission.model.airframe {
         Airframe::FixedWing => HEIGHT_M_MIN.0,
         Airframe::Rotorcraft => HEIGHT_M_MIN.1,
     };
-    let required_m = mission.requirements.terrain_clearance_m.map_or(least_m, |clearance_m| clearance_m.max(least_m));
-    required_m + LEVEL_M + (ground_m(mission, goal) - goal.target.elevation_m).max(0.0)
+    mission.requirements.terrain_clearance_m.map_or(least_m, |clearance_m| clearance_m.max(least_m))
 }
 
 /// Returns the elevation of the ground at the target.

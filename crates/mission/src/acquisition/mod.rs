@@ -12,6 +12,7 @@ mod pareto;
 mod paths;
 mod permitted;
 mod predicted;
+mod risk;
 mod solve;
 mod vehicle;
 

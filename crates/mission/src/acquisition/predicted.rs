@@ -8,8 +8,10 @@ use crate::observing::ForecastAir;
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::Position;
 use apex_model::value::Value;
+use apex_observation::grid::TargetGrid;
 use apex_observation::manoeuvres::{
     Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene,
+    TimedTrack,
 };
 use apex_observation::predict::PredictionContext;
 use apex_observation::target::ObservedTarget;
@@ -70,9 +72,21 @@ pub(crate) fn forecast_of(
     mission: &Mission,
     manoeuvre: &Manoeuvre,
     (craft, instrument, scene): (&Craft, &Instrument, &Scene),
-    (target, grid): (&ObservedTarget, &apex_observation::grid::TargetGrid),
+    observed: (&ObservedTarget, &TargetGrid),
     is_explained: bool,
 ) -> Result<Forecast, Refusal> {
+    let timed = manoeuvre.timed(craft, instrument, scene)?;
+    Ok(observe(mission, (manoeuvre, timed), (craft, instrument, scene), observed, is_explained))
+}
+
+/// Returns the forecast of a manoeuvre whose poses are known.
+pub(super) fn observe(
+    mission: &Mission,
+    (manoeuvre, timed): (&Manoeuvre, TimedTrack),
+    (craft, instrument, scene): (&Craft, &Instrument, &Scene),
+    (target, grid): (&ObservedTarget, &TargetGrid),
+    is_explained: bool,
+) -> Forecast {
     let first_valid_s = BTreeMap::new();
     let air = ForecastAir::new(mission);
     let ground = MissionGround::new(mission.terrain.clone(), target.elevation_m);
@@ -85,5 +99,5 @@ pub(crate) fn forecast_of(
         first_valid_s: &first_valid_s,
         is_explained,
     };
-    manoeuvre.forecast(craft, instrument, scene, &ForecastContext { target, grid, prediction })
+    manoeuvre.observe(timed, (craft, instrument), scene, &ForecastContext { target, grid, prediction })
 }

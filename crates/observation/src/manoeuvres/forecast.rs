@@ -2,11 +2,11 @@
 //! assessed as recorded ones are.
 
 use super::craft::Craft;
-use super::manoeuvre::Manoeuvre;
+use super::manoeuvre::{Manoeuvre, TimedTrack};
 use super::modes::{AttitudeMode, PayloadUse};
 use super::refusal::Refusal;
 use super::scene::{Instrument, Scene};
-use super::timing::{self, FlownPath, PathPose};
+use super::timing::{FlownPath, PathPose};
 use super::track::Sight;
 use crate::attitude::{Attitude, Vector};
 use crate::grid::TargetGrid;
@@ -16,7 +16,7 @@ use crate::result::{Factors, LookResult, TargetResult};
 use crate::sensor::gimbal::line_of;
 use crate::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use crate::target::ObservedTarget;
-use apex_geo::geodesy::{RAD_PER_DEG, wrap_180};
+use apex_geo::geodesy::{Position, RAD_PER_DEG, wrap_180};
 use apex_geo::plane::Point;
 
 /// Time between the pictures of a video that are predicted, s.
@@ -76,8 +76,18 @@ impl Manoeuvre {
         scene: &Scene,
         context: &ForecastContext<'_>,
     ) -> Result<Forecast, Refusal> {
-        let track = self.track(craft, instrument, scene)?;
-        let flown = timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)?;
+        let timed = self.timed(craft, instrument, scene)?;
+        Ok(self.observe(timed, (craft, instrument), scene, context))
+    }
+
+    /// Predicts the looks from the poses of [`Manoeuvre::timed`].
+    pub fn observe(
+        &self,
+        TimedTrack { sight, flown }: TimedTrack,
+        (craft, instrument): (&Craft, &Instrument),
+        scene: &Scene,
+        context: &ForecastContext<'_>,
+    ) -> Forecast {
         let on_ground_s = self.data.on_ground_s(scene.from_s + flown.time_s);
         let (result, pictures, tracked_share) = match instrument {
             Instrument::Scanner(scanner) => {
@@ -85,8 +95,7 @@ impl Manoeuvre {
                 (predict(context.target, context.grid, &lines, scanner, &context.prediction), 0, 1.0)
             }
             Instrument::Camera(camera) => {
-                let pictures = planned_pictures(&flown, (self, track.sight), camera, craft, (scene, context));
-                let tracked = pictures.iter().filter(|picture| sees(&picture.view, scene)).count();
+                let (pictures, tracked) = planned_pictures(&flown, (self, sight), camera, craft, (scene, context));
                 let share = tracked as f64 / pictures.len().max(1) as f64;
                 let count = pictures.len();
                 (predict_pictures(context.target, context.grid, &[pictures], &context.prediction), count, share)
@@ -96,19 +105,7 @@ impl Manoeuvre {
         let FlownPath { time_s, length_m, energy, turns, .. } = flown;
         let points = result.points();
         let look = result.looks.into_iter().next();
-        Ok(Forecast {
-            factors,
-            points,
-            time_s,
-            length_m,
-            energy,
-            turns,
-            pictures,
-            tracked_share,
-            on_ground_s,
-            flown,
-            look,
-        })
+        Forecast { factors, points, time_s, length_m, energy, turns, pictures, tracked_share, on_ground_s, flown, look }
     }
 }
 
@@ -148,14 +145,15 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
     lines
 }
 
+/// Returns the pictures, and the number of them with the middle of the target in view.
 fn planned_pictures(
     flown: &FlownPath,
     (manoeuvre, sight): (&Manoeuvre, Sight),
     camera: &CameraSetting,
     craft: &Craft,
     (scene, context): (&Scene, &ForecastContext<'_>),
-) -> Vec<PlannedPicture> {
-    let mut pictures = Vec::new();
+) -> (Vec<PlannedPicture>, usize) {
+    let (mut pictures, mut tracked) = (Vec::new(), 0);
     let mut angles = CameraSetting::straight_down();
     // Distance and time since the last picture; the first is taken at once.
     let (mut flown_m, mut waited_s) = (f64::INFINITY, f64::INFINITY);
@@ -184,7 +182,9 @@ fn planned_pictures(
             let here = facing(between(pose, after, next_s / lasts_s), &manoeuvre.attitude, scene);
             let view;
             (view, angles) = view_of(&here, sight, camera, scene, angles);
-            pictures.push(PlannedPicture { view, weights: weights_of(&here, camera, craft, (scene, context)) });
+            tracked += usize::from(sees(&view, here.point, scene));
+            let weights = weights_of((&here, view.position), camera, craft, (scene, context));
+            pictures.push(PlannedPicture { view, weights });
             last_s = Some(next_s);
             next_s += interval_s;
         }
@@ -194,7 +194,7 @@ fn planned_pictures(
             None => (flown_m + left_s * pose.ground_speed_mps, waited_s + left_s),
         };
     }
-    pictures
+    (pictures, tracked)
 }
 
 /// Returns the pose at a fraction of the way to the next one.
@@ -252,12 +252,11 @@ fn view_of(
 }
 
 fn weights_of(
-    pose: &PathPose,
+    (pose, position): (&PathPose, Position),
     camera: &CameraSetting,
     craft: &Craft,
     (scene, context): (&Scene, &ForecastContext<'_>),
 ) -> crate::clarity::ClarityWeights {
-    let position = scene.position(pose.point);
     let air = context.prediction.conditions.at(position, scene.elevation_m + pose.height_m, pose.time_s);
     let motion = ExposureMotion {
         ground_speed_mps: pose.ground_speed_mps,
@@ -272,11 +271,10 @@ fn weights_of(
     weights
 }
 
-/// Returns true if the middle of the target is inside a view.
-fn sees(view: &PictureView, scene: &Scene) -> bool {
+/// Returns true if the middle of the target is inside a view from `here`.
+fn sees(view: &PictureView, here: Point, scene: &Scene) -> bool {
     let sight = crate::sensor::camera::sight_of(&view.attitude, view.angles, view.is_stabilised);
     let axis = sight(Vector::new(1.0, 0.0, 0.0));
-    let here: Point = scene.point(view.position);
     let line = Vector::new(-here.y, -here.x, view.altitude_m - scene.elevation_m);
     axis.angle_rad(line) <= 0.5 * view.high_deg.min(view.wide_deg) * RAD_PER_DEG
 }

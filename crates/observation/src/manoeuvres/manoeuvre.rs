@@ -15,7 +15,7 @@ use super::strafe::Strafe;
 use super::straight_over::StraightOver;
 use super::sweep::Sweep;
 use super::timing::{self, FlownPath, PacedPoint};
-use super::track::Track;
+use super::track::{Sight, Track};
 use super::vantage_point::VantagePoint;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +61,15 @@ pub struct Manoeuvre {
     pub payload: PayloadUse,
     /// Handling of the data.
     pub data: DataHandling,
+}
+
+/// The poses of a manoeuvre over time, and the direction in which its camera looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedTrack {
+    /// Direction of the camera.
+    pub sight: Sight,
+    /// The poses.
+    pub flown: FlownPath,
 }
 
 impl FlightPath {
@@ -143,8 +152,17 @@ impl Manoeuvre {
     /// # Errors
     /// Like [`Manoeuvre::track`], and a speed that vehicle or wind do not permit.
     pub fn fly(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<FlownPath, Refusal> {
+        self.timed(craft, instrument, scene).map(|timed| timed.flown)
+    }
+
+    /// Returns its track with its poses over time, from which [`Manoeuvre::observe`] predicts the looks.
+    ///
+    /// # Errors
+    /// Like [`Manoeuvre::fly`].
+    pub fn timed(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<TimedTrack, Refusal> {
         let track = self.track(craft, instrument, scene)?;
-        timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)
+        let flown = timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)?;
+        Ok(TimedTrack { sight: track.sight, flown })
     }
 
     /// Returns the points to be followed with their speeds; empty for a manoeuvre that only hovers.

@@ -20,12 +20,15 @@ fn the_front_is_that_of_all_predictions() {
             let goal = AcquisitionGoal::read(&mission, &form).unwrap();
             let start = Start { here: mission.start, at_s: 60.0, endurance_s };
             let candidates = all_candidates(&mission, &goal, start, &mut Vec::new()).unwrap();
-            let every: Vec<Predicted> =
-                candidates.iter().filter_map(|one| judged(&mission, &goal, one.clone(), start).ok()).collect();
+            let requirements = PathRequirements::of(&mission);
+            let every: Vec<Predicted> = by_time(&mission, &goal, candidates.clone(), start)
+                .into_iter()
+                .filter_map(|one| judged(&mission, (&goal, &requirements), one.ok()?, start).ok())
+                .collect();
             let some = predicted(&mission, &goal, candidates, start, &mut Vec::new());
             left_out += every.len() - some.len();
             let sorted = |meeting: Vec<Predicted>| {
-                let mut all: Vec<[f64; 4]> = front(meeting).iter().map(figures).collect();
+                let mut all: Vec<[f64; 5]> = front(meeting).iter().map(figures).collect();
                 all.sort_by(|a, b| {
                     a.iter()
                         .zip(b)
@@ -40,4 +43,27 @@ fn the_front_is_that_of_all_predictions() {
         }
     }
     assert!(left_out >= 50 && compared >= 6, "{left_out} left out, {compared} goals met");
+}
+
+/// A pass that is as good and as cheap as another one, but farther from the ground or a zone, is in the answer for that alone.
+#[test]
+fn risk_is_an_axis_of_the_front() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/stand-off");
+    let mission = Mission::load(&folder).unwrap();
+    let resolution = Value::measured(0.1, Dimension::LENGTH);
+    let form =
+        Value::list([Value::symbol("acquire"), Value::symbol("plume"), Value::symbol(":resolution"), resolution]);
+    let goal = AcquisitionGoal::read(&mission, &form).unwrap();
+    let start = Start { here: mission.start, at_s: 60.0, endurance_s: 3_000.0 };
+    let synthesis = synthesise(&mission, &goal, start).unwrap();
+    let all: Vec<[f64; 5]> = synthesis.front.iter().map(figures).collect();
+    let without = |[points, time_s, energy, _, turns]: [f64; 5]| [points, time_s, energy, turns];
+    let by_risk =
+        all.iter().filter(|own| all.iter().any(|other| beats(&without(*other), &without(**own)) && other[3] > own[3]));
+    assert!(by_risk.count() >= 1, "{all:?}");
+    let texts: Vec<String> = synthesis.front.iter().map(told).collect();
+    assert!(texts.iter().all(|text| text.contains(", risk 0.")), "{texts:#?}");
+    // The required clearance over ground is a part of the height that shrinks with it.
+    let risk_at = |height_m: f64| RiskLimits::of(&mission, &goal).over_ground(height_m);
+    assert!(risk_at(40.0).share > risk_at(80.0).share && risk_at(80.0).share > 0.0);
 }
