@@ -3,6 +3,7 @@
 //! Bound: [`CANDIDATES_MAX`].
 
 use super::goal::{AcquisitionGoal, ProductKind};
+use super::sweep_form::{SIDELAP, corners_of};
 use super::vehicle::craft_of;
 use crate::Mission;
 use crate::observing::{camera_names, camera_of, scanner_of};
@@ -15,7 +16,6 @@ use apex_observation::manoeuvres::{
     SpeedProfile, Spiral, StandOff, StraightOver, Sweep, VantagePoint,
 };
 use apex_observation::sensor::CameraSetting;
-use apex_observation::target::TargetArea;
 
 /// Candidates for one goal.
 pub(super) const CANDIDATES_MAX: usize = 160;
@@ -258,25 +258,13 @@ impl Setting<'_> {
 
     fn sweep(&self, made: &mut Vec<ManoeuvreCandidate>, (across_m, margin_m, speed_mps): (f64, f64, f64)) {
         let scene = Scene::still(self.goal.position, self.goal.target.elevation_m);
-        let corners: Vec<(f64, f64)> = match &self.goal.target.area {
-            TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
-                let outer = polygons.iter().flat_map(|polygon| polygon.outer.iter());
-                outer.map(|corner| scene.point(*corner)).map(|point| (point.x, point.y)).collect()
-            }
-            _ => {
-                let corner = |index: u32| {
-                    let angle = f64::from(index) * std::f64::consts::FRAC_PI_4;
-                    (self.goal.radius_m * libm::sin(angle), self.goal.radius_m * libm::cos(angle))
-                };
-                (0..8).map(corner).collect()
-            }
-        };
+        let corners = corners_of(&self.goal.target.area, &scene, self.goal.radius_m);
         // The direction of a sweep is searched, depending on the wind and the shape.
         let path = Sweep {
             corners,
             height_m: self.height_m,
             swath_m: across_m,
-            sidelap: 0.15,
+            sidelap: SIDELAP,
             track_deg: None,
             run_in_m: margin_m,
         };

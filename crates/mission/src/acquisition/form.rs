@@ -1,5 +1,6 @@
 //! Manoeuvres in PDL notation: `(orbit :radius 60m :height 40m :turns 1)`.
 
+use super::sweep_form::{SweptGround, read_sweep};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
@@ -37,7 +38,12 @@ impl<'a> Form<'a> {
     }
 
     /// Returns a keyword's number in SI units; a bare number is in the unit of `unit_si`.
-    fn number(&mut self, key: &'static str, dimension: Dimension, unit_si: f64) -> Result<Option<f64>, String> {
+    pub(super) fn number(
+        &mut self,
+        key: &'static str,
+        dimension: Dimension,
+        unit_si: f64,
+    ) -> Result<Option<f64>, String> {
         self.used.push(key);
         let Some((_, value)) = self.fields.iter().find(|(name, _)| name == key) else { return Ok(None) };
         match value.as_number() {
@@ -52,7 +58,7 @@ impl<'a> Form<'a> {
         found.ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
     }
 
-    fn length(&mut self, key: &'static str) -> Result<f64, String> {
+    pub(super) fn length(&mut self, key: &'static str) -> Result<f64, String> {
         self.need(key, Dimension::LENGTH, 1.0)
     }
 
@@ -61,7 +67,7 @@ impl<'a> Form<'a> {
     }
 
     /// Returns an angle in degrees; `default` if it is not stated.
-    fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
+    pub(super) fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
         let found = self.number(key, Dimension::ANGLE, 1.0 / DEG_PER_RAD)?.map(|rad| rad * DEG_PER_RAD);
         found.or(default).ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
     }
@@ -119,11 +125,11 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
     Ok(fields)
 }
 
-/// Reads the flight path of a form. Sweeps are read where their area is known.
+/// Reads the flight path of a form; a sweep covers `ground` unless it states a rectangle.
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
-pub(crate) fn read_path(form: &mut Form<'_>) -> Result<FlightPath, String> {
+pub(crate) fn read_path(form: &mut Form<'_>, ground: &SweptGround<'_>) -> Result<FlightPath, String> {
     let path = match form.name() {
         "straight-over" => FlightPath::StraightOver(StraightOver {
             track_deg: form.angle_deg("track", None)?,
@@ -173,10 +179,8 @@ pub(crate) fn read_path(form: &mut Form<'_>) -> Result<FlightPath, String> {
             height_m: form.length("height")?,
             first_track_deg: form.optional_angle_deg("track")?,
         }),
-        other => {
-            let known = FlightPath::NAMES.iter().filter(|name| **name != "sweep").copied();
-            return Err(format!("there is no manoeuvre `{other}`; there are {}", known.collect::<Vec<_>>().join(", ")));
-        }
+        "sweep" => FlightPath::Sweep(read_sweep(form, ground)?),
+        other => return Err(format!("there is no manoeuvre `{other}`; there are {}", FlightPath::NAMES.join(", "))),
     };
     Ok(path)
 }
@@ -343,7 +347,11 @@ fn degrees(angle_deg: f64) -> Value {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::super::vehicle::instrument_of;
     use super::*;
+    use crate::vehicle::VehicleModel;
 
     fn form(name: &str, fields: &[(&str, f64)]) -> Value {
         let fields = fields.iter();
@@ -353,7 +361,10 @@ mod tests {
 
     fn path_of(value: &Value) -> Result<FlightPath, String> {
         let mut form = Form::read(value, "the manoeuvre")?;
-        let path = read_path(&mut form)?;
+        let model = VehicleModel::named("quadrotor").unwrap();
+        let instrument = instrument_of(&model, None)?;
+        let ground = SweptGround { target: "field", corners: &[], instrument: &instrument };
+        let path = read_path(&mut form, &ground)?;
         form.finish().map(|()| path)
     }
 
@@ -390,6 +401,14 @@ mod tests {
             why(&form("orbit", &[("radius", 30.0), ("height", 1.0), ("laps", 2.0)])),
             "`orbit` has no keyword `:laps`; it has :radius :height :turns :azimuth :turning"
         );
+        let point = form("sweep", &[("height", 30.0)]);
+        assert!(
+            why(&point).starts_with("`field` is a point; add `:length` and `:width` to `sweep`"),
+            "{}",
+            why(&point)
+        );
+        let half = form("sweep", &[("height", 30.0), ("length", 80.0)]);
+        assert!(why(&half).starts_with("`:length` and `:width` of `sweep` are both positive"), "{}", why(&half));
         assert!(why(&form("arc", &[("azimuth", 30.0), ("speed", 1.0)])).contains("either `:radius`"));
         assert!(why(&form("expanding-square", &[("rounds", 2.5)])).contains("expected a whole number"));
     }

@@ -14,6 +14,7 @@ mod permitted;
 mod predicted;
 mod risk;
 mod solve;
+mod sweep_form;
 mod vehicle;
 
 pub(crate) use answer::pose;

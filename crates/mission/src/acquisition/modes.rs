@@ -1,6 +1,7 @@
 //! Modes of a manoeuvre in PDL notation: `:attitude`, `:heading` and `:pace` of every form, with the modes of a form that states none.
 
 use super::form::{Form, read_path};
+use super::sweep_form::SweptGround;
 use apex_geo::geodesy::wrap_180;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
@@ -21,9 +22,9 @@ const PACES: &str =
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
-pub(crate) fn manoeuvre_of_form(value: &Value) -> Result<(FlightPath, Modes), String> {
+pub(crate) fn manoeuvre_of_form(value: &Value, ground: &SweptGround<'_>) -> Result<(FlightPath, Modes), String> {
     let mut form = Form::read(value, "the manoeuvre")?;
-    let path = read_path(&mut form)?;
+    let path = read_path(&mut form, ground)?;
     let modes = Modes::read(&mut form)?;
     form.finish()?;
     Ok((path, modes))
@@ -137,7 +138,11 @@ fn pace(name: &str, value: &Value) -> Result<SpeedProfile, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::manoeuvre_of_form;
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::super::vehicle::instrument_of;
+    use super::{SweptGround, manoeuvre_of_form};
+    use crate::vehicle::VehicleModel;
     use apex_model::value::Value;
     use apex_observation::manoeuvres::{AttitudeMode, SpeedProfile};
 
@@ -155,7 +160,9 @@ mod tests {
 
     #[test]
     fn every_form_has_an_attitude_and_a_pace() {
-        let read = |more: &[(&str, Value)]| manoeuvre_of_form(&over(more)).map(|(_, modes)| modes);
+        let instrument = instrument_of(&VehicleModel::named("quadrotor").unwrap(), None).unwrap();
+        let ground = SweptGround { target: "field", corners: &[], instrument: &instrument };
+        let read = |more: &[(&str, Value)]| manoeuvre_of_form(&over(more), &ground).map(|(_, modes)| modes);
         let of = |more: &[(&str, Value)]| read(more).map(|modes| (modes.attitude, modes.speed));
         assert_eq!(of(&[]), Ok((None, None)));
         assert_eq!(

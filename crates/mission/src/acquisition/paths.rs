@@ -4,6 +4,7 @@
 
 use super::modes::{Modes, check_sight, manoeuvre_of_form};
 use super::permitted::{PathRequirements, PlacedPath};
+use super::sweep_form::SweptGround;
 use super::vehicle::{craft_of, instrument_of, scene_of};
 use crate::Mission;
 use crate::observing::carries_scanner;
@@ -34,13 +35,15 @@ pub(crate) struct Places {
 /// A target, or a place.
 #[derive(Clone, Debug)]
 struct Place {
-    /// Name in lower case; empty for a place.
+    /// Name in lower case; the location for a place.
     name: String,
     position: Position,
     /// Level of the observed part.
     elevation_m: f64,
     /// Elevation of the ground.
     ground_m: f64,
+    /// Corners of its ground, metres east and north; none for a point.
+    corners: Vec<(f64, f64)>,
 }
 
 /// Returns the manoeuvre that PDL flies: along a path in its modes with a camera (or the scanner), at a speed.
@@ -68,6 +71,7 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
                 position: target.position,
                 elevation_m: super::vehicle::elevation_m(target),
                 ground_m: target.elevation_m,
+                corners: super::vehicle::target_corners(target),
             })
             .collect(),
     });
@@ -85,8 +89,7 @@ impl Places {
         let [form, target, camera, speed, met] = arguments else {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
         };
-        let (path, modes) = manoeuvre_of_form(form)?;
-        let Place { position: place, elevation_m, ground_m, .. } = self.place(target)?;
+        let Place { name: target_name, position: place, elevation_m, ground_m, corners } = self.place(target)?;
         let speed_mps = match speed.as_number() {
             Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Some(speed),
             None if !speed.is_true() => None,
@@ -95,6 +98,8 @@ impl Places {
         let at_s = met.as_number().map_or(0.0, |(seconds, _)| seconds);
         let name = camera.as_symbol().map(|name| name.folded().to_string());
         let instrument = instrument_of(&self.model, name.as_deref())?;
+        let ground = SweptGround { target: &target_name, corners: &corners, instrument: &instrument };
+        let (path, modes) = manoeuvre_of_form(form, &ground)?;
         let height_m = height_m(&path);
         let craft = craft_of(&self.model, elevation_m + height_m);
         let scene = scene_of((place, elevation_m), &self.wind, height_m, place, at_s);
@@ -161,7 +166,8 @@ impl Places {
             _ => {
                 let Location { position, altitude_m } = Location::of(value)?;
                 let elevation_m = altitude_m.unwrap_or(0.0);
-                return Ok(Place { name: String::new(), position, elevation_m, ground_m: elevation_m });
+                let name = value.to_string();
+                return Ok(Place { name, position, elevation_m, ground_m: elevation_m, corners: Vec::new() });
             }
         };
         let found = self.targets.iter().find(|target| target.name == name);

@@ -2,7 +2,8 @@
 
 use super::modes::{check_sight, manoeuvre_of_form};
 use super::paths::{height_m, manoeuvre_of};
-use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
+use super::sweep_form::SweptGround;
+use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_corners, target_of};
 use crate::ground::MissionGround;
 use crate::observing::ForecastAir;
 use crate::{Mission, TargetKind};
@@ -10,8 +11,7 @@ use apex_geo::geodesy::Position;
 use apex_model::value::Value;
 use apex_observation::grid::TargetGrid;
 use apex_observation::manoeuvres::{
-    Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene,
-    TimedTrack,
+    Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene, TimedTrack,
 };
 use apex_observation::predict::PredictionContext;
 use apex_observation::target::ObservedTarget;
@@ -39,9 +39,11 @@ pub struct PerformedManoeuvre<'a> {
 /// # Errors
 /// An error message: the form is invalid, the mission has no such target or sensor, or a limit of vehicle, sensor or wind is exceeded.
 pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
-    let (path, modes) = manoeuvre_of_form(wanted.form)?;
     let target = target_of(mission, wanted.target)?;
     let instrument = instrument_of(&mission.model, wanted.sensor)?;
+    let corners = target_corners(target);
+    let ground = SweptGround { target: &target.id, corners: &corners, instrument: &instrument };
+    let (path, modes) = manoeuvre_of_form(wanted.form, &ground)?;
     let scene = scene(mission, (target.position, elevation_m(target)), &path, target.position, wanted.from_s);
     let craft = craft_of(&mission.model, scene.elevation_m + height_m(&path));
     let scans = matches!(instrument, Instrument::Scanner(_));
