@@ -16,7 +16,7 @@ const TARGETS: usize = 40;
 const DEGREE_M: (f64, f64) = (111_034.0, 85_395.0);
 
 /// Forty targets of one kind for one vehicle.
-struct Row {
+struct TargetSeries {
     name: &'static str,
     model: &'static str,
     wind_mps: f64,
@@ -29,13 +29,13 @@ struct Row {
     coverage: f64,
 }
 
-const ROWS: [Row; 6] = [
-    Row { name: "points-rmax", half_m: 0.0, pixel_m: 0.1, ..FIELDS },
-    Row { name: "lines-rmax", half_m: 100.0, is_line: true, ..FIELDS },
+const ROWS: [TargetSeries; 6] = [
+    TargetSeries { name: "points-rmax", half_m: 0.0, pixel_m: 0.1, ..FIELDS },
+    TargetSeries { name: "lines-rmax", half_m: 100.0, is_line: true, ..FIELDS },
     FIELDS,
-    Row { name: "fields-rmax-wind-5cm", wind_mps: 5.0, pixel_m: 0.05, ..FIELDS },
-    Row { name: "fields-quadrotor", model: "quadrotor", pixel_m: 0.02, ..FIELDS },
-    Row {
+    TargetSeries { name: "fields-rmax-wind-5cm", wind_mps: 5.0, pixel_m: 0.05, ..FIELDS },
+    TargetSeries { name: "fields-quadrotor", model: "quadrotor", pixel_m: 0.02, ..FIELDS },
+    TargetSeries {
         name: "fields-fixed-wing",
         model: "fixed-wing-mapper",
         half_m: 150.0,
@@ -47,7 +47,7 @@ const ROWS: [Row; 6] = [
 ];
 
 /// Fields of 80 x 80 m at 20 cm.
-const FIELDS: Row = Row {
+const FIELDS: TargetSeries = TargetSeries {
     name: "fields-rmax",
     model: "rmax",
     wind_mps: 0.0,
@@ -58,7 +58,7 @@ const FIELDS: Row = Row {
     coverage: 0.0,
 };
 
-impl Row {
+impl TargetSeries {
     fn geometry(&self, index: usize) -> String {
         let (east_m, north_m) = (200.0 + self.apart_m * (index % 8) as f64, self.apart_m * (index / 8) as f64);
         let corner = |x: f64, y: f64| {
