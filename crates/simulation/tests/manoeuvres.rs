@@ -5,6 +5,8 @@
 
 #[path = "manoeuvres/cases.rs"]
 mod cases;
+#[path = "manoeuvres/data.rs"]
+mod data;
 #[path = "manoeuvres/modes.rs"]
 mod modes;
 

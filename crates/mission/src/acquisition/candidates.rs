@@ -12,8 +12,8 @@ use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_360};
 use apex_geo::wind;
 use apex_model::problem::ZoneKind;
 use apex_observation::manoeuvres::{
-    Arc, ArcShape, AttitudeMode, DataHandling, FlightPath, Instrument, Manoeuvre, Orbit, PayloadUse, Scene, Side,
-    SpeedProfile, Spiral, StandOff, StraightOver, Sweep, VantagePoint,
+    Arc, ArcShape, AttitudeMode, FlightPath, Instrument, Manoeuvre, Orbit, PayloadUse, Scene, Side, SpeedProfile,
+    Spiral, StandOff, StraightOver, Sweep, VantagePoint,
 };
 use apex_observation::sensor::CameraSetting;
 
@@ -211,7 +211,7 @@ impl Setting<'_> {
         let speed_mps = (libm::round(10.0 * speed_mps) / 10.0).max(0.5);
         let speed = if self.hovers { SpeedProfile::GroundSpeed(speed_mps) } else { SpeedProfile::Airspeed(speed_mps) };
         made.push(ManoeuvreCandidate {
-            manoeuvre: Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store },
+            manoeuvre: Manoeuvre { path, attitude, speed, payload, data: self.goal.handling },
             sensor: self.sensor.to_string(),
             instrument: self.instrument.clone(),
             height_m: self.height_m,

@@ -1,11 +1,10 @@
 //! Manoeuvres in PDL notation: `(orbit :radius 60m :height 40m :turns 1)`.
 
-use super::sweep_form::{SweptGround, read_sweep};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
     Arc, ArcShape, ExpandingSquare, FlightPath, Orbit, Pirouette, SectorSearch, Side, Spiral, StandOff, Strafe,
-    StraightOver, VantagePoint,
+    StraightOver, Sweep, VantagePoint,
 };
 use std::f64::consts::PI;
 
@@ -125,11 +124,11 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
     Ok(fields)
 }
 
-/// Reads the flight path of a form; a sweep covers `ground` unless it states a rectangle.
+/// Reads the flight path of a form, except for a sweep, which needs the ground of its target.
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
-pub(crate) fn read_path(form: &mut Form<'_>, ground: &SweptGround<'_>) -> Result<FlightPath, String> {
+pub(crate) fn read_path(form: &mut Form<'_>) -> Result<FlightPath, String> {
     let path = match form.name() {
         "straight-over" => FlightPath::StraightOver(StraightOver {
             track_deg: form.angle_deg("track", None)?,
@@ -179,7 +178,6 @@ pub(crate) fn read_path(form: &mut Form<'_>, ground: &SweptGround<'_>) -> Result
             height_m: form.length("height")?,
             first_track_deg: form.optional_angle_deg("track")?,
         }),
-        "sweep" => FlightPath::Sweep(read_sweep(form, ground)?),
         other => return Err(format!("there is no manoeuvre `{other}`; there are {}", FlightPath::NAMES.join(", "))),
     };
     Ok(path)
@@ -280,6 +278,20 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     Some(Value::list(items))
 }
 
+/// Returns the form of a sweep over all of the ground of its target.
+pub(crate) fn form_of_sweep(sweep: &Sweep) -> Value {
+    let mut items = vec![Value::symbol(Sweep::NAME)];
+    let mut put = |key: &str, value: Value| items.extend([Value::symbol(&format!(":{key}")), value]);
+    put("height", metres(sweep.height_m));
+    put("swath", metres(sweep.swath_m));
+    put("sidelap", Value::Real(sweep.sidelap));
+    put("run-in", metres(sweep.run_in_m));
+    if let Some(track_deg) = sweep.track_deg {
+        put("track", degrees(track_deg));
+    }
+    Value::list(items)
+}
+
 /// Writes the fields of paths of straight lines, of searches and of vantage points.
 fn put_straight(path: &FlightPath, put: &mut impl FnMut(&str, Value)) {
     match path {
@@ -347,11 +359,7 @@ fn degrees(angle_deg: f64) -> Value {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
-
-    use super::super::vehicle::instrument_of;
     use super::*;
-    use crate::vehicle::VehicleModel;
 
     fn form(name: &str, fields: &[(&str, f64)]) -> Value {
         let fields = fields.iter();
@@ -361,10 +369,7 @@ mod tests {
 
     fn path_of(value: &Value) -> Result<FlightPath, String> {
         let mut form = Form::read(value, "the manoeuvre")?;
-        let model = VehicleModel::named("quadrotor").unwrap();
-        let instrument = instrument_of(&model, None)?;
-        let ground = SweptGround { target: "field", corners: &[], instrument: &instrument };
-        let path = read_path(&mut form, &ground)?;
+        let path = read_path(&mut form)?;
         form.finish().map(|()| path)
     }
 
@@ -401,14 +406,6 @@ mod tests {
             why(&form("orbit", &[("radius", 30.0), ("height", 1.0), ("laps", 2.0)])),
             "`orbit` has no keyword `:laps`; it has :radius :height :turns :azimuth :turning"
         );
-        let point = form("sweep", &[("height", 30.0)]);
-        assert!(
-            why(&point).starts_with("`field` is a point; add `:length` and `:width` to `sweep`"),
-            "{}",
-            why(&point)
-        );
-        let half = form("sweep", &[("height", 30.0), ("length", 80.0)]);
-        assert!(why(&half).starts_with("`:length` and `:width` of `sweep` are both positive"), "{}", why(&half));
         assert!(why(&form("arc", &[("azimuth", 30.0), ("speed", 1.0)])).contains("either `:radius`"));
         assert!(why(&form("expanding-square", &[("rounds", 2.5)])).contains("expected a whole number"));
     }

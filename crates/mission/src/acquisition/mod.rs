@@ -5,6 +5,7 @@
 
 mod answer;
 mod candidates;
+mod data_mode;
 mod form;
 mod goal;
 mod modes;

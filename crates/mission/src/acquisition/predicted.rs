@@ -47,7 +47,8 @@ pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Fo
     let scene = scene(mission, (target.position, elevation_m(target)), &path, target.position, wanted.from_s);
     let craft = craft_of(&mission.model, scene.elevation_m + height_m(&path));
     let scans = matches!(instrument, Instrument::Scanner(_));
-    let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, craft.can_hover, scans);
+    let data = modes.data_over(mission.settings.downlink.as_ref())?;
+    let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, data, (craft.can_hover, scans));
     let payload = if scans { manoeuvre.payload } else { wanted.payload };
     let manoeuvre = Manoeuvre { payload, ..manoeuvre };
     check_sight(&manoeuvre, &craft, &instrument)?;

@@ -255,7 +255,8 @@ fn judged(
         misses.push(Miss { by: (end_s - by_s) / end_s, why });
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
-    misses.extend(late(mission, goal, &at, home_s));
+    let end_of_data_s = forecast.on_ground_s.map(|at_s| at_s - scene.from_s - forecast.time_s);
+    misses.extend(late(mission, goal, &at, (end_of_data_s, home_s)));
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
         let why = format!(
@@ -270,12 +271,13 @@ fn judged(
     Ok(Predicted { candidate, scene, forecast, travel_s, risk })
 }
 
-/// Returns the miss of a goal whose data would be on the ground too late: after the time that images take over the link of the mission, or,
-/// without such a link, after the way home.
-fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, home_s: f64) -> Option<Miss> {
-    let (after_s, how) = match mission.settings.images_on_ground {
-        Some(delay) => (delay.seconds(), "data are sent, and on the ground"),
-        None => (home_s, "data are read after landing,"),
+/// Returns the miss of a goal whose data would be on the ground too late: by the handling that the goal states (`sent_s` after the end, or
+/// after landing), otherwise after the time that images take over the link of the mission, or, without such a link, after the way home.
+fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, (sent_s, home_s): (Option<f64>, f64)) -> Option<Miss> {
+    let (after_s, how) = match (goal.data, sent_s, mission.settings.images_on_ground) {
+        (Some(_), Some(sent_s), _) => (sent_s, "data are sent as the goal states, and on the ground"),
+        (None, _, Some(delay)) => (delay.seconds(), "data are sent, and on the ground"),
+        _ => (home_s, "data are read after landing,"),
     };
     let latency_s = goal.latency_s.filter(|latency_s| after_s > *latency_s)?;
     let why = format!("{at}: {how} {after_s:.0} s after the observation, `:latency` is {latency_s:.0} s");

@@ -3,7 +3,7 @@
 
 use super::craft::Craft;
 use super::manoeuvre::{Manoeuvre, TimedTrack};
-use super::modes::{AttitudeMode, PayloadUse};
+use super::modes::{AttitudeMode, PayloadUse, VIDEO_S};
 use super::refusal::Refusal;
 use super::scene::{Instrument, Scene};
 use super::timing::{FlownPath, PathPose};
@@ -19,8 +19,6 @@ use crate::target::ObservedTarget;
 use apex_geo::geodesy::{Position, RAD_PER_DEG, wrap_180};
 use apex_geo::plane::Point;
 
-/// Time between the pictures of a video that are predicted, s.
-const VIDEO_S: f64 = 1.0;
 /// Maximum number of pictures of one forecast.
 const PICTURES_MAX: usize = 5_000;
 /// Greatest difference of direction, in degrees, between chords that form one line of a scanner.
@@ -88,17 +86,30 @@ impl Manoeuvre {
         scene: &Scene,
         context: &ForecastContext<'_>,
     ) -> Forecast {
-        let on_ground_s = self.data.on_ground_s(scene.from_s + flown.time_s);
-        let (result, pictures, tracked_share) = match instrument {
+        let (on_ground_s, result, pictures, tracked_share) = match instrument {
             Instrument::Scanner(scanner) => {
-                let lines = planned_lines(&flown, scene, on_ground_s);
-                (predict(context.target, context.grid, &lines, scanner, &context.prediction), 0, 1.0)
+                let mut lines = planned_lines(&flown, scene);
+                let arrivals_s = self.data.arrivals_s(lines.iter().map(PlannedLine::until_s)).unwrap_or_default();
+                lines.iter_mut().zip(&arrivals_s).for_each(|(line, at_s)| line.on_ground_s = Some(*at_s));
+                (
+                    arrivals_s.last().copied(),
+                    predict(context.target, context.grid, &lines, scanner, &context.prediction),
+                    0,
+                    1.0,
+                )
             }
             Instrument::Camera(camera) => {
                 let (pictures, tracked) = planned_pictures(&flown, (self, sight), camera, craft, (scene, context));
                 let share = tracked as f64 / pictures.len().max(1) as f64;
                 let count = pictures.len();
-                (predict_pictures(context.target, context.grid, &[pictures], &context.prediction), count, share)
+                let taken_s = pictures.iter().map(|picture| picture.view.time_s);
+                let on_ground_s = self.data.arrivals_s(taken_s).and_then(|arrivals_s| arrivals_s.last().copied());
+                (
+                    on_ground_s,
+                    predict_pictures(context.target, context.grid, &[pictures], &context.prediction),
+                    count,
+                    share,
+                )
             }
         };
         let factors = factors_of(&result);
@@ -115,7 +126,7 @@ fn factors_of(result: &TargetResult) -> Factors {
 }
 
 /// Returns the lines of a scanner: consecutive observed chords of one direction form one line.
-fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> Vec<PlannedLine> {
+fn planned_lines(flown: &FlownPath, scene: &Scene) -> Vec<PlannedLine> {
     let mut lines: Vec<PlannedLine> = Vec::new();
     let mut track_deg = f64::NAN;
     for pair in flown.poses.windows(2) {
@@ -137,7 +148,7 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
                 ground_speed_mps: pose.ground_speed_mps,
                 crab_deg: wrap_180(pose.attitude.heading_deg - pose.track_deg),
                 pitch_deg: pose.attitude.pitch_deg,
-                on_ground_s,
+                on_ground_s: None,
             }),
         }
         track_deg = pose.track_deg;

@@ -123,7 +123,6 @@ impl Manoeuvre {
     pub fn track(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<Track, Refusal> {
         let name = self.path.name();
         let airspeed_mps = self.speed.turn_airspeed_mps(craft);
-        self.data.check(name)?;
         self.attitude.check(name, craft, instrument)?;
         self.payload.check((name, self.path.curve_radius_m()), craft, instrument)?;
         match &self.path {
@@ -162,6 +161,9 @@ impl Manoeuvre {
     pub fn timed(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<TimedTrack, Refusal> {
         let track = self.track(craft, instrument, scene)?;
         let flown = timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)?;
+        let speeds_mps = flown.poses.iter().filter(|pose| pose.is_observed).map(|pose| pose.ground_speed_mps);
+        let fastest_mps = speeds_mps.fold(0.0, f64::max);
+        self.data.check(self.path.name(), self.payload.interval_s(fastest_mps, instrument))?;
         Ok(TimedTrack { sight: track.sight, flown })
     }
 
