@@ -9,8 +9,8 @@ use apex_observation::manoeuvres::{FlownPath, Forecast, Scene};
 pub(super) const ANSWERS_MAX: usize = 8;
 /// Candidates with at least this share of the best points count as equally good; the shortest time then decides.
 const AS_GOOD: f64 = 0.99;
-/// Share of the points that a candidate with all of them may lack, by rounding.
-const ALL_POINTS_SPARE: f64 = 1e-6;
+/// Share of the points that a candidate with all of them may lack: it is printed as 100.0 points.
+const ALL_POINTS_SPARE: f64 = 5e-4;
 
 /// A candidate with its predicted result.
 #[derive(Clone, Debug)]

@@ -14,6 +14,8 @@ use apex_requirements::margin::zone::{LocalZone, ZoneBuffer};
 use std::fmt;
 use std::sync::Arc;
 
+/// Share of a limit up to which a path is at no risk: twice the required distance, or half of the wind.
+const SAFE_SHARE: f64 = 0.5;
 /// Steps of a risk in all: smaller differences are not worth another answer.
 const STEPS: f64 = 100.0;
 
@@ -38,7 +40,7 @@ impl fmt::Display for RiskCause {
     }
 }
 
-/// Share of a limit that is used: 1 at the limit, with its cause.
+/// Share of a limit that is used: 1 at the limit, 0 up to [`SAFE_SHARE`], with its cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Risk {
     /// In steps of a hundredth.
@@ -48,7 +50,11 @@ pub(super) struct Risk {
 
 impl Risk {
     fn new(share: f64, cause: RiskCause) -> Risk {
-        let share = if share.is_nan() { 1.0 } else { share.clamp(0.0, 1.0) };
+        let share = match share {
+            share if share.is_nan() => 1.0,
+            share if share <= SAFE_SHARE => 0.0,
+            share => share.min(1.0),
+        };
         Risk { share: libm::round(STEPS * share) / STEPS, cause }
     }
 
