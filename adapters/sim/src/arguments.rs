@@ -1,6 +1,7 @@
 //! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Errors are texts for the operator.
 
 use crate::config::NamedPlace;
+use crate::living::downlink::DataOrder;
 use crate::names::unknown_name;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -204,6 +205,25 @@ impl<'a> Arguments<'a> {
             return Err(self.wrong(&format!("the {what} {value} is not greater than zero")));
         }
         Ok(if dimension == Dimension::TIME { PictureStep::Time(step) } else { PictureStep::Distance(step) })
+    }
+
+    /// Reads `:data`, the handling of images: `store`, `stream` or `(process DELAY SHARE)`.
+    pub(crate) fn data_keyword(&self) -> Result<Option<DataOrder>, String> {
+        let Some(value) = self.keyword("data") else { return Ok(None) };
+        let wrong =
+            || self.wrong(&format!("the handling of data {value} is not store, stream or (process DELAY SHARE)"));
+        if let Some(word) = value.as_symbol() {
+            return match word.folded() {
+                "store" => Ok(Some(DataOrder::Store)),
+                "stream" => Ok(Some(DataOrder::Stream)),
+                _ => Err(wrong()),
+            };
+        }
+        let Some([Value::Symbol(head), delay, share]) = value.as_list() else { return Err(wrong()) };
+        let delay_s = self.number(delay, "processing time", Dimension::TIME, "5s")?;
+        let share = self.number(share, "share of the size", Dimension::NONE, "0.1")?;
+        let is_right = head.is("process") && delay_s >= 0.0 && share > 0.0 && share <= 1.0;
+        if is_right { Ok(Some(DataOrder::Process { delay_s, share })) } else { Err(wrong()) }
     }
 
     /// Reads `:nose`, the direction of the nose along a path: a heading, or the place towards which it points.

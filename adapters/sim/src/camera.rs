@@ -5,6 +5,7 @@
 //! straight down.
 
 use crate::arguments::{PictureStep, Spot};
+use crate::living::downlink::DataOrder;
 use crate::motion::{State, wrap_pi};
 use crate::path::bearing;
 use apex_geo::geodesy::RAD_PER_DEG;
@@ -116,6 +117,8 @@ pub(crate) struct Camera {
     pub(crate) slew_until: Option<Time>,
     /// The present series of pictures.
     pub(crate) run: Option<PictureRun>,
+    /// Handling of the pictures of the present command; `None`: that of the world.
+    pub(crate) data: Option<DataOrder>,
     /// Pictures that the present command still requires after the one in progress.
     pub(crate) pictures_left: u32,
     /// Time for which the sight line has been on the target without a break.
@@ -184,6 +187,7 @@ impl Camera {
             timer: None,
             slew_until: None,
             run: None,
+            data: None,
             pictures_left: 0,
             aligned_s: 0.0,
             error_rad: 0.0,

@@ -26,6 +26,7 @@ impl SimulatedWorld {
             return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
         }
         let wanted = arguments.at(0).and_then(Value::as_symbol);
+        let order = arguments.data_keyword()?;
         if wanted.is_some_and(|word| word.is("on")) {
             if self.suffers(FaultKind::PayloadPower, "") {
                 return Err(arguments.wrong("the payload has no power"));
@@ -39,6 +40,12 @@ impl SimulatedWorld {
             Some("off") => false,
             _ => return Err(arguments.wrong("the scanner is switched on or off")),
         };
+        // The image of a line is stored when the scanner is switched off, as ordered when it was switched on.
+        if let Some(downlink) =
+            self.living.as_mut().and_then(|living| living.downlink.as_mut()).filter(|_| self.scanner_on)
+        {
+            downlink.scanner_order = order;
+        }
         self.answer(id, Ok(Value::symbol(if self.scanner_on { "on" } else { "off" })), inputs);
         Ok(())
     }
@@ -95,6 +102,7 @@ impl SimulatedWorld {
             }
             ("take-pictures", _) => {
                 let step = arguments.picture_step()?;
+                camera.data = arguments.data_keyword()?;
                 camera.run = Some(PictureRun { step, flown_m: 0.0, waited_s: 0.0, last: None });
                 answer = Some(Value::symbol(&camera.model.name));
                 self.settled = false;
@@ -148,6 +156,7 @@ impl SimulatedWorld {
         inputs: &mut Vec<Input>,
     ) -> Result<(), String> {
         camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
+        camera.data = arguments.data_keyword()?;
         camera.state = CameraState::Exposing;
         camera.timer = Some(self.now + instants::span(camera.model.picture_s));
         camera.command = Some(id);

@@ -11,6 +11,7 @@ use crate::plane::{self, Plane, Point};
 pub const SWEEP_LINES_MAX: usize = 1_000;
 /// Corners of the polygon that represents a circle.
 const CIRCLE_CORNERS: usize = 32;
+const TOO_FEW_CORNERS: &str = "the ground to sweep needs at least three corners on the map";
 const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
 /// The ground to be seen.
@@ -51,22 +52,40 @@ pub fn sweep_lines(
     approach: Position,
 ) -> Result<Vec<(Position, Position)>, String> {
     let corners = corners_of(ground)?;
+    let plane = Plane::around(&corners);
+    let points: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
+    let points = points.ok_or("the ground to sweep is larger than half a continent; split it")?;
+    let rows = rows_with_run_in(&points, settings)?;
+    let lines = rows.into_iter().map(|(from, to)| (plane.position(from), plane.position(to))).collect();
+    Ok(from_nearest_corner(lines, |end: Position| geodesy::distance_m(approach, end)))
+}
+
+/// Returns the lines of [`sweep_lines`] over a polygon of a plane, as points of that plane.
+///
+/// # Errors
+/// Like [`sweep_lines`].
+pub fn sweep_rows(corners: &[Point], settings: &SweepSettings, approach: Point) -> Result<Vec<(Point, Point)>, String> {
+    if corners.len() < 3 || !corners.iter().all(|corner| corner.x.is_finite() && corner.y.is_finite()) {
+        return Err(TOO_FEW_CORNERS.to_string());
+    }
+    let rows = rows_with_run_in(corners, settings)?;
+    Ok(from_nearest_corner(rows, |end: Point| end.minus(approach).length()))
+}
+
+/// Returns the rows from left to right, each longer at both ends by the run-in.
+fn rows_with_run_in(points: &[Point], settings: &SweepSettings) -> Result<Vec<(Point, Point)>, String> {
     let spacing_m = settings.swath_m * (1.0 - settings.overlap.clamp(0.0, 0.9));
     if !spacing_m.is_finite() || spacing_m <= 0.0 || !settings.run_in_m.is_finite() {
         return Err(format!("a swath of {} m cannot sweep anything; it must be positive", settings.swath_m));
     }
-    let plane = Plane::around(&corners);
-    let points: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
-    let points = points.ok_or("the ground to sweep is larger than half a continent; split it")?;
-    let along = settings.track_deg.map(direction).or_else(|| fewest_lines_direction(&points));
+    let along = settings.track_deg.map(direction).or_else(|| fewest_lines_direction(points));
     let along = along.unwrap_or(Point { x: 0.0, y: 1.0 });
-    let mut rows = rows_across(&points, along, spacing_m, settings.swath_m)?;
+    let mut rows = rows_across(points, along, spacing_m, settings.swath_m)?;
     for (from, to) in &mut rows {
         *from = from.plus(-settings.run_in_m, along);
         *to = to.plus(settings.run_in_m, along);
     }
-    let lines = rows.into_iter().map(|(from, to)| (plane.position(from), plane.position(to))).collect();
-    Ok(from_nearest_corner(lines, approach))
+    Ok(rows)
 }
 
 /// Returns the corners of the ground; those of a circle enclose it.
@@ -88,7 +107,7 @@ pub(crate) fn corners_of(ground: &CoverageArea) -> Result<Vec<Position>, String>
     };
     let finite = |position: &Position| position.latitude_deg.is_finite() && position.longitude_deg.is_finite();
     if corners.len() < 3 || !corners.iter().all(finite) {
-        return Err("the ground to sweep needs at least three corners on the map".to_string());
+        return Err(TOO_FEW_CORNERS.to_string());
     }
     Ok(corners)
 }
@@ -146,13 +165,11 @@ fn rows_across(points: &[Point], along: Point, spacing_m: f64, swath_m: f64) -> 
     Ok(rows)
 }
 
-/// Orders rows from the corner nearest to `approach` and alternates their direction.
-fn from_nearest_corner(mut lines: Vec<(Position, Position)>, approach: Position) -> Vec<(Position, Position)> {
+/// Orders rows from the end with the least `distance_m` among those of the first and the last row, and alternates their direction.
+fn from_nearest_corner<T: Copy>(mut lines: Vec<(T, T)>, distance_m: impl Fn(T) -> f64) -> Vec<(T, T)> {
     let (Some(first), Some(last)) = (lines.first().copied(), lines.last().copied()) else { return lines };
     let starts = [(first.0, false, false), (first.1, false, true), (last.0, true, false), (last.1, true, true)];
-    let nearest = starts
-        .into_iter()
-        .min_by(|(a, _, _), (b, _, _)| geodesy::distance_m(approach, *a).total_cmp(&geodesy::distance_m(approach, *b)));
+    let nearest = starts.into_iter().min_by(|(a, _, _), (b, _, _)| distance_m(*a).total_cmp(&distance_m(*b)));
     let Some((_, from_last, backwards)) = nearest else { return lines };
     if from_last {
         lines.reverse();

@@ -55,7 +55,7 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("landing-place-in-glide", 3, 4, |_| Ok(Value::nil())),
     ("landing-place-zones", 2, 2, |_| Ok(Value::nil())),
     ("forecast-error", 4, 4, |_| Ok(Value::nil())),
-    ("manoeuvre-path", 5, 5, |_| Err("manoeuvres need a mission: its targets, vehicle and sensors".to_string())),
+    ("manoeuvre-path", 5, 6, |_| Err("manoeuvres need a mission: its targets, vehicle and sensors".to_string())),
     ("flight-time-limit", 3, 5, flight_time_limit),
 ];
 

@@ -11,6 +11,7 @@ pub mod deliberation;
 mod descent;
 pub mod diagnosis;
 mod doubts;
+pub mod downlink;
 mod energy;
 pub mod error;
 pub mod export;

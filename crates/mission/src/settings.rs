@@ -1,5 +1,6 @@
 //! Settings of a mission, read from `(defapplication ..)`.
 
+use crate::downlink::StatedDownlink;
 use crate::error::{MissionError, MissionResult};
 use crate::requirements::Stated;
 use crate::vehicle::stated::{ModelSource, StatedVehicle, vehicle_of};
@@ -60,6 +61,8 @@ pub struct Settings {
     pub watch_margin: Duration,
     /// Time from the end of a line or a picture until its image is on the ground, as planners expect it; `None`: after the landing.
     pub images_on_ground: Option<Duration>,
+    /// The downlink of images as planners assume it, for manoeuvres that state a handling of their data.
+    pub downlink: Option<StatedDownlink>,
     /// Distance that flights between fires keep from the edges of airspace zones, m.
     pub zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
@@ -109,6 +112,7 @@ const KNOWN: &[&str] = &[
     "landing-distance",
     "end-margin",
     "images-on-ground",
+    "downlink",
     "zone-margin",
     "obstacle-margin",
     "failure",
@@ -200,6 +204,9 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         end_margin: reader.end_margin()?.unwrap_or(END_MARGIN),
         watch_margin: reader.end_margin()?.unwrap_or(Duration::ZERO),
         images_on_ground: reader.images_on_ground()?,
+        downlink: crate::downlink::read(application.option("downlink"), |found, wanted| {
+            reader.wrong("downlink", found, wanted)
+        })?,
         zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
         obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
         failure: reader.failure()?.in_points(value_unit),

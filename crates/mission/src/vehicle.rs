@@ -10,7 +10,7 @@ use apex_geo::travel;
 use apex_model::library::Library;
 use apex_pdl::SourceText;
 pub use apex_vehicle::{Airframe, VehicleModel};
-use apex_vehicle::{CruiseLevel, EnergyModel, ShippedSensor, ShippedVehicle, VehicleFileError};
+use apex_vehicle::{CruiseLevel, EnergyModel, JOULES_PER_WH, ShippedSensor, ShippedVehicle, VehicleFileError};
 pub use stated::ModelSource;
 use stated::vehicle_of;
 use std::fmt::Write;
@@ -145,9 +145,12 @@ pub(crate) fn figures_for(
 
 /// Returns the figures of a vehicle as a library of PDL.
 pub fn figures(model: &VehicleModel) -> String {
-    let (capacity_kg, low_kg, low_share) = match model.energy {
-        EnergyModel::Fuel(_) => (model.stored_full(), (model.low() * 10.0).round() / 10.0, 0.0),
-        EnergyModel::Battery(_) => (0.0, 0.0, (model.low() / model.stored_full() * 1e4).round() / 1e4),
+    let (capacity_kg, low_kg, low_share, hour_w) = match model.energy {
+        EnergyModel::Fuel(_) => (model.stored_full(), (model.low() * 10.0).round() / 10.0, 0.0, 0.0),
+        EnergyModel::Battery(_) => {
+            let low_share = (model.low() / model.stored_full() * 1e4).round() / 1e4;
+            (0.0, 0.0, low_share, (model.stored_full() / JOULES_PER_WH * 10.0).round() / 10.0)
+        }
     };
     let cruise = match model.planning.cruise {
         CruiseLevel::Altitude(altitude_m) => ("cruise-altitude", altitude_m, "m"),
@@ -171,6 +174,7 @@ pub fn figures(model: &VehicleModel) -> String {
         ("fuel-capacity", capacity_kg, "kg"),
         ("low-fuel", low_kg, "kg"),
         ("low-charge", low_share, ""),
+        ("hour-power", hour_w, "W"),
         ("reserve-share", reserve_share, ""),
         ("glide-ratio", model.glide_ratio, ""),
     ];

@@ -20,7 +20,7 @@ const FAR_NORTH: &str =
 #[test]
 fn without_failures_no_contingency_is_raised() {
     let guards = "(step guard (guard against contingencies)) (step lease (guard the lease of pilot for 5h))";
-    for vehicle in ["predator-b", "fixed-wing-mapper", "rmax"] {
+    for vehicle in ["predator-b", "fixed-wing-mapper", "rmax", "quadrotor"] {
         let work =
             "(step up (take off to 400m)) (step out (fly to (37.05 -117.0 400))) (step home (return to home at 400m))";
         let flown = Flight { vehicle, guards, work, ..Flight::default() }.fly();

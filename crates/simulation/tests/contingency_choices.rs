@@ -185,3 +185,33 @@ fn a_flight_without_a_reading_of_the_fuel_ends() {
         flown.assert_replays();
     }
 }
+
+/// A battery whose charge falls faster than its power explains leaks as a tank does. The quadrotor flew on until it was empty, and crashed.
+#[test]
+fn a_slow_leak_of_a_battery_is_found_and_the_flight_ends() {
+    let work =
+        "(step up (take off to 400m)) (step out (fly to (37.1 -117.0 400))) (step home (return to home at 400m))";
+    let world = r#""faults": [{"fault": "leak", "by": 900, "at_s": 300}]"#;
+    let flight = |guards| Flight { vehicle: "quadrotor", guards, work, world, ..Flight::default() }.fly();
+    let careless = flight("");
+    assert_eq!((careless.count("(landed uav-1)"), careless.count("(crashed")), (0, 1), "{}", careless.story());
+    let flown = flight("(step guard (guard against leaks))");
+    let found_s = flown.first_s("(leak-found uav-1");
+    assert!((360.0..400.0).contains(&found_s), "{found_s}");
+    assert_eq!((flown.count("(leak-found"), flown.count("(landing-because leak")), (1, 1), "{}", flown.story());
+    assert_eq!((flown.count("(landed uav-1)"), flown.count("(crashed")), (1, 0), "{}", flown.story());
+    flown.assert_replays();
+}
+
+/// The usable charge falls in cold air: a long climb, a descent and flight in frost are not a leak.
+#[test]
+fn a_climb_into_the_cold_is_not_a_leak() {
+    for vehicle in ["quadrotor", "fixed-wing-mapper"] {
+        let work = "(step up (take off to 2500m)) (step out (fly to (37.03 -117.0 2500))) (step down (fly to (37.03 -117.0 900))) \
+                    (step home (return to home at 900m))";
+        let flown = Flight { vehicle, guards: "(step guard (guard against leaks))", work, ..Flight::default() }.fly();
+        let told = flown.numbers("(battery-charge uav-1)");
+        assert!(told.len() > 30, "{vehicle}: {}", told.len());
+        assert_eq!((flown.count("(leak-found"), flown.count("(landed uav-1)")), (0, 1), "{vehicle}\n{}", flown.story());
+    }
+}

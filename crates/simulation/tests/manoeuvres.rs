@@ -5,6 +5,8 @@
 
 #[path = "manoeuvres/cases.rs"]
 mod cases;
+#[path = "manoeuvres/data.rs"]
+mod data;
 #[path = "manoeuvres/modes.rs"]
 mod modes;
 
@@ -46,7 +48,14 @@ const STRAFE: Form =
 const VANTAGE: Form =
     ("vantage-point", &[("azimuth", 180.0), ("look-angle", 40.0), ("distance", 90.0), ("dwell", 10.0)]);
 
-const ROTORCRAFT: [(Form, f64); 10] = [
+/// Lines over all of the field in the direction that is fastest in the wind, and over a rectangle of it in a stated one.
+const SWEEP: Form = ("sweep", &[("height", 60.0)]);
+const STRIPS: Form = (
+    "sweep",
+    &[("height", 45.0), ("length", 160.0), ("width", 120.0), ("axis", 30.0), ("track", 120.0), ("sidelap", 0.3)],
+);
+
+const ROTORCRAFT: [(Form, f64); 12] = [
     (ORBIT, 40.0),
     (SQUARE, 140.0),
     (SECTOR, 200.0),
@@ -57,6 +66,8 @@ const ROTORCRAFT: [(Form, f64); 10] = [
     (RING, 100.0),
     (STRAFE, 40.0),
     (VANTAGE, 20.0),
+    (SWEEP, 100.0),
+    (STRIPS, 100.0),
 ];
 
 #[test]
@@ -82,11 +93,12 @@ fn mapper(form: Form, half_m: f64) -> Case {
 }
 
 /// A fixed wing with a camera that looks straight down.
-const FIXED_WING: [(Form, f64); 4] = [
+const FIXED_WING: [(Form, f64); 5] = [
     (("straight-over", &[("track", 90.0), ("height", 110.0), ("length", 400.0)]), 200.0),
     (("expanding-square", &[("spacing", 150.0), ("rounds", 3.0), ("height", 110.0), ("track", 0.0)]), 250.0),
     (("sector-search", &[("radius", 400.0), ("height", 110.0), ("track", 0.0)]), 300.0),
     (("spiral", &[("from", 100.0), ("to", 300.0), ("spacing", 100.0), ("height", 110.0)]), 300.0),
+    (("sweep", &[("height", 110.0)]), 200.0),
 ];
 
 #[test]

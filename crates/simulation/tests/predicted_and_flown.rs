@@ -9,6 +9,7 @@ use apex_mission::flight::MissionFlight;
 use apex_mission::recorded::{mission_of, replay, report_of};
 use apex_mission::recording;
 use apex_mission::report::MissionValue;
+use apex_mission::situation::Visit;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -51,6 +52,22 @@ fn mission_of_fires(fires: &[&str], is_still: bool) -> Mission {
     Mission::from_sources(&mission.library.sources, data).unwrap()
 }
 
+/// Returns the observations whose lines and turns took longer or shorter than planned by more than this share. Instants are those of the
+/// simulator's steps, half a second apart.
+fn off_by_more(visits: &[Visit], share: f64) -> Vec<String> {
+    let times = visits.iter().map(|visit| {
+        let predicted = visit.predicted.as_ref().unwrap();
+        let took_s = (visit.end.unwrap() - visit.begin).seconds();
+        (&visit.target, took_s, predicted.end_s - predicted.begin_s)
+    });
+    let told = times.map(|(target, took_s, planned_s)| {
+        let told = format!("{target}: {took_s:.0} s flown, {planned_s:.0} s planned");
+        println!("{told}");
+        (told, (took_s - planned_s).abs() > share * planned_s + 1.0)
+    });
+    told.filter(|(_, is_off)| *is_off).map(|(told, _)| told).collect()
+}
+
 #[test]
 fn in_still_air_the_flight_is_worth_what_the_plan_predicted() {
     let mission = Arc::new(mission());
@@ -75,12 +92,9 @@ fn in_still_air_the_flight_is_worth_what_the_plan_predicted() {
             predicted.worth,
             flight.report.text()
         );
-        let visit = flight.report.visits.iter().find(|visit| visit.target == look.id).unwrap();
-        let took_s = (visit.end.unwrap() - visit.begin).seconds();
-        let planned_s = predicted.end_s - predicted.begin_s;
-        println!("{}: {took_s:.0} s flown, {planned_s:.0} s planned; {} of {}", look.id, flown.points, predicted.worth);
-        assert!((took_s - planned_s).abs() <= 60.0 + 0.1 * planned_s, "{}: {took_s} s of {planned_s} s", look.id);
+        println!("{}: {} of {} points", look.id, flown.points, predicted.worth);
     }
+    assert_eq!(off_by_more(&flight.report.visits, 0.05), [] as [String; 0]);
     // From the record alone, byte for byte.
     let (reader, warning) = recording::open(&path).unwrap();
     assert_eq!(warning, None);
@@ -113,4 +127,5 @@ fn observations_begin_when_the_plan_says() {
         }
     }
     assert_eq!(late, []);
+    assert_eq!(off_by_more(visits, 0.10), [] as [String; 0]);
 }

@@ -1,6 +1,6 @@
 //! Downlink of pictures: processing on board, a store, and a link whose rate falls with its signal level.
 //!
-//! Pictures are sent in the order in which they were taken. Bound: O(1) for each step and picture.
+//! A command may order that its pictures stay on board, or how they are sent. Pictures are sent in the order in which they were taken. Bound: O(1) for each step and picture.
 
 use super::DownlinkSpec;
 use apex_model::value::Value;
@@ -11,6 +11,17 @@ const LEVEL_MIN: f64 = 0.1;
 
 /// Name of the line scanner in messages.
 pub(crate) const SCANNER: &str = "scanner";
+
+/// Handling of the images of one command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DataOrder {
+    /// They stay in the store until the landing.
+    Store,
+    /// They are sent as they are.
+    Stream,
+    /// Each is processed for a time, and a product is sent that has this share of its size.
+    Process { delay_s: f64, share: f64 },
+}
 
 /// One picture, or line of a scanner, in the store.
 #[derive(Clone, Debug)]
@@ -27,7 +38,11 @@ struct Queued {
 pub(crate) struct Downlink {
     pub(crate) spec: DownlinkSpec,
     queue: VecDeque<Queued>,
+    /// Size of the images that stay on board.
+    kept_mbit: f64,
     is_scanning: bool,
+    /// Handling of the lines of the scanner.
+    pub(crate) scanner_order: Option<DataOrder>,
 }
 
 /// A picture that has arrived.
@@ -39,29 +54,38 @@ pub(crate) struct Delivered {
 
 impl Downlink {
     pub(crate) fn new(spec: DownlinkSpec) -> Downlink {
-        Downlink { spec, queue: VecDeque::new(), is_scanning: false }
+        Downlink { spec, queue: VecDeque::new(), kept_mbit: 0.0, is_scanning: false, scanner_order: None }
     }
 
     /// Returns the used capacity of the store.
     pub(crate) fn used_mbit(&self) -> f64 {
-        self.queue.iter().map(|queued| queued.left_mbit).sum()
+        self.kept_mbit + self.queue.iter().map(|queued| queued.left_mbit).sum::<f64>()
     }
 
-    /// Adds a picture to the store; returns false if it does not fit and is lost.
-    pub(crate) fn store(&mut self, camera: &str, target: Value, now_s: f64) -> bool {
-        let size = self.spec.picture_mbit;
-        if self.used_mbit() + size > self.spec.store_mbit {
+    /// Adds a picture to the store, to be handled as ordered, otherwise as the world states; returns false if it does not fit and is lost.
+    pub(crate) fn store(&mut self, camera: &str, target: Value, order: Option<DataOrder>, now_s: f64) -> bool {
+        let size_mbit = self.spec.picture_mbit;
+        if self.used_mbit() + size_mbit > self.spec.store_mbit {
             return false;
         }
-        let ready_s = now_s + self.spec.processing_s;
-        self.queue.push_back(Queued { camera: camera.to_owned(), target, ready_s, left_mbit: size });
+        let (delay_s, share) = match order {
+            None => (self.spec.processing_s, 1.0),
+            Some(DataOrder::Stream) => (0.0, 1.0),
+            Some(DataOrder::Process { delay_s, share }) => (delay_s, share),
+            Some(DataOrder::Store) => {
+                self.kept_mbit += size_mbit;
+                return true;
+            }
+        };
+        let (ready_s, left_mbit) = (now_s + delay_s, share * size_mbit);
+        self.queue.push_back(Queued { camera: camera.to_owned(), target, ready_s, left_mbit });
         true
     }
 
     /// Observes the scanner; adds the image of a line to the store when it ends. Returns false if the image does not fit and is lost.
     pub(crate) fn scan(&mut self, is_scanning: bool, now_s: f64) -> bool {
         let was_scanning = std::mem::replace(&mut self.is_scanning, is_scanning);
-        is_scanning || !was_scanning || self.store(SCANNER, Value::symbol("line"), now_s)
+        is_scanning || !was_scanning || self.store(SCANNER, Value::symbol("line"), self.scanner_order, now_s)
     }
 
     /// Transmits during the `dt` seconds that end now; returns the pictures that have been delivered completely.
@@ -95,7 +119,7 @@ mod tests {
     #[test]
     fn a_picture_takes_processing_and_its_size_over_the_rate() {
         let mut link = downlink();
-        assert!(link.store("camera-1", Value::symbol("barn"), 0.0));
+        assert!(link.store("camera-1", Value::symbol("barn"), None, 0.0));
         let arrivals: Vec<i32> = (1..60).filter(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty()).collect();
         assert_eq!(arrivals, [24], "5 s of processing, 20 s of sending; the second that ends at 5 s counts");
     }
@@ -114,10 +138,23 @@ mod tests {
     #[test]
     fn a_weak_link_sends_less_and_a_full_store_loses() {
         let mut link = downlink();
-        assert!([1, 2, 3].map(|_| link.store("camera-1", Value::nil(), 0.0)) == [true, true, false]);
+        assert!([1, 2, 3].map(|_| link.store("camera-1", Value::nil(), None, 0.0)) == [true, true, false]);
         assert!(link.send(0.05, 100.0, 50.0).is_empty());
         assert_eq!(link.used_mbit(), 80.0);
         assert_eq!(link.send(0.5, 150.0, 50.0).len(), 1);
         assert!((link.used_mbit() - 30.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn pictures_are_handled_as_their_command_orders() {
+        let process = DataOrder::Process { delay_s: 2.0, share: 0.1 };
+        for (order, arrives_s) in [(DataOrder::Stream, Some(20)), (process, Some(4)), (DataOrder::Store, None)] {
+            let mut link = downlink();
+            assert!(link.store("camera-1", Value::symbol("barn"), Some(order), 0.0));
+            let arrival_s = (1..60).find(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty());
+            assert_eq!(arrival_s, arrives_s, "{order:?}");
+            let used_mbit = if order == DataOrder::Store { 40.0 } else { 0.0 };
+            assert_eq!(link.used_mbit(), used_mbit, "{order:?}");
+        }
     }
 }

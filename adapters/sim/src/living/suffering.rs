@@ -279,7 +279,7 @@ impl SimulatedWorld {
             said.push(Value::list([Value::symbol("fire-sighted"), Value::symbol(&site.name)]));
         }
         if let Some(downlink) = &mut living.downlink
-            && !downlink.store(&camera.model.name, target.clone(), now_s)
+            && !downlink.store(&camera.model.name, target.clone(), camera.data, now_s)
         {
             said.push(Value::list([Value::symbol("image-lost"), Value::symbol(&camera.model.name), target]));
         }

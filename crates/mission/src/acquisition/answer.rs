@@ -1,6 +1,7 @@
 //! The answer to a data-acquisition goal: a typed procedure that is printed as PDL, or the reason for which no manoeuvre meets the goal.
 
-use super::form::form_of;
+use super::data_mode::DataMode;
+use super::form::{form_of, form_of_sweep};
 use super::goal::AcquisitionGoal;
 use super::pareto::Predicted;
 use super::solve::{Start, Synthesis, synthesise, told};
@@ -117,7 +118,9 @@ fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Resul
     );
     let name = wanted.target.name.clone();
     let is_sweep = matches!(candidate.manoeuvre.path, FlightPath::Sweep(_));
-    if (scans && is_lines) || is_sweep {
+    // A goal that states a handling of its data is answered by a form, because lines and hovers have none.
+    let has_lines = (scans && is_lines) || is_sweep;
+    if has_lines && wanted.data.is_none() {
         let lines = lines(chosen);
         return Ok(match scans {
             true => PlannedActivity::Observe { target: name, lines, due: Some(due) },
@@ -132,7 +135,7 @@ fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Resul
         });
     }
     let word = Value::symbol;
-    if let FlightPath::VantagePoint(_) = candidate.manoeuvre.path {
+    if let (FlightPath::VantagePoint(_), None) = (&candidate.manoeuvre.path, wanted.data) {
         let pose = chosen.forecast.flown.poses.first().ok_or("the vantage point has no place")?;
         let from = location(chosen, pose.point, pose.height_m);
         let head = [word("inspect"), target.clone(), word("from"), from.value(), word("with"), word(&candidate.sensor)];
@@ -140,12 +143,27 @@ fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Resul
         let items = head.into_iter().chain(how).chain([word("due"), Value::Duration(due)]);
         return Ok(PlannedActivity::from_goal(&Value::list(items)));
     }
-    let form = form_of(&candidate.manoeuvre.path).ok_or("the manoeuvre cannot be written as a form of PDL")?;
+    let form = match &candidate.manoeuvre.path {
+        FlightPath::Sweep(sweep) => form_of_sweep(sweep),
+        path => form_of(path).ok_or("the manoeuvre cannot be written as a form of PDL")?,
+    };
+    let form = with_data(form, wanted.data);
     let speed = Value::measured(candidate.speed_mps, Dimension::SPEED);
+    if scans {
+        let items = [word("scan"), target, word("by"), form, word("at"), speed];
+        return Ok(PlannedActivity::Goal(Value::list(items)));
+    }
     let every = Value::measured(candidate.every_m, Dimension::LENGTH);
     let head = [word("perform"), form, word("at"), target, word("with"), word(&candidate.sensor)];
     let how = [word("at"), speed, word("every"), every];
     Ok(PlannedActivity::Goal(Value::list(head.into_iter().chain(how))))
+}
+
+/// Returns a form with the handling of the data.
+fn with_data(form: Value, data: Option<DataMode>) -> Value {
+    let Some(data) = data else { return form };
+    let items = form.as_list().unwrap_or_default().to_vec();
+    Value::list(items.into_iter().chain([Value::symbol(":data"), data.value()]))
 }
 
 /// Returns the observed lines in the order in which they are flown.

@@ -3,6 +3,7 @@
 //! Bound: [`CANDIDATES_MAX`].
 
 use super::goal::{AcquisitionGoal, ProductKind};
+use super::sweep_form::{SIDELAP, corners_of};
 use super::vehicle::craft_of;
 use crate::Mission;
 use crate::observing::{camera_names, camera_of, scanner_of};
@@ -11,18 +12,17 @@ use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_360};
 use apex_geo::wind;
 use apex_model::problem::ZoneKind;
 use apex_observation::manoeuvres::{
-    Arc, ArcShape, AttitudeMode, DataHandling, FlightPath, Instrument, Manoeuvre, Orbit, PayloadUse, Scene, Side,
-    SpeedProfile, Spiral, StandOff, StraightOver, Sweep, VantagePoint,
+    Arc, ArcShape, AttitudeMode, FlightPath, Instrument, Manoeuvre, Orbit, PayloadUse, Scene, Side, SpeedProfile,
+    Spiral, StandOff, StraightOver, Sweep, VantagePoint,
 };
 use apex_observation::sensor::CameraSetting;
-use apex_observation::target::TargetArea;
 
 /// Candidates for one goal.
 pub(super) const CANDIDATES_MAX: usize = 160;
 /// Least height above ground if the mission requires no other: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 20.0);
 /// Height kept from faces of zones without a requirement.
-const FACE_M: f64 = 30.0;
+pub(super) const FACE_M: f64 = 30.0;
 /// Height by which a vehicle may leave its altitude.
 const LEVEL_M: f64 = 3.0;
 /// Relative difference below which two heights count as equal.
@@ -115,12 +115,16 @@ pub(crate) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
 
 /// Returns the lowest height above the target: the clearance that the mission requires, otherwise the least height of the vehicle.
 pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
+    clearance_m(mission) + LEVEL_M + (ground_m(mission, goal) - goal.target.elevation_m).max(0.0)
+}
+
+/// Returns the clearance over ground that candidates keep.
+pub(super) fn clearance_m(mission: &Mission) -> f64 {
     let least_m = match mission.model.airframe {
         Airframe::FixedWing => HEIGHT_M_MIN.0,
         Airframe::Rotorcraft => HEIGHT_M_MIN.1,
     };
-    let required_m = mission.requirements.terrain_clearance_m.map_or(least_m, |clearance_m| clearance_m.max(least_m));
-    required_m + LEVEL_M + (ground_m(mission, goal) - goal.target.elevation_m).max(0.0)
+    mission.requirements.terrain_clearance_m.map_or(least_m, |clearance_m| clearance_m.max(least_m))
 }
 
 /// Returns the elevation of the ground at the target.
@@ -207,7 +211,7 @@ impl Setting<'_> {
         let speed_mps = (libm::round(10.0 * speed_mps) / 10.0).max(0.5);
         let speed = if self.hovers { SpeedProfile::GroundSpeed(speed_mps) } else { SpeedProfile::Airspeed(speed_mps) };
         made.push(ManoeuvreCandidate {
-            manoeuvre: Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store },
+            manoeuvre: Manoeuvre { path, attitude, speed, payload, data: self.goal.handling },
             sensor: self.sensor.to_string(),
             instrument: self.instrument.clone(),
             height_m: self.height_m,
@@ -254,25 +258,13 @@ impl Setting<'_> {
 
     fn sweep(&self, made: &mut Vec<ManoeuvreCandidate>, (across_m, margin_m, speed_mps): (f64, f64, f64)) {
         let scene = Scene::still(self.goal.position, self.goal.target.elevation_m);
-        let corners: Vec<(f64, f64)> = match &self.goal.target.area {
-            TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
-                let outer = polygons.iter().flat_map(|polygon| polygon.outer.iter());
-                outer.map(|corner| scene.point(*corner)).map(|point| (point.x, point.y)).collect()
-            }
-            _ => {
-                let corner = |index: u32| {
-                    let angle = f64::from(index) * std::f64::consts::FRAC_PI_4;
-                    (self.goal.radius_m * libm::sin(angle), self.goal.radius_m * libm::cos(angle))
-                };
-                (0..8).map(corner).collect()
-            }
-        };
+        let corners = corners_of(&self.goal.target.area, &scene, self.goal.radius_m);
         // The direction of a sweep is searched, depending on the wind and the shape.
         let path = Sweep {
             corners,
             height_m: self.height_m,
             swath_m: across_m,
-            sidelap: 0.15,
+            sidelap: SIDELAP,
             track_deg: None,
             run_in_m: margin_m,
         };

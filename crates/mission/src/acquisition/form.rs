@@ -4,7 +4,7 @@ use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
     Arc, ArcShape, ExpandingSquare, FlightPath, Orbit, Pirouette, SectorSearch, Side, Spiral, StandOff, Strafe,
-    StraightOver, VantagePoint,
+    StraightOver, Sweep, VantagePoint,
 };
 use std::f64::consts::PI;
 
@@ -37,7 +37,12 @@ impl<'a> Form<'a> {
     }
 
     /// Returns a keyword's number in SI units; a bare number is in the unit of `unit_si`.
-    fn number(&mut self, key: &'static str, dimension: Dimension, unit_si: f64) -> Result<Option<f64>, String> {
+    pub(super) fn number(
+        &mut self,
+        key: &'static str,
+        dimension: Dimension,
+        unit_si: f64,
+    ) -> Result<Option<f64>, String> {
         self.used.push(key);
         let Some((_, value)) = self.fields.iter().find(|(name, _)| name == key) else { return Ok(None) };
         match value.as_number() {
@@ -52,7 +57,7 @@ impl<'a> Form<'a> {
         found.ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
     }
 
-    fn length(&mut self, key: &'static str) -> Result<f64, String> {
+    pub(super) fn length(&mut self, key: &'static str) -> Result<f64, String> {
         self.need(key, Dimension::LENGTH, 1.0)
     }
 
@@ -61,7 +66,7 @@ impl<'a> Form<'a> {
     }
 
     /// Returns an angle in degrees; `default` if it is not stated.
-    fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
+    pub(super) fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
         let found = self.number(key, Dimension::ANGLE, 1.0 / DEG_PER_RAD)?.map(|rad| rad * DEG_PER_RAD);
         found.or(default).ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
     }
@@ -119,7 +124,7 @@ pub(crate) fn keywords<'a>(items: &'a [Value], what: &str) -> Result<Vec<(String
     Ok(fields)
 }
 
-/// Reads the flight path of a form. Sweeps are read where their area is known.
+/// Reads the flight path of a form, except for a sweep, which needs the ground of its target.
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
@@ -173,10 +178,7 @@ pub(crate) fn read_path(form: &mut Form<'_>) -> Result<FlightPath, String> {
             height_m: form.length("height")?,
             first_track_deg: form.optional_angle_deg("track")?,
         }),
-        other => {
-            let known = FlightPath::NAMES.iter().filter(|name| **name != "sweep").copied();
-            return Err(format!("there is no manoeuvre `{other}`; there are {}", known.collect::<Vec<_>>().join(", ")));
-        }
+        other => return Err(format!("there is no manoeuvre `{other}`; there are {}", FlightPath::NAMES.join(", "))),
     };
     Ok(path)
 }
@@ -274,6 +276,20 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
         | FlightPath::SectorSearch(_) => put_straight(path, &mut put),
     }
     Some(Value::list(items))
+}
+
+/// Returns the form of a sweep over all of the ground of its target.
+pub(crate) fn form_of_sweep(sweep: &Sweep) -> Value {
+    let mut items = vec![Value::symbol(Sweep::NAME)];
+    let mut put = |key: &str, value: Value| items.extend([Value::symbol(&format!(":{key}")), value]);
+    put("height", metres(sweep.height_m));
+    put("swath", metres(sweep.swath_m));
+    put("sidelap", Value::Real(sweep.sidelap));
+    put("run-in", metres(sweep.run_in_m));
+    if let Some(track_deg) = sweep.track_deg {
+        put("track", degrees(track_deg));
+    }
+    Value::list(items)
 }
 
 /// Writes the fields of paths of straight lines, of searches and of vantage points.

@@ -1,5 +1,6 @@
 //! Data-acquisition goals: `(acquire TARGET :product video :resolution 10cm :coverage 0.9 ..)`.
 
+use super::data_mode::DataMode;
 use super::form::keywords;
 use super::vehicle::{elevation_m, target_of};
 use crate::{Mission, TargetKind};
@@ -8,14 +9,15 @@ use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
+use apex_observation::manoeuvres::DataHandling;
 use apex_observation::target::{LookAngles, ObservedTarget, TargetArea, WantedLook};
 use apex_observation::timing::LightNeed;
 use serde::Serialize;
 use std::sync::Arc;
 
 /// Keywords of a goal.
-pub(crate) const KEYWORDS: [&str; 9] =
-    ["product", "resolution", "coverage", "clarity", "look-angle", "light", "latency", "by", "with"];
+pub(crate) const KEYWORDS: [&str; 10] =
+    ["product", "resolution", "coverage", "clarity", "look-angle", "light", "latency", "by", "with", "data"];
 /// Points of a perfect look: factors are compared as percentages.
 pub(super) const PERFECT_POINTS: f64 = 100.0;
 
@@ -64,6 +66,10 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) by_s: Option<f64>,
     /// The sensor; `None` for any suitable one.
     pub(crate) sensor: Option<String>,
+    /// Handling of the data; `None`: that of the mission.
+    pub(crate) data: Option<DataMode>,
+    /// The handling over the mission's downlink.
+    pub(crate) handling: DataHandling,
 }
 
 /// Returns true for a goal of this kind.
@@ -151,6 +157,8 @@ impl AcquisitionGoal {
             Some("lines") => ProductKind::Lines,
             Some(_) => return field("product").wrong("stills, video, lines or any"),
         };
+        let data = field("data").value.map(|value| DataMode::read(value, "acquire")).transpose()?;
+        let handling = data.map_or(Ok(DataHandling::Store), |data| data.over(mission.settings.downlink.as_ref()))?;
         let light = match field("light").word().as_deref() {
             None | Some("any") => LightNeed::Any,
             Some("day") => LightNeed::DAY,
@@ -190,6 +198,8 @@ impl AcquisitionGoal {
             latency_s: field("latency").number(Dimension::TIME, "a duration, such as 10min")?,
             by_s: field("by").number(Dimension::TIME, "a time since the mission's start, such as 30min")?,
             sensor: field("with").word(),
+            data,
+            handling,
         })
     }
 }

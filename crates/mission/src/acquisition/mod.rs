@@ -5,6 +5,7 @@
 
 mod answer;
 mod candidates;
+mod data_mode;
 mod form;
 mod goal;
 mod modes;
@@ -12,7 +13,9 @@ mod pareto;
 mod paths;
 mod permitted;
 mod predicted;
+mod risk;
 mod solve;
+mod sweep_form;
 mod vehicle;
 
 pub(crate) use answer::pose;

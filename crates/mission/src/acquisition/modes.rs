@@ -1,16 +1,22 @@
-//! Modes of a manoeuvre in PDL notation: `:attitude`, `:heading` and `:pace` of every form, with the modes of a form that states none.
+//! Modes of a manoeuvre in PDL notation: `:attitude`, `:heading`, `:pace` and `:data` of every form, with the modes of a form that states none.
 
+use super::data_mode::DataMode;
 use super::form::{Form, read_path};
+use super::sweep_form::{SweptGround, read_sweep};
+use crate::downlink::StatedDownlink;
 use apex_geo::geodesy::wrap_180;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
-use apex_observation::manoeuvres::{AttitudeMode, Craft, FlightPath, Instrument, Manoeuvre, SpeedProfile};
+use apex_observation::manoeuvres::{
+    AttitudeMode, Craft, DataHandling, FlightPath, Instrument, Manoeuvre, SpeedProfile, Sweep,
+};
 
 /// Modes that a form states; `None`: those of the path, the vehicle and the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Modes {
     pub(crate) attitude: Option<AttitudeMode>,
     pub(crate) speed: Option<SpeedProfile>,
+    pub(crate) data: Option<DataMode>,
 }
 
 /// Values of `:pace`.
@@ -21,9 +27,12 @@ const PACES: &str =
 ///
 /// # Errors
 /// The missing, unknown or wrongly typed argument.
-pub(crate) fn manoeuvre_of_form(value: &Value) -> Result<(FlightPath, Modes), String> {
+pub(crate) fn manoeuvre_of_form(value: &Value, ground: &SweptGround<'_>) -> Result<(FlightPath, Modes), String> {
     let mut form = Form::read(value, "the manoeuvre")?;
-    let path = read_path(&mut form)?;
+    let path = match form.name() {
+        Sweep::NAME => FlightPath::Sweep(read_sweep(&mut form, ground)?),
+        _ => read_path(&mut form)?,
+    };
     let modes = Modes::read(&mut form)?;
     form.finish()?;
     Ok((path, modes))
@@ -53,7 +62,8 @@ impl Modes {
             }
         };
         let speed = form.value("pace").map(|value| pace(&name, value)).transpose()?;
-        Ok(Modes { attitude, speed })
+        let data = form.value("data").map(|value| DataMode::read(value, &name)).transpose()?;
+        Ok(Modes { attitude, speed, data })
     }
 
     /// Returns the direction of the nose: as stated, otherwise towards the target for paths around it or next to it, and at right angles to a
@@ -69,6 +79,14 @@ impl Modes {
             _ => AttitudeMode::Coordinated,
         };
         self.attitude.unwrap_or(usual)
+    }
+
+    /// Returns the handling of the data: as stated, otherwise stored.
+    ///
+    /// # Errors
+    /// Data that are sent need a link.
+    pub(crate) fn data_over(&self, link: Option<&StatedDownlink>) -> Result<DataHandling, String> {
+        self.data.map_or(Ok(DataHandling::Store), |data| data.over(link))
     }
 
     /// Returns the speed profile: as stated, otherwise the speed of the goal, which is the airspeed of a fixed wing and the ground speed of a
@@ -137,7 +155,11 @@ fn pace(name: &str, value: &Value) -> Result<SpeedProfile, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::manoeuvre_of_form;
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::super::vehicle::instrument_of;
+    use super::{SweptGround, manoeuvre_of_form};
+    use crate::vehicle::VehicleModel;
     use apex_model::value::Value;
     use apex_observation::manoeuvres::{AttitudeMode, SpeedProfile};
 
@@ -154,8 +176,26 @@ mod tests {
     }
 
     #[test]
+    fn a_sweep_of_a_point_needs_two_lengths() {
+        let instrument = instrument_of(&VehicleModel::named("quadrotor").unwrap(), None).unwrap();
+        let ground = SweptGround { target: "field", corners: &[], instrument: &instrument };
+        let why = |fields: &[(&str, f64)]| {
+            let fields = fields.iter().flat_map(|(key, value)| [Value::symbol(key), Value::Real(*value)]);
+            let form = Value::list(std::iter::once(Value::symbol("sweep")).chain(fields));
+            manoeuvre_of_form(&form, &ground).map(|_| ()).err().unwrap_or_default()
+        };
+        let point = why(&[(":height", 30.0)]);
+        assert!(point.starts_with("`field` is a point; add `:length` and `:width` to `sweep`"), "{point}");
+        let half = why(&[(":height", 30.0), (":length", 80.0)]);
+        assert!(half.starts_with("`:length` and `:width` of `sweep` are both positive"), "{half}");
+        assert_eq!(why(&[(":height", 30.0), (":length", 80.0), (":width", 40.0)]), "");
+    }
+
+    #[test]
     fn every_form_has_an_attitude_and_a_pace() {
-        let read = |more: &[(&str, Value)]| manoeuvre_of_form(&over(more)).map(|(_, modes)| modes);
+        let instrument = instrument_of(&VehicleModel::named("quadrotor").unwrap(), None).unwrap();
+        let ground = SweptGround { target: "field", corners: &[], instrument: &instrument };
+        let read = |more: &[(&str, Value)]| manoeuvre_of_form(&over(more), &ground).map(|(_, modes)| modes);
         let of = |more: &[(&str, Value)]| read(more).map(|modes| (modes.attitude, modes.speed));
         assert_eq!(of(&[]), Ok((None, None)));
         assert_eq!(

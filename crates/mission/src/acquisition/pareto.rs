@@ -1,15 +1,16 @@
-//! Comparison of candidates that meet a goal: the Pareto front of points, time, energy and turns, and the choice among it.
+//! Comparison of candidates that meet a goal: the Pareto front of points, time, energy, risk and turns, and the choice among it.
 
 use super::candidates::ManoeuvreCandidate;
 use super::goal::PERFECT_POINTS;
-use apex_observation::manoeuvres::{Forecast, Scene};
+use super::risk::Risk;
+use apex_observation::manoeuvres::{FlownPath, Forecast, Scene};
 
 /// Maximum number of manoeuvres, and of misses, in an answer.
 pub(super) const ANSWERS_MAX: usize = 8;
 /// Candidates with at least this share of the best points count as equally good; the shortest time then decides.
 const AS_GOOD: f64 = 0.99;
-/// Share of the points that a candidate with all of them may lack, by rounding.
-const ALL_POINTS_SPARE: f64 = 1e-6;
+/// Share of the points that a candidate with all of them may lack: it is printed as 100.0 points.
+const ALL_POINTS_SPARE: f64 = 5e-4;
 
 /// A candidate with its predicted result.
 #[derive(Clone, Debug)]
@@ -19,14 +20,23 @@ pub(crate) struct Predicted {
     pub(super) forecast: Forecast,
     /// Flight time to its beginning.
     pub(super) travel_s: f64,
+    pub(super) risk: Risk,
 }
 
-/// Returns the figures by which candidates are compared, less is better: negative points, time, energy, turns. All perfect candidates have
-/// equal points.
-pub(super) fn figures(one: &Predicted) -> [f64; 4] {
-    let forecast = &one.forecast;
-    let points = if is_perfect(one) { PERFECT_POINTS } else { forecast.points };
-    [-points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
+/// Figures of a candidate that need no prediction of what it sees, less is better: time, energy, risk, turns.
+pub(super) type Cost = [f64; 4];
+
+/// Returns the cost of a flown path that begins after `travel_s`.
+pub(super) fn cost(flown: &FlownPath, travel_s: f64, risk: Risk) -> Cost {
+    [travel_s + flown.time_s, flown.energy, risk.share, flown.turns as f64]
+}
+
+/// Returns the figures by which candidates are compared, less is better: negative points, then the cost. All perfect candidates have equal
+/// points.
+pub(super) fn figures(one: &Predicted) -> [f64; 5] {
+    let points = if is_perfect(one) { PERFECT_POINTS } else { one.forecast.points };
+    let [time_s, energy, risk, turns] = cost(&one.forecast.flown, one.travel_s, one.risk);
+    [-points, time_s, energy, risk, turns]
 }
 
 /// Returns true if no figure of `a` is greater than that of `b`, and one is less.
@@ -39,20 +49,32 @@ pub(super) fn is_perfect(one: &Predicted) -> bool {
     one.forecast.points >= (1.0 - ALL_POINTS_SPARE) * PERFECT_POINTS
 }
 
-/// Returns the Pareto front of value, time, energy and turns; the chosen manoeuvre first.
-pub(super) fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
-    let all: Vec<[f64; 4]> = meeting.iter().map(figures).collect();
-    let stays = |index: usize| {
-        let own = all.get(index);
-        own.is_some_and(|own| {
-            let twin = |(other, figures): (usize, &[f64; 4])| {
-                beats(figures.as_slice(), own) || (other < index && figures == own)
-            };
-            !all.iter().enumerate().any(twin)
-        })
+/// Returns true for each candidate that no other one beats, and that is the first of equal ones.
+fn unbeaten(meeting: &[Predicted]) -> Vec<bool> {
+    let all: Vec<[f64; 5]> = meeting.iter().map(figures).collect();
+    let stays = |(index, own): (usize, &[f64; 5])| {
+        let twin = |(other, figures): (usize, &[f64; 5])| beats(figures, own) || (other < index && figures == own);
+        !all.iter().enumerate().any(twin)
     };
+    all.iter().enumerate().map(stays).collect()
+}
+
+/// Returns the end of the last candidate of a full answer, if no candidate that ends later can change that answer: `meeting` has
+/// [`ANSWERS_MAX`] candidates on the front that are as good as the best one, whatever its points are, and the fastest come first.
+pub(super) fn full_at_s(meeting: &[Predicted]) -> Option<f64> {
+    let stays = unbeaten(meeting);
+    let good =
+        meeting.iter().zip(&stays).filter(|(one, stays)| **stays && one.forecast.points >= AS_GOOD * PERFECT_POINTS);
+    let mut ends_s: Vec<f64> = good.map(|(one, _)| one.travel_s + one.forecast.time_s).collect();
+    ends_s.sort_by(f64::total_cmp);
+    ends_s.get(ANSWERS_MAX - 1).copied()
+}
+
+/// Returns the Pareto front of value, time, energy, risk and turns; the chosen manoeuvre first.
+pub(super) fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
+    let stays = unbeaten(&meeting);
     let mut front: Vec<Predicted> =
-        meeting.into_iter().enumerate().filter(|(index, _)| stays(*index)).map(|(_, one)| one).collect();
+        meeting.into_iter().zip(stays).filter(|(_, stays)| *stays).map(|(one, _)| one).collect();
     let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
     let is_good = |one: &Predicted| one.forecast.points >= AS_GOOD * best;
     front.sort_by(|a, b| {

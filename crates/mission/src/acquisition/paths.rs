@@ -1,11 +1,14 @@
-//! The function that returns the points of a manoeuvre to PDL: `(manoeuvre-path FORM TARGET CAMERA SPEED MET)`.
+//! The function that returns the points of a manoeuvre to PDL: `(manoeuvre-path FORM TARGET CAMERA SPEED MET
+//! [STEPS])`.
 //!
 //! Its result depends only on its arguments and the mission's data, so a replay gets the same result. Bound: O(points).
 
 use super::modes::{Modes, check_sight, manoeuvre_of_form};
 use super::permitted::{PathRequirements, PlacedPath};
+use super::sweep_form::SweptGround;
 use super::vehicle::{craft_of, instrument_of, scene_of};
 use crate::Mission;
+use crate::downlink::StatedDownlink;
 use crate::observing::carries_scanner;
 use crate::vehicle::VehicleModel;
 use apex_geo::geodesy;
@@ -16,7 +19,8 @@ use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
-    AttitudeMode, DataHandling, Element, FlightPath, Instrument, Manoeuvre, PayloadUse, Scene, Sight, SpeedProfile,
+    AttitudeMode, Craft, DataHandling, Element, FlightPath, Instrument, Manoeuvre, PacedPoint, PayloadUse, Refusal,
+    Scene, Sight, SpeedProfile, Track,
 };
 use std::sync::Arc;
 
@@ -28,31 +32,34 @@ pub(crate) struct Places {
     model: VehicleModel,
     wind: WindField,
     requirements: PathRequirements,
+    downlink: Option<StatedDownlink>,
     targets: Vec<Place>,
 }
 
 /// A target, or a place.
 #[derive(Clone, Debug)]
 struct Place {
-    /// Name in lower case; empty for a place.
+    /// Name in lower case; the location for a place.
     name: String,
     position: Position,
     /// Level of the observed part.
     elevation_m: f64,
     /// Elevation of the ground.
     ground_m: f64,
+    /// Corners of its ground, metres east and north; none for a point.
+    corners: Vec<(f64, f64)>,
 }
 
 /// Returns the manoeuvre that PDL flies: along a path in its modes with a camera (or the scanner), at a speed.
 pub(crate) fn manoeuvre_of(
     (path, modes): (FlightPath, Modes),
     speed_mps: Option<f64>,
-    craft_hovers: bool,
-    scans: bool,
+    data: DataHandling,
+    (craft_hovers, scans): (bool, bool),
 ) -> Manoeuvre {
     let (attitude, speed) = (modes.attitude_of(&path, craft_hovers), modes.speed_of(speed_mps, craft_hovers));
     let payload = if scans { PayloadUse::LineScan } else { PayloadUse::Video };
-    Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store }
+    Manoeuvre { path, attitude, speed, payload, data }
 }
 
 /// Replaces `manoeuvre-path`, which fails without a mission, by the function with the mission's data.
@@ -62,12 +69,14 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
         model: mission.model.clone(),
         wind: mission.forecast.clone(),
         requirements: PathRequirements::of(mission),
+        downlink: mission.settings.downlink,
         targets: targets
             .map(|target| Place {
                 name: target.id.to_lowercase(),
                 position: target.position,
                 elevation_m: super::vehicle::elevation_m(target),
                 ground_m: target.elevation_m,
+                corners: super::vehicle::target_corners(target),
             })
             .collect(),
     });
@@ -77,46 +86,38 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
 }
 
 impl Places {
-    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL NOSE)`: points with altitudes; the ground speed at each, of a fixed wing its
+    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL NOSE DATA)`: points with altitudes; the ground speed at each, of a fixed wing its
     /// airspeed, or nil if that is constant; the airspeed; `hover`, `line` or `stand` (a hover is all) as the kind of beginning; `down`, the
     /// target or `(along AZIMUTH TILT)` as the aim of the camera; pairs of a heading and a place for the camera to point at from a hover; the
-    /// time for each; and the option `:nose` of the flight command, if the manoeuvre demands a direction of the nose.
+    /// time for each; and the option `:nose` of the flight command, if the manoeuvre demands a direction of the nose;
+    /// the option `:data` of commands to the payload, if the form states it.
     fn points(&self, arguments: &[Value]) -> Result<Value, String> {
-        let [form, target, camera, speed, met] = arguments else {
-            return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
+        let ([form, target, camera, speed, met], steps) = match arguments {
+            [form, target, camera, speed, met] => ([form, target, camera, speed, met], None),
+            [form, target, camera, speed, met, steps] => ([form, target, camera, speed, met], Some(steps)),
+            _ => return Err(format!("it takes 5 or 6 arguments and was given {}", arguments.len())),
         };
-        let (path, modes) = manoeuvre_of_form(form)?;
-        let Place { position: place, elevation_m, ground_m, .. } = self.place(target)?;
-        let speed_mps = match speed.as_number() {
-            Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Some(speed),
-            None if !speed.is_true() => None,
-            _ => return Err(format!("the speed {speed} is not a speed")),
-        };
+        let Place { name: target_name, position: place, elevation_m, ground_m, corners } = self.place(target)?;
+        let speed_mps = speed_of(speed)?;
         let at_s = met.as_number().map_or(0.0, |(seconds, _)| seconds);
         let name = camera.as_symbol().map(|name| name.folded().to_string());
         let instrument = instrument_of(&self.model, name.as_deref())?;
+        let ground = SweptGround { target: &target_name, corners: &corners, instrument: &instrument };
+        let (path, modes) = manoeuvre_of_form(form, &ground)?;
         let height_m = height_m(&path);
         let craft = craft_of(&self.model, elevation_m + height_m);
         let scene = scene_of((place, elevation_m), &self.wind, height_m, place, at_s);
         let scans = matches!(instrument, Instrument::Scanner(_)) && carries_scanner(&self.model);
-        let manoeuvre = manoeuvre_of((path, modes), speed_mps, craft.can_hover, scans);
-        let refused = |refusal: apex_observation::manoeuvres::Refusal| refusal.to_string();
+        let data = modes.data_over(self.downlink.as_ref())?;
+        let manoeuvre = manoeuvre_of((path, modes), speed_mps, data, (craft.can_hover, scans));
+        let payload = steps.and_then(payload_of).filter(|_| !scans).unwrap_or(manoeuvre.payload);
+        let manoeuvre = Manoeuvre { payload, ..manoeuvre };
+        let refused = |refusal: Refusal| refusal.to_string();
         check_sight(&manoeuvre, &craft, &instrument)?;
         let track = manoeuvre.track(&craft, &instrument, &scene).map_err(refused)?;
-        let mut paced = manoeuvre.paced_points(&craft, &instrument, &scene).map_err(refused)?;
-        if !craft.can_hover {
-            // A fixed wing cannot change its speed within a line: the points of the path itself remain.
-            paced.retain(|paced| track.points().any(|point| point.point.minus(paced.point).length() < SAME_M));
-        }
-        let fastest = paced.iter().map(|point| point.true_airspeed_mps).fold(0.0, f64::max);
-        let (speeds, airspeed) = match manoeuvre.speed {
-            SpeedProfile::Airspeed(airspeed_mps) if !craft.can_hover => (Vec::new(), airspeed_mps),
-            _ if !craft.can_hover => (paced.iter().map(|point| point.true_airspeed_mps).collect(), fastest),
-            _ => {
-                let speeds = paced.iter().map(|point| point.speed_mps).collect();
-                (speeds, (fastest + 0.5).min(craft.true_airspeed_mps_max))
-            }
-        };
+        // The link must carry the pictures at the speeds of the path.
+        manoeuvre.timed(&craft, &instrument, &scene).map_err(refused)?;
+        let (paced, speeds, airspeed) = paced(&manoeuvre, &track, &craft, (&instrument, &scene)).map_err(refused)?;
         let aim = aim(track.sight, target);
         // A camera that does not pan turns the nose itself.
         let nose = match (manoeuvre.attitude, track.sight) {
@@ -151,7 +152,8 @@ impl Places {
             Element::Follow { .. } => None,
         });
         let dwell = Value::Duration(Duration::from_seconds(dwell_s.unwrap_or(0.0)));
-        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell, nose]))
+        let data = modes.data.into_iter().flat_map(|data| [Value::symbol(":data"), data.value()]);
+        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell, nose, Value::list(data)]))
     }
 
     fn place(&self, value: &Value) -> Result<Place, String> {
@@ -161,12 +163,60 @@ impl Places {
             _ => {
                 let Location { position, altitude_m } = Location::of(value)?;
                 let elevation_m = altitude_m.unwrap_or(0.0);
-                return Ok(Place { name: String::new(), position, elevation_m, ground_m: elevation_m });
+                let name = value.to_string();
+                return Ok(Place { name, position, elevation_m, ground_m: elevation_m, corners: Vec::new() });
             }
         };
         let found = self.targets.iter().find(|target| target.name == name);
         let known = || self.targets.iter().map(|target| target.name.as_str()).collect::<Vec<_>>().join(", ");
         found.cloned().ok_or_else(|| format!("the mission has no target `{name}`; it has {}", known()))
+    }
+}
+
+/// Reads a speed; `None` for nil.
+fn speed_of(value: &Value) -> Result<Option<f64>, String> {
+    match value.as_number() {
+        Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Ok(Some(speed)),
+        None if !value.is_true() => Ok(None),
+        _ => Err(format!("the speed {value} is not a speed")),
+    }
+}
+
+/// Returns the followed points, the ground speed at each (of a fixed wing its airspeed; empty if that is constant), and the airspeed.
+///
+/// # Errors
+/// A speed that vehicle or wind do not permit.
+fn paced(
+    manoeuvre: &Manoeuvre,
+    track: &Track,
+    craft: &Craft,
+    (instrument, scene): (&Instrument, &Scene),
+) -> Result<(Vec<PacedPoint>, Vec<f64>, f64), Refusal> {
+    let mut paced = manoeuvre.paced_points(craft, instrument, scene)?;
+    if !craft.can_hover {
+        // A fixed wing cannot change its speed within a line: the points of the path itself remain.
+        paced.retain(|paced| track.points().any(|point| point.point.minus(paced.point).length() < SAME_M));
+    }
+    let fastest = paced.iter().map(|point| point.true_airspeed_mps).fold(0.0, f64::max);
+    let (speeds, airspeed) = match manoeuvre.speed {
+        SpeedProfile::Airspeed(airspeed_mps) if !craft.can_hover => (Vec::new(), airspeed_mps),
+        _ if !craft.can_hover => (paced.iter().map(|point| point.true_airspeed_mps).collect(), fastest),
+        _ => {
+            let speeds = paced.iter().map(|point| point.speed_mps).collect();
+            (speeds, (fastest + 0.5).min(craft.true_airspeed_mps_max))
+        }
+    };
+    Ok((paced, speeds, airspeed))
+}
+
+/// Reads the steps between pictures, `(:every DISTANCE)` or `(:interval TIME)`; `None` for other values.
+fn payload_of(steps: &Value) -> Option<PayloadUse> {
+    let [key, figure] = steps.as_list()? else { return None };
+    let (figure, _) = figure.as_number().filter(|(figure, _)| figure.is_finite() && *figure > 0.0)?;
+    match key.as_symbol()?.folded() {
+        ":every" => Some(PayloadUse::StillsEvery(figure)),
+        ":interval" => Some(PayloadUse::StillsInterval(figure)),
+        _ => None,
     }
 }
 

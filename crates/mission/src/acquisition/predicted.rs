@@ -2,14 +2,16 @@
 
 use super::modes::{check_sight, manoeuvre_of_form};
 use super::paths::{height_m, manoeuvre_of};
-use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
+use super::sweep_form::SweptGround;
+use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_corners, target_of};
 use crate::ground::MissionGround;
 use crate::observing::ForecastAir;
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::Position;
 use apex_model::value::Value;
+use apex_observation::grid::TargetGrid;
 use apex_observation::manoeuvres::{
-    Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene,
+    Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene, TimedTrack,
 };
 use apex_observation::predict::PredictionContext;
 use apex_observation::target::ObservedTarget;
@@ -37,13 +39,16 @@ pub struct PerformedManoeuvre<'a> {
 /// # Errors
 /// An error message: the form is invalid, the mission has no such target or sensor, or a limit of vehicle, sensor or wind is exceeded.
 pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
-    let (path, modes) = manoeuvre_of_form(wanted.form)?;
     let target = target_of(mission, wanted.target)?;
     let instrument = instrument_of(&mission.model, wanted.sensor)?;
+    let corners = target_corners(target);
+    let ground = SweptGround { target: &target.id, corners: &corners, instrument: &instrument };
+    let (path, modes) = manoeuvre_of_form(wanted.form, &ground)?;
     let scene = scene(mission, (target.position, elevation_m(target)), &path, target.position, wanted.from_s);
     let craft = craft_of(&mission.model, scene.elevation_m + height_m(&path));
     let scans = matches!(instrument, Instrument::Scanner(_));
-    let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, craft.can_hover, scans);
+    let data = modes.data_over(mission.settings.downlink.as_ref())?;
+    let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, data, (craft.can_hover, scans));
     let payload = if scans { manoeuvre.payload } else { wanted.payload };
     let manoeuvre = Manoeuvre { payload, ..manoeuvre };
     check_sight(&manoeuvre, &craft, &instrument)?;
@@ -70,9 +75,21 @@ pub(crate) fn forecast_of(
     mission: &Mission,
     manoeuvre: &Manoeuvre,
     (craft, instrument, scene): (&Craft, &Instrument, &Scene),
-    (target, grid): (&ObservedTarget, &apex_observation::grid::TargetGrid),
+    observed: (&ObservedTarget, &TargetGrid),
     is_explained: bool,
 ) -> Result<Forecast, Refusal> {
+    let timed = manoeuvre.timed(craft, instrument, scene)?;
+    Ok(observe(mission, (manoeuvre, timed), (craft, instrument, scene), observed, is_explained))
+}
+
+/// Returns the forecast of a manoeuvre whose poses are known.
+pub(super) fn observe(
+    mission: &Mission,
+    (manoeuvre, timed): (&Manoeuvre, TimedTrack),
+    (craft, instrument, scene): (&Craft, &Instrument, &Scene),
+    (target, grid): (&ObservedTarget, &TargetGrid),
+    is_explained: bool,
+) -> Forecast {
     let first_valid_s = BTreeMap::new();
     let air = ForecastAir::new(mission);
     let ground = MissionGround::new(mission.terrain.clone(), target.elevation_m);
@@ -85,5 +102,5 @@ pub(crate) fn forecast_of(
         first_valid_s: &first_valid_s,
         is_explained,
     };
-    manoeuvre.forecast(craft, instrument, scene, &ForecastContext { target, grid, prediction })
+    manoeuvre.observe(timed, (craft, instrument), scene, &ForecastContext { target, grid, prediction })
 }

@@ -5,9 +5,10 @@
 
 use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, ground_m, heights_m, lowest_m, sensors};
 use super::goal::AcquisitionGoal;
-use super::pareto::{ANSWERS_MAX, Predicted, beats, figures, front, is_perfect};
+use super::pareto::{ANSWERS_MAX, Cost, Predicted, beats, cost, figures, front, full_at_s, is_perfect};
 use super::permitted::{PathRequirements, PlacedPath};
-use super::predicted::forecast_of;
+use super::predicted::observe;
+use super::risk::{Risk, RiskLimits};
 use super::vehicle::{craft_of, scene_of};
 use crate::Mission;
 use crate::requirements::sun_margin_deg;
@@ -15,7 +16,7 @@ use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, ZoneKind};
 use apex_observation::manoeuvres::{
-    Craft, FlightPath, Forecast, Instrument, PathPose, Refusal, Scene, rounded_down, rounded_up,
+    Craft, FlightPath, Forecast, Instrument, PathPose, Refusal, Scene, TimedTrack, rounded_down, rounded_up,
 };
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
@@ -100,7 +101,8 @@ fn all_candidates(
     Ok(candidates)
 }
 
-/// Returns the candidates that meet the goal, without those that a perfect one beats whatever they saw; adds the misses of the others.
+/// Returns the candidates that meet the goal, in the order of their ends; adds the misses of the others. Candidates that cannot be in the
+/// answer are left out: those that a perfect one beats whatever they saw, and those that end after the last one of a full answer.
 fn predicted(
     mission: &Mission,
     goal: &AcquisitionGoal,
@@ -109,12 +111,27 @@ fn predicted(
     misses: &mut Vec<Miss>,
 ) -> Vec<Predicted> {
     let mut meeting: Vec<Predicted> = Vec::new();
-    for (candidate, cost) in by_time(mission, goal, candidates, start) {
-        if cost.is_some_and(|cost| meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &cost))) {
+    let mut full_s = None;
+    let requirements = PathRequirements::of(mission);
+    for timed in by_time(mission, goal, candidates, start) {
+        let timed = match timed {
+            Ok(timed) => timed,
+            Err(miss) => {
+                misses.push(miss);
+                continue;
+            }
+        };
+        if full_s.is_some_and(|full_s: f64| timed.cost[0] > full_s) {
+            break;
+        }
+        if meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &timed.cost)) {
             continue;
         }
-        match judged(mission, goal, candidate, start) {
-            Ok(predicted) => meeting.push(predicted),
+        match judged(mission, (goal, &requirements), timed, start) {
+            Ok(predicted) => {
+                meeting.push(predicted);
+                full_s = full_at_s(&meeting);
+            }
             Err(miss) => misses.push(miss),
         }
     }
@@ -196,18 +213,16 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
 /// Predicts a candidate and compares it with the goal.
 fn judged(
     mission: &Mission,
-    goal: &AcquisitionGoal,
-    candidate: ManoeuvreCandidate,
+    (goal, requirements): (&AcquisitionGoal, &PathRequirements),
+    timed: TimedCandidate,
     start: Start,
 ) -> Result<Predicted, Miss> {
+    let TimedCandidate { candidate, craft, scene, timed, travel_s, risk, .. } = timed;
     let name = candidate.manoeuvre.path.name();
     let at = format!("`{name}` from {:.0} m above the target", candidate.height_m);
     let altitude_m = goal.target.elevation_m + candidate.height_m;
-    let (craft, scene) = setting(mission, goal, &candidate, start);
     let conditions = (&craft, &candidate.instrument, &scene);
-    let forecast = forecast_of(mission, &candidate.manoeuvre, conditions, (&goal.target, &goal.grid), false)
-        .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
-    let travel_s = travel_s(forecast.flown.poses.first(), &scene, goal, start, &craft);
+    let forecast = observe(mission, (&candidate.manoeuvre, timed), conditions, (&goal.target, &goal.grid), false);
     // The distance of a candidate from the goal is that of its worst deficit.
     let mut misses = Vec::new();
     if let Some(zone) = closed_by(mission, &forecast, &scene, Some(start.at_s + travel_s)) {
@@ -221,7 +236,7 @@ fn judged(
             ),
         });
     } else if let Err(refusal) =
-        requirements_kept(mission, goal, &candidate, (&forecast, &scene), start.at_s + travel_s)
+        requirements_kept((mission, requirements), goal, &candidate, (&forecast, &scene), start.at_s + travel_s)
     {
         misses.push(Miss { by: refusal.excess(), why: refusal.to_string() });
     }
@@ -240,7 +255,8 @@ fn judged(
         misses.push(Miss { by: (end_s - by_s) / end_s, why });
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
-    misses.extend(late(mission, goal, &at, home_s));
+    let end_of_data_s = forecast.on_ground_s.map(|at_s| at_s - scene.from_s - forecast.time_s);
+    misses.extend(late(mission, goal, &at, (end_of_data_s, home_s)));
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
         let why = format!(
@@ -252,15 +268,16 @@ fn judged(
     if let Some(worst) = misses.into_iter().max_by(|a, b| a.by.total_cmp(&b.by)) {
         return Err(worst);
     }
-    Ok(Predicted { candidate, scene, forecast, travel_s })
+    Ok(Predicted { candidate, scene, forecast, travel_s, risk })
 }
 
-/// Returns the miss of a goal whose data would be on the ground too late: after the time that images take over the link of the mission, or,
-/// without such a link, after the way home.
-fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, home_s: f64) -> Option<Miss> {
-    let (after_s, how) = match mission.settings.images_on_ground {
-        Some(delay) => (delay.seconds(), "data are sent, and on the ground"),
-        None => (home_s, "data are read after landing,"),
+/// Returns the miss of a goal whose data would be on the ground too late: by the handling that the goal states (`sent_s` after the end, or
+/// after landing), otherwise after the time that images take over the link of the mission, or, without such a link, after the way home.
+fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, (sent_s, home_s): (Option<f64>, f64)) -> Option<Miss> {
+    let (after_s, how) = match (goal.data, sent_s, mission.settings.images_on_ground) {
+        (Some(_), Some(sent_s), _) => (sent_s, "data are sent as the goal states, and on the ground"),
+        (None, _, Some(delay)) => (delay.seconds(), "data are sent, and on the ground"),
+        _ => (home_s, "data are read after landing,"),
     };
     let latency_s = goal.latency_s.filter(|latency_s| after_s > *latency_s)?;
     let why = format!("{at}: {how} {after_s:.0} s after the observation, `:latency` is {latency_s:.0} s");
@@ -269,7 +286,7 @@ fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, home_s: f64) -> Opt
 
 /// Checks a candidate that begins at `from_s` by the requirements of the flight on its positions.
 fn requirements_kept(
-    mission: &Mission,
+    (mission, requirements): (&Mission, &PathRequirements),
     goal: &AcquisitionGoal,
     candidate: &ManoeuvreCandidate,
     (forecast, scene): (&Forecast, &Scene),
@@ -278,7 +295,7 @@ fn requirements_kept(
     let poses = forecast.flown.poses.iter();
     let points: Vec<(Position, f64)> =
         poses.map(|pose| (scene.position(pose.point), scene.elevation_m + pose.height_m)).collect();
-    PathRequirements::of(mission).check(&PlacedPath {
+    requirements.check(&PlacedPath {
         name: candidate.manoeuvre.path.name(),
         points: &points,
         height_m: candidate.height_m,
@@ -344,24 +361,40 @@ pub(crate) fn closed_by<'a>(
     })
 }
 
-/// Returns the candidates in the order of their ends, with time, energy and turns, which need no prediction of what they see; `None` for a
-/// candidate that is refused.
+/// A candidate with its poses over time, before the prediction of what it sees.
+struct TimedCandidate {
+    candidate: ManoeuvreCandidate,
+    craft: Craft,
+    scene: Scene,
+    timed: TimedTrack,
+    travel_s: f64,
+    risk: Risk,
+    cost: Cost,
+}
+
+/// Returns the candidates in the order of their ends, then the misses of those that vehicle, sensor or wind do not permit.
 fn by_time(
     mission: &Mission,
     goal: &AcquisitionGoal,
     candidates: Vec<ManoeuvreCandidate>,
     start: Start,
-) -> Vec<(ManoeuvreCandidate, Option<[f64; 3]>)> {
-    let cost = |candidate: &ManoeuvreCandidate| {
-        let (craft, scene) = setting(mission, goal, candidate, start);
-        let flown = candidate.manoeuvre.fly(&craft, &candidate.instrument, &scene).ok()?;
-        let travel_s = travel_s(flown.poses.first(), &scene, goal, start, &craft);
-        Some([travel_s + flown.time_s, flown.energy, flown.turns as f64])
+) -> Vec<Result<TimedCandidate, Miss>> {
+    let limits = RiskLimits::of(mission, goal);
+    let timed = |candidate: ManoeuvreCandidate| {
+        let (craft, scene) = setting(mission, goal, &candidate, start);
+        let timed = candidate
+            .manoeuvre
+            .timed(&craft, &candidate.instrument, &scene)
+            .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
+        let travel_s = travel_s(timed.flown.poses.first(), &scene, goal, start, &craft);
+        let risk = limits.risk(&timed.flown, &craft, &scene);
+        let cost = cost(&timed.flown, travel_s, risk);
+        Ok(TimedCandidate { candidate, craft, scene, timed, travel_s, risk, cost })
     };
-    let mut all: Vec<_> = candidates.into_iter().map(|candidate| (cost(&candidate), candidate)).collect();
-    let end_s = |cost: &Option<[f64; 3]>| cost.map_or(f64::INFINITY, |[end_s, ..]| end_s);
-    all.sort_by(|a, b| end_s(&a.0).total_cmp(&end_s(&b.0)));
-    all.into_iter().map(|(cost, candidate)| (candidate, cost)).collect()
+    let mut all: Vec<Result<TimedCandidate, Miss>> = candidates.into_iter().map(timed).collect();
+    let end_s = |one: &Result<TimedCandidate, Miss>| one.as_ref().map_or(f64::INFINITY, |one| one.cost[0]);
+    all.sort_by(|a, b| end_s(a).total_cmp(&end_s(b)));
+    all
 }
 
 /// Returns the vehicle and the scene of a candidate.
@@ -388,13 +421,15 @@ pub(super) fn told(one: &Predicted) -> String {
     };
     format!(
         "{what} from {:.0} m with {}: {points:.1} of 100 points (coverage {:.2}, clarity {:.2}, resolution {:.2}), {time_s:.0} s \
-         and {:.0} s to get there",
+         and {:.0} s to get there, risk {:.2} ({})",
         one.candidate.height_m,
         one.candidate.sensor,
         factors.coverage,
         factors.clarity,
         factors.resolution,
-        one.travel_s
+        one.travel_s,
+        one.risk.share,
+        one.risk.cause
     )
 }
 

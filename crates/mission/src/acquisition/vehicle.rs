@@ -1,5 +1,6 @@
 //! Conversion of the mission's vehicle, sensors and targets to the types of manoeuvre synthesis.
 
+use super::sweep_form::{corners_of, radius_m};
 use crate::observing::{camera_names, camera_of, hold_of, looks_with, scanner_of};
 use crate::vehicle::{Airframe, VehicleModel};
 use crate::{Mission, Target, TargetKind};
@@ -95,6 +96,17 @@ fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
         name.chars().zip(wrong.chars()).take_while(same).count()
     };
     known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 1)
+}
+
+/// Returns the corners of a target's ground, metres east and north of its middle; none for a point.
+pub(super) fn target_corners(target: &Target) -> Vec<(f64, f64)> {
+    match &target.kind {
+        TargetKind::Fire(fire) => {
+            let scene = Scene::still(target.position, elevation_m(target));
+            corners_of(&fire.wanted.area, &scene, radius_m(target.position, &fire.grid))
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Returns the level of the observed part above mean sea level: the observed ground, or the middle of a structure.

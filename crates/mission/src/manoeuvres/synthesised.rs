@@ -16,7 +16,7 @@ use apex_model::pattern::Pattern;
 use apex_model::problem::{Manoeuvre, PictureWork, Position};
 use apex_model::value::Value;
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
-use apex_observation::manoeuvres::{Craft, FlightPath, Forecast, Instrument, Scene};
+use apex_observation::manoeuvres::{Craft, DataHandling, FlightPath, Forecast, Instrument, Scene};
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use std::sync::Arc;
@@ -108,6 +108,8 @@ fn goal_of(wish: &Wish<'_>, camera: &CameraSetting) -> AcquisitionGoal {
         latency_s: None,
         by_s: None,
         sensor: Some(camera.name.clone()),
+        data: None,
+        handling: DataHandling::Store,
     }
 }
 

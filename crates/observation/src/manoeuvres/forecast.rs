@@ -2,11 +2,11 @@
 //! assessed as recorded ones are.
 
 use super::craft::Craft;
-use super::manoeuvre::Manoeuvre;
-use super::modes::{AttitudeMode, PayloadUse};
+use super::manoeuvre::{Manoeuvre, TimedTrack};
+use super::modes::{AttitudeMode, PayloadUse, VIDEO_S};
 use super::refusal::Refusal;
 use super::scene::{Instrument, Scene};
-use super::timing::{self, FlownPath, PathPose};
+use super::timing::{FlownPath, PathPose};
 use super::track::Sight;
 use crate::attitude::{Attitude, Vector};
 use crate::grid::TargetGrid;
@@ -16,11 +16,9 @@ use crate::result::{Factors, LookResult, TargetResult};
 use crate::sensor::gimbal::line_of;
 use crate::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use crate::target::ObservedTarget;
-use apex_geo::geodesy::{RAD_PER_DEG, wrap_180};
+use apex_geo::geodesy::{Position, RAD_PER_DEG, wrap_180};
 use apex_geo::plane::Point;
 
-/// Time between the pictures of a video that are predicted, s.
-const VIDEO_S: f64 = 1.0;
 /// Maximum number of pictures of one forecast.
 const PICTURES_MAX: usize = 5_000;
 /// Greatest difference of direction, in degrees, between chords that form one line of a scanner.
@@ -76,39 +74,49 @@ impl Manoeuvre {
         scene: &Scene,
         context: &ForecastContext<'_>,
     ) -> Result<Forecast, Refusal> {
-        let track = self.track(craft, instrument, scene)?;
-        let flown = timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)?;
-        let on_ground_s = self.data.on_ground_s(scene.from_s + flown.time_s);
-        let (result, pictures, tracked_share) = match instrument {
+        let timed = self.timed(craft, instrument, scene)?;
+        Ok(self.observe(timed, (craft, instrument), scene, context))
+    }
+
+    /// Predicts the looks from the poses of [`Manoeuvre::timed`].
+    pub fn observe(
+        &self,
+        TimedTrack { sight, flown }: TimedTrack,
+        (craft, instrument): (&Craft, &Instrument),
+        scene: &Scene,
+        context: &ForecastContext<'_>,
+    ) -> Forecast {
+        let (on_ground_s, result, pictures, tracked_share) = match instrument {
             Instrument::Scanner(scanner) => {
-                let lines = planned_lines(&flown, scene, on_ground_s);
-                (predict(context.target, context.grid, &lines, scanner, &context.prediction), 0, 1.0)
+                let mut lines = planned_lines(&flown, scene);
+                let arrivals_s = self.data.arrivals_s(lines.iter().map(PlannedLine::until_s)).unwrap_or_default();
+                lines.iter_mut().zip(&arrivals_s).for_each(|(line, at_s)| line.on_ground_s = Some(*at_s));
+                (
+                    arrivals_s.last().copied(),
+                    predict(context.target, context.grid, &lines, scanner, &context.prediction),
+                    0,
+                    1.0,
+                )
             }
             Instrument::Camera(camera) => {
-                let pictures = planned_pictures(&flown, (self, track.sight), camera, craft, (scene, context));
-                let tracked = pictures.iter().filter(|picture| sees(&picture.view, scene)).count();
+                let (pictures, tracked) = planned_pictures(&flown, (self, sight), camera, craft, (scene, context));
                 let share = tracked as f64 / pictures.len().max(1) as f64;
                 let count = pictures.len();
-                (predict_pictures(context.target, context.grid, &[pictures], &context.prediction), count, share)
+                let taken_s = pictures.iter().map(|picture| picture.view.time_s);
+                let on_ground_s = self.data.arrivals_s(taken_s).and_then(|arrivals_s| arrivals_s.last().copied());
+                (
+                    on_ground_s,
+                    predict_pictures(context.target, context.grid, &[pictures], &context.prediction),
+                    count,
+                    share,
+                )
             }
         };
         let factors = factors_of(&result);
         let FlownPath { time_s, length_m, energy, turns, .. } = flown;
         let points = result.points();
         let look = result.looks.into_iter().next();
-        Ok(Forecast {
-            factors,
-            points,
-            time_s,
-            length_m,
-            energy,
-            turns,
-            pictures,
-            tracked_share,
-            on_ground_s,
-            flown,
-            look,
-        })
+        Forecast { factors, points, time_s, length_m, energy, turns, pictures, tracked_share, on_ground_s, flown, look }
     }
 }
 
@@ -118,7 +126,7 @@ fn factors_of(result: &TargetResult) -> Factors {
 }
 
 /// Returns the lines of a scanner: consecutive observed chords of one direction form one line.
-fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> Vec<PlannedLine> {
+fn planned_lines(flown: &FlownPath, scene: &Scene) -> Vec<PlannedLine> {
     let mut lines: Vec<PlannedLine> = Vec::new();
     let mut track_deg = f64::NAN;
     for pair in flown.poses.windows(2) {
@@ -140,7 +148,7 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
                 ground_speed_mps: pose.ground_speed_mps,
                 crab_deg: wrap_180(pose.attitude.heading_deg - pose.track_deg),
                 pitch_deg: pose.attitude.pitch_deg,
-                on_ground_s,
+                on_ground_s: None,
             }),
         }
         track_deg = pose.track_deg;
@@ -148,14 +156,15 @@ fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> 
     lines
 }
 
+/// Returns the pictures, and the number of them with the middle of the target in view.
 fn planned_pictures(
     flown: &FlownPath,
     (manoeuvre, sight): (&Manoeuvre, Sight),
     camera: &CameraSetting,
     craft: &Craft,
     (scene, context): (&Scene, &ForecastContext<'_>),
-) -> Vec<PlannedPicture> {
-    let mut pictures = Vec::new();
+) -> (Vec<PlannedPicture>, usize) {
+    let (mut pictures, mut tracked) = (Vec::new(), 0);
     let mut angles = CameraSetting::straight_down();
     // Distance and time since the last picture; the first is taken at once.
     let (mut flown_m, mut waited_s) = (f64::INFINITY, f64::INFINITY);
@@ -184,7 +193,9 @@ fn planned_pictures(
             let here = facing(between(pose, after, next_s / lasts_s), &manoeuvre.attitude, scene);
             let view;
             (view, angles) = view_of(&here, sight, camera, scene, angles);
-            pictures.push(PlannedPicture { view, weights: weights_of(&here, camera, craft, (scene, context)) });
+            tracked += usize::from(sees(&view, here.point, scene));
+            let weights = weights_of((&here, view.position), camera, craft, (scene, context));
+            pictures.push(PlannedPicture { view, weights });
             last_s = Some(next_s);
             next_s += interval_s;
         }
@@ -194,7 +205,7 @@ fn planned_pictures(
             None => (flown_m + left_s * pose.ground_speed_mps, waited_s + left_s),
         };
     }
-    pictures
+    (pictures, tracked)
 }
 
 /// Returns the pose at a fraction of the way to the next one.
@@ -252,12 +263,11 @@ fn view_of(
 }
 
 fn weights_of(
-    pose: &PathPose,
+    (pose, position): (&PathPose, Position),
     camera: &CameraSetting,
     craft: &Craft,
     (scene, context): (&Scene, &ForecastContext<'_>),
 ) -> crate::clarity::ClarityWeights {
-    let position = scene.position(pose.point);
     let air = context.prediction.conditions.at(position, scene.elevation_m + pose.height_m, pose.time_s);
     let motion = ExposureMotion {
         ground_speed_mps: pose.ground_speed_mps,
@@ -272,11 +282,10 @@ fn weights_of(
     weights
 }
 
-/// Returns true if the middle of the target is inside a view.
-fn sees(view: &PictureView, scene: &Scene) -> bool {
+/// Returns true if the middle of the target is inside a view from `here`.
+fn sees(view: &PictureView, here: Point, scene: &Scene) -> bool {
     let sight = crate::sensor::camera::sight_of(&view.attitude, view.angles, view.is_stabilised);
     let axis = sight(Vector::new(1.0, 0.0, 0.0));
-    let here: Point = scene.point(view.position);
     let line = Vector::new(-here.y, -here.x, view.altitude_m - scene.elevation_m);
     axis.angle_rad(line) <= 0.5 * view.high_deg.min(view.wide_deg) * RAD_PER_DEG
 }

@@ -15,7 +15,7 @@ use super::strafe::Strafe;
 use super::straight_over::StraightOver;
 use super::sweep::Sweep;
 use super::timing::{self, FlownPath, PacedPoint};
-use super::track::Track;
+use super::track::{Sight, Track};
 use super::vantage_point::VantagePoint;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +61,15 @@ pub struct Manoeuvre {
     pub payload: PayloadUse,
     /// Handling of the data.
     pub data: DataHandling,
+}
+
+/// The poses of a manoeuvre over time, and the direction in which its camera looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedTrack {
+    /// Direction of the camera.
+    pub sight: Sight,
+    /// The poses.
+    pub flown: FlownPath,
 }
 
 impl FlightPath {
@@ -114,7 +123,6 @@ impl Manoeuvre {
     pub fn track(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<Track, Refusal> {
         let name = self.path.name();
         let airspeed_mps = self.speed.turn_airspeed_mps(craft);
-        self.data.check(name)?;
         self.attitude.check(name, craft, instrument)?;
         self.payload.check((name, self.path.curve_radius_m()), craft, instrument)?;
         match &self.path {
@@ -143,8 +151,20 @@ impl Manoeuvre {
     /// # Errors
     /// Like [`Manoeuvre::track`], and a speed that vehicle or wind do not permit.
     pub fn fly(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<FlownPath, Refusal> {
+        self.timed(craft, instrument, scene).map(|timed| timed.flown)
+    }
+
+    /// Returns its track with its poses over time, from which [`Manoeuvre::observe`] predicts the looks.
+    ///
+    /// # Errors
+    /// Like [`Manoeuvre::fly`].
+    pub fn timed(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<TimedTrack, Refusal> {
         let track = self.track(craft, instrument, scene)?;
-        timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)
+        let flown = timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)?;
+        let speeds_mps = flown.poses.iter().filter(|pose| pose.is_observed).map(|pose| pose.ground_speed_mps);
+        let fastest_mps = speeds_mps.fold(0.0, f64::max);
+        self.data.check(self.path.name(), self.payload.interval_s(fastest_mps, instrument))?;
+        Ok(TimedTrack { sight: track.sight, flown })
     }
 
     /// Returns the points to be followed with their speeds; empty for a manoeuvre that only hovers.

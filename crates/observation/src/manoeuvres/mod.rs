@@ -31,7 +31,7 @@ pub use arc::{Arc, ArcFigures, ArcShape};
 pub use craft::{Craft, DrainTable, GRAVITY_MPS2, circle_bank_deg};
 pub use expanding_square::ExpandingSquare;
 pub use forecast::{Forecast, ForecastContext};
-pub use manoeuvre::{FlightPath, Manoeuvre};
+pub use manoeuvre::{FlightPath, Manoeuvre, TimedTrack};
 pub use modes::{AttitudeMode, DataHandling, PayloadUse, SpeedProfile};
 pub use orbit::Orbit;
 pub use pirouette::Pirouette;

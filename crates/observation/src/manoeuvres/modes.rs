@@ -8,6 +8,9 @@ use apex_geo::plane::Point;
 use apex_geo::wind::{self, Wind};
 use serde::{Deserialize, Serialize};
 
+/// Time between the pictures as which a video is recorded, s.
+pub(crate) const VIDEO_S: f64 = 1.0;
+
 /// Direction in which the vehicle faces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -60,18 +63,18 @@ pub enum PayloadUse {
 pub enum DataHandling {
     /// Stored on board and read after landing.
     Store,
-    /// Sent while it is recorded; needs a link with that rate.
+    /// Sent while it is recorded; needs a link that carries pictures as fast as they are taken.
     Stream {
-        /// Rate of the data.
-        rate_bit_s: f64,
+        /// Size of a picture.
+        picture_bit: f64,
         /// Rate that the link carries.
         link_bit_s: f64,
     },
-    /// Processed on board, and the product is sent.
+    /// Each picture is processed on board, and its product is sent.
     Process {
-        /// Processing time after the end of the observation.
+        /// Processing time of a picture.
         delay_s: f64,
-        /// Size of the product.
+        /// Size of the product of a picture.
         product_bit: f64,
         /// Rate that the link carries.
         link_bit_s: f64,
@@ -79,28 +82,31 @@ pub enum DataHandling {
 }
 
 impl DataHandling {
-    /// Returns the instant at which everything is on the ground, for an observation that ends at `end_s`; `None` if it is stored until
-    /// landing.
-    pub fn on_ground_s(&self, end_s: f64) -> Option<f64> {
-        match self {
-            DataHandling::Store => None,
-            DataHandling::Stream { .. } => Some(end_s),
-            DataHandling::Process { delay_s, product_bit, link_bit_s } => {
-                Some(end_s + delay_s + product_bit / link_bit_s)
-            }
-        }
+    /// Returns the instants at which pictures taken at these instants, in order, are on the ground: they are sent in sequence, each
+    /// when it is ready and the link is free. `None` if they are stored until landing.
+    pub fn arrivals_s(&self, taken_s: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
+        let (delay_s, sending_s) = match self {
+            DataHandling::Store => return None,
+            DataHandling::Stream { picture_bit, link_bit_s } => (0.0, picture_bit / link_bit_s),
+            DataHandling::Process { delay_s, product_bit, link_bit_s } => (*delay_s, product_bit / link_bit_s),
+        };
+        let mut free_s = f64::NEG_INFINITY;
+        let arrival_s = |taken_s: f64| {
+            free_s = free_s.max(taken_s + delay_s) + sending_s;
+            free_s
+        };
+        Some(taken_s.into_iter().map(arrival_s).collect())
     }
 
-    /// Rejects a link that does not carry the data.
-    pub(crate) fn check(&self, manoeuvre: &str) -> Result<(), Refusal> {
-        let (rate, link) = match self {
-            DataHandling::Store => return Ok(()),
-            DataHandling::Stream { rate_bit_s, link_bit_s } => (*rate_bit_s, *link_bit_s),
-            DataHandling::Process { link_bit_s, .. } => (f64::MIN_POSITIVE, *link_bit_s),
+    /// Rejects a link that does not carry pictures which are taken every `interval_s`; `None` if they are not taken at regular intervals.
+    pub(crate) fn check(&self, manoeuvre: &str, interval_s: Option<f64>) -> Result<(), Refusal> {
+        let (DataHandling::Stream { picture_bit, link_bit_s }, Some(interval_s)) = (self, interval_s) else {
+            return Ok(());
         };
         let limit = Limit { manoeuvre, figure: "a data rate", unit: "bit/s" };
-        limit.at_most(rate, link, "the link cannot carry more data", || {
-            "store the data, or process it on board".to_string()
+        limit.at_most(picture_bit / interval_s, *link_bit_s, "the link cannot carry more data", || {
+            let works_s = rounded_up(picture_bit / link_bit_s, 1);
+            format!("take a picture every {works_s} s, store the data, or process it on board")
         })
     }
 }
@@ -213,6 +219,18 @@ pub(crate) fn airspeed_of(track_deg: f64, speed_mps: f64, wind: Wind) -> f64 {
 }
 
 impl PayloadUse {
+    /// Returns the time between pictures at a ground speed; `None` if they are not taken at regular intervals.
+    pub(crate) fn interval_s(&self, ground_speed_mps: f64, instrument: &Instrument) -> Option<f64> {
+        let Instrument::Camera(camera) = instrument else { return None };
+        match self {
+            PayloadUse::StillsEvery(_) if ground_speed_mps < 0.05 => None,
+            PayloadUse::StillsEvery(every_m) => Some((every_m / ground_speed_mps).max(camera.interval_s_min)),
+            PayloadUse::StillsInterval(interval_s) => Some(interval_s.max(camera.interval_s_min)),
+            PayloadUse::Video => Some(VIDEO_S),
+            PayloadUse::LineScan => None,
+        }
+    }
+
     /// Rejects a payload that the sensor does not record, and one that cannot be used on the path.
     pub(crate) fn check(
         &self,

@@ -8,7 +8,7 @@ use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
 use super::track::{Element, Sight, Track, lines_with_turns};
 use super::{Craft, Instrument};
-use apex_geo::coverage::{CoverageArea, SweepSettings, sweep_lines};
+use apex_geo::coverage::{SweepSettings, sweep_rows};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::plane::Point;
 use apex_geo::wind;
@@ -70,19 +70,16 @@ impl Sweep {
     /// # Errors
     /// The area has no extent, or the lines are too many.
     pub fn lines(&self, track_deg: f64, scene: &Scene) -> Result<Vec<(Point, Point)>, Refusal> {
-        let corners = self.points().into_iter().map(|point| scene.position(point)).collect();
         let settings = SweepSettings {
             swath_m: self.swath_m,
             overlap: self.spread_sidelap(track_deg),
             track_deg: Some(track_deg),
             run_in_m: self.run_in_m,
         };
-        let lines =
-            sweep_lines(&CoverageArea::Polygon(corners), &settings, scene.position(scene.approach)).map_err(|why| {
-                let limit = Limit { manoeuvre: Self::NAME, figure: "a swath", unit: "m" };
-                limit.refusal(self.swath_m, 0.0, &why, "give an area of at least three corners".to_string())
-            })?;
-        Ok(lines.into_iter().map(|(from, to)| (scene.point(from), scene.point(to))).collect())
+        sweep_rows(&self.points(), &settings, scene.approach).map_err(|why| {
+            let limit = Limit { manoeuvre: Self::NAME, figure: "a swath", unit: "m" };
+            limit.refusal(self.swath_m, 0.0, &why, "give an area of at least three corners".to_string())
+        })
     }
 
     /// Returns the directions of edges, directions at right angles to them, and others.

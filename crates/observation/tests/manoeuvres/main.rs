@@ -397,20 +397,25 @@ fn sensors_and_manoeuvres_that_do_not_fit_are_refused() {
     let slow = Manoeuvre { payload: PayloadUse::Video, speed: SpeedProfile::GroundSpeed(40.0), ..wrong.clone() };
     let refusal = slow.fly(&mapper(), &camera(false), &still()).unwrap_err();
     assert_eq!((refusal.figure.as_str(), refusal.nearest.as_str()), ("a true airspeed", "30.0 m/s works"));
-    let stream = DataHandling::Stream { rate_bit_s: 8e6, link_bit_s: 1e6 };
+    let stream = DataHandling::Stream { picture_bit: 8e6, link_bit_s: 1e6 };
     let loud = Manoeuvre { data: stream, payload: PayloadUse::Video, ..wrong };
     assert_eq!(
         loud.fly(&mapper(), &camera(false), &still()).unwrap_err().nearest,
-        "store the data, or process it on board"
+        "take a picture every 8.0 s, store the data, or process it on board"
     );
 }
 
+/// Pictures leave in sequence: a link that is slower than the camera is late by all that waits.
 #[test]
 fn data_reach_the_ground_by_their_handling() {
-    assert_eq!(DataHandling::Store.on_ground_s(100.0), None);
-    assert_eq!(DataHandling::Stream { rate_bit_s: 1e6, link_bit_s: 2e6 }.on_ground_s(100.0), Some(100.0));
+    let taken_s = [100.0, 102.0, 104.0, 130.0];
+    assert_eq!(DataHandling::Store.arrivals_s(taken_s), None);
+    let stream = DataHandling::Stream { picture_bit: 2e6, link_bit_s: 2e6 };
+    assert_eq!(stream.arrivals_s(taken_s), Some(vec![101.0, 103.0, 105.0, 131.0]));
+    let slow = DataHandling::Stream { picture_bit: 16e6, link_bit_s: 2e6 };
+    assert_eq!(slow.arrivals_s(taken_s), Some(vec![108.0, 116.0, 124.0, 138.0]));
     let product = DataHandling::Process { delay_s: 60.0, product_bit: 8e6, link_bit_s: 1e6 };
-    assert_eq!(product.on_ground_s(100.0), Some(168.0));
+    assert_eq!(product.arrivals_s(taken_s), Some(vec![168.0, 176.0, 184.0, 198.0]));
 }
 
 #[test]

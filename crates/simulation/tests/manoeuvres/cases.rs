@@ -13,6 +13,9 @@ use std::sync::Arc;
 pub(crate) const STILL: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,0,0,0\n";
 pub(crate) const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,250,4,0.02\n";
 
+/// Permitted relative difference between predicted and flown energy, with wind and without.
+const ENERGY_SHARE: f64 = 0.10;
+
 /// Longitude and latitude, in the order of GeoJSON, of a place east and north of the pad.
 pub(crate) fn place(east_m: f64, north_m: f64) -> String {
     let (latitude, longitude) = (40.0 + north_m / 111_034.0, -100.0 + east_m / 85_395.0);
@@ -65,10 +68,42 @@ pub(crate) fn mission(
 }
 
 pub(crate) fn fly(mission: Arc<Mission>, path: &Path) -> FlightOutcome {
+    fly_observed(mission, path, &mut EnergyFlow::default())
+}
+
+fn fly_observed(mission: Arc<Mission>, path: &Path, flow: &mut EnergyFlow) -> FlightOutcome {
     let mut recorder = apex_simulation::create_record(path, &mission, None).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
     let terms = MissionFlight::terms(&mission, None);
-    apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap()
+    apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut [flow]).unwrap()
+}
+
+/// The rates at which a vehicle used energy, kg/s or W, with their instants.
+#[derive(Default)]
+struct EnergyFlow {
+    samples: Vec<(f64, f64)>,
+}
+
+impl apex_runtime::ports::Observer for EnergyFlow {
+    fn observe(&mut self, batch: &apex_model::event::Batch, _: &[apex_model::effect::Effect]) -> Result<(), String> {
+        for event in &batch.events {
+            let apex_model::event::EventKind::Measurement(variable, value) = &event.kind else { continue };
+            if matches!(variable.attribute.folded(), "fuel-flow" | "battery-power") {
+                let rate = value.as_number().map_or(0.0, |(rate, _)| rate);
+                self.samples.push((batch.now.seconds(), rate));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl EnergyFlow {
+    /// Returns the energy used between two instants, kg or J: each sample holds until the next.
+    fn used(&self, from_s: f64, until_s: f64) -> f64 {
+        let ends = self.samples.iter().skip(1).map(|(at_s, _)| *at_s).chain([f64::INFINITY]);
+        let spans = self.samples.iter().zip(ends);
+        spans.map(|((at_s, rate), end_s)| rate * (end_s.min(until_s) - at_s.max(from_s)).max(0.0)).sum()
+    }
 }
 
 /// Name and fields of a form.
@@ -169,16 +204,19 @@ impl Case {
             from_s: 0.0,
         };
         let predicted = forecast(&mission, &wanted).unwrap_or_else(|why| panic!("{name}: {why}"));
-        let flight = fly(mission, &folder.path().join("flight.apex"));
+        let mut flow = EnergyFlow::default();
+        let flight = fly_observed(mission, &folder.path().join("flight.apex"), &mut flow);
         let text = flight.report.text();
         let MissionValue::Score(score) = &flight.report.value else { panic!("{name}: of another kind") };
         let visit = flight.report.visits.first().unwrap_or_else(|| panic!("{name}: {text}"));
         let end = visit.end.unwrap_or_else(|| panic!("{name} does not end: {text}"));
         let flown_s = (end - visit.begin).seconds();
         let flown = &score.looks[0].flown.factors;
+        let used = flow.used(visit.begin.seconds(), end.seconds());
         println!(
-            "{name}: {flown_s:.1} s flown, {:.1} s predicted; coverage {:.3} flown, {:.3} predicted; clarity {:.3}, {:.3}; resolution {:.3}, {:.3}",
+            "{name}: {flown_s:.1} s flown, {:.1} s predicted; energy {used:.3} flown, {:.3} predicted; coverage {:.3} flown, {:.3} predicted; clarity {:.3}, {:.3}; resolution {:.3}, {:.3}",
             predicted.time_s,
+            predicted.energy,
             flown.coverage,
             predicted.factors.coverage,
             flown.clarity,
@@ -189,7 +227,10 @@ impl Case {
         let off_s = (flown_s - predicted.time_s).abs();
         let off = (flown.coverage - predicted.factors.coverage).abs();
         // The simulator answers at steps of half a second.
-        let agrees = off_s <= share * predicted.time_s + 1.0 && off <= share && predicted.factors.coverage > 0.1;
+        let agrees = off_s <= share * predicted.time_s + 1.0
+            && off <= share
+            && predicted.factors.coverage > 0.1
+            && (used - predicted.energy).abs() <= ENERGY_SHARE * predicted.energy;
         if agrees { Ok(()) } else { Err(format!("{name} in {winds}")) }
     }
 }

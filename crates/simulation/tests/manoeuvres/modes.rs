@@ -4,7 +4,7 @@
 //! flight. `APEX_MODES=all` flies every combination.
 
 use super::cases::{Case, Form, STILL, WIND, all, mission};
-use super::{ASIDE, FIXED_WING, Flown, ORBIT, OVER, SECTOR, SPIRAL, SQUARE, STRAFE};
+use super::{ASIDE, FIXED_WING, Flown, ORBIT, OVER, SECTOR, SPIRAL, SQUARE, STRAFE, SWEEP};
 use apex_mission::acquisition::{PerformedManoeuvre, forecast, synthesised};
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
@@ -62,6 +62,7 @@ fn rotorcraft() -> Vec<Case> {
         (STRAFE, 40.0),
         (SQUARE, 140.0),
         (SECTOR, 200.0),
+        (SWEEP, 100.0),
     ];
     // The camera of the quadrotor pans, so that it sees the target with the nose in any direction.
     combined(&paths, &ATTITUDES, &Case { model: "quadrotor", ..Case::default() })
@@ -86,6 +87,8 @@ fn large() -> Vec<Case> {
     }
     let scanner = Case { camera: "scanner", payload: PayloadUse::LineScan, speed_mps: Some(95.0), ..usual };
     cases.extend([over, near].map(|form| Case { form, ..scanner.clone() }));
+    let sweep: Form = ("sweep", &[("height", 2_000.0)]);
+    cases.push(Case { form: sweep, half_m: 4_000.0, ..scanner });
     cases
 }
 

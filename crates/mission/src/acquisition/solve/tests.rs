@@ -20,12 +20,15 @@ fn the_front_is_that_of_all_predictions() {
             let goal = AcquisitionGoal::read(&mission, &form).unwrap();
             let start = Start { here: mission.start, at_s: 60.0, endurance_s };
             let candidates = all_candidates(&mission, &goal, start, &mut Vec::new()).unwrap();
-            let every: Vec<Predicted> =
-                candidates.iter().filter_map(|one| judged(&mission, &goal, one.clone(), start).ok()).collect();
+            let requirements = PathRequirements::of(&mission);
+            let every: Vec<Predicted> = by_time(&mission, &goal, candidates.clone(), start)
+                .into_iter()
+                .filter_map(|one| judged(&mission, (&goal, &requirements), one.ok()?, start).ok())
+                .collect();
             let some = predicted(&mission, &goal, candidates, start, &mut Vec::new());
             left_out += every.len() - some.len();
             let sorted = |meeting: Vec<Predicted>| {
-                let mut all: Vec<[f64; 4]> = front(meeting).iter().map(figures).collect();
+                let mut all: Vec<[f64; 5]> = front(meeting).iter().map(figures).collect();
                 all.sort_by(|a, b| {
                     a.iter()
                         .zip(b)
@@ -40,4 +43,33 @@ fn the_front_is_that_of_all_predictions() {
         }
     }
     assert!(left_out >= 50 && compared >= 6, "{left_out} left out, {compared} goals met");
+}
+
+/// A manoeuvre that is as good as another one and takes longer is in the answer if it is farther from the ground, and only then.
+#[test]
+fn risk_is_an_axis_of_the_front() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/stand-off");
+    let mission = Mission::load(&folder).unwrap();
+    let resolution = Value::measured(0.1, Dimension::LENGTH);
+    let form =
+        Value::list([Value::symbol("acquire"), Value::symbol("plume"), Value::symbol(":resolution"), resolution]);
+    let goal = AcquisitionGoal::read(&mission, &form).unwrap();
+    let start = Start { here: mission.start, at_s: 60.0, endurance_s: 3_000.0 };
+    let synthesis = synthesise(&mission, &goal, start).unwrap();
+    let chosen = &synthesis.front[0];
+    let at = |share: f64, later_s: f64| Predicted {
+        risk: Risk { share, ..chosen.risk },
+        travel_s: chosen.travel_s + later_s,
+        ..chosen.clone()
+    };
+    let ends_s = |meeting: Vec<Predicted>| front(meeting).iter().map(|one| one.travel_s).collect::<Vec<f64>>();
+    let (soon_s, late_s) = (chosen.travel_s, chosen.travel_s + 10.0);
+    assert_eq!(ends_s(vec![at(0.8, 0.0), at(0.0, 10.0)]), [soon_s, late_s]);
+    assert_eq!(ends_s(vec![at(0.8, 0.0), at(0.8, 10.0)]), [soon_s]);
+    assert_eq!(ends_s(vec![at(0.0, 0.0), at(0.8, 10.0)]), [soon_s]);
+    let texts: Vec<String> = synthesis.front.iter().map(told).collect();
+    assert!(texts.iter().all(|text| text.contains(", risk 0.")), "{texts:#?}");
+    // The required clearance over ground is a part of the height that shrinks with it; at twice the clearance there is no risk.
+    let risks = [5.0, 22.0, 25.0, 37.0, 45.0, 1_000.0].map(|m| RiskLimits::of(&mission, &goal).over_ground(m).share);
+    assert!(risks.is_sorted_by(|a, b| a >= b) && risks[0] == 1.0 && risks[5] == 0.0, "{risks:?}");
 }

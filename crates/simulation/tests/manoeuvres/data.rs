@@ -1,0 +1,148 @@
+//! Handling of data: pictures of a manoeuvre stay on board, are sent as they are taken, or are processed and sent, and are on the ground
+//! when predicted.
+
+use super::cases::{STILL, mission};
+use super::{acquire, length, word};
+use apex_mission::Mission;
+use apex_mission::acquisition::{PerformedManoeuvre, forecast, synthesised};
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_model::quantity::Dimension;
+use apex_model::value::Value;
+use apex_observation::manoeuvres::PayloadUse;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A link of 2 Mbit/s for pictures of 8 Mbit: one takes 4 s.
+const LINK: &str = ":downlink (:rate-mbit-s 2 :picture-mbit 8)";
+const WORLD: &str = r#"{"format": "apex-world-1",
+    "downlink": {"over": "radio", "rate_mbit_s": 2, "picture_mbit": 8, "store_mbit": 4000, "processing_s": 90}}"#;
+
+/// Returns a mission with a downlink, which the application states if `options` do.
+fn linked(folder: &Path, goal: &str, options: &str) -> Mission {
+    drop(mission(folder, "quadrotor", STILL, (300.0, 40.0, 120.0), goal));
+    let file = folder.join("mission.pdl");
+    let radio = ":modems ((radio :station pad :full-level 5km :range 9km)) :world \"world.json\"";
+    let program =
+        std::fs::read_to_string(&file).unwrap().replace(":duration 4h", &format!(":duration 4h {radio} {options}"));
+    std::fs::write(&file, program).unwrap();
+    std::fs::write(folder.join("world.json"), WORLD).unwrap();
+    Mission::load(folder).unwrap()
+}
+
+/// Instants at which pictures arrived on the ground.
+#[derive(Default)]
+struct Arrivals {
+    at_s: Vec<f64>,
+}
+
+impl apex_runtime::ports::Observer for Arrivals {
+    fn observe(&mut self, batch: &apex_model::event::Batch, _: &[apex_model::effect::Effect]) -> Result<(), String> {
+        for event in &batch.events {
+            let apex_model::event::EventKind::Occurrence(form) = &event.kind else { continue };
+            if form.to_string().starts_with("(image-on-ground camera-1") {
+                self.at_s.push(batch.now.seconds());
+            }
+        }
+        Ok(())
+    }
+}
+
+fn fly(mission: Mission, folder: &Path) -> (FlightOutcome, Vec<f64>) {
+    let mission = Arc::new(mission);
+    let mut recorder = apex_simulation::create_record(&folder.join("flight.apex"), &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let mut arrivals = Arrivals::default();
+    let flight = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut [&mut arrivals]).unwrap();
+    (flight, arrivals.at_s)
+}
+
+fn process(delay_s: f64, share: f64) -> Value {
+    Value::list([word("process"), Value::measured(delay_s, Dimension::TIME), Value::Real(share)])
+}
+
+fn orbit(data: &Value) -> Value {
+    let fields = [("radius", 60.0), ("height", 50.0), ("turns", 1.0)];
+    let fields = fields.into_iter().flat_map(|(key, figure)| [word(&format!(":{key}")), Value::Real(figure)]);
+    Value::list(std::iter::once(word("orbit")).chain(fields).chain([word(":data"), data.clone()]))
+}
+
+/// Streamed pictures are taken slowly enough for the link; products of half the size wait for each other.
+#[test]
+fn data_are_on_the_ground_when_predicted() {
+    for (data, every_m) in [(word("stream"), 30.0), (process(30.0, 0.5), 10.0), (process(5.0, 0.1), 20.0)] {
+        let folder = tempfile::tempdir().unwrap();
+        let form = orbit(&data);
+        let goal = format!("(perform {form} at field with camera-1 at 6m/s every {every_m}m)");
+        let mission = linked(folder.path(), &goal, LINK);
+        let wanted = PerformedManoeuvre {
+            form: &form,
+            target: "field",
+            sensor: Some("camera-1"),
+            speed_mps: Some(6.0),
+            payload: PayloadUse::StillsEvery(every_m),
+            from_s: 0.0,
+        };
+        let predicted = forecast(&mission, &wanted).unwrap();
+        let predicted_s = predicted.on_ground_s.unwrap() - predicted.time_s;
+        let (flight, arrivals_s) = fly(mission, folder.path());
+        let visit = &flight.report.visits[0];
+        let flown_s = arrivals_s.iter().copied().fold(0.0, f64::max) - visit.end.unwrap().seconds();
+        println!("{goal}: {flown_s:.1} s flown, {predicted_s:.1} s predicted; {} pictures", arrivals_s.len());
+        assert!(
+            (flown_s - predicted_s).abs() <= 0.05 * predicted_s.abs() + 2.0,
+            "{goal}: {flown_s} s of {predicted_s} s"
+        );
+        assert!(arrivals_s.len().abs_diff(predicted.pictures) <= 1, "{} of {}", arrivals_s.len(), predicted.pictures);
+    }
+}
+
+/// Without `:data` the world handles pictures: here it processes each for 90 s.
+#[test]
+fn stored_data_stay_on_board() {
+    let goal = |data: &str| {
+        format!("(perform (orbit :radius 60m :height 50m {data}) at field with camera-1 at 6m/s every 30m)")
+    };
+    let arrivals = |data: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fly(linked(folder.path(), &goal(data), ""), folder.path()).1
+    };
+    assert_eq!(arrivals(":data store"), [] as [f64; 0]);
+    assert!(!arrivals("").is_empty());
+}
+
+#[test]
+fn data_that_the_link_does_not_carry_are_refused_with_what_works() {
+    let failed = |data: &str, options: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let goal =
+            format!("(perform (orbit :radius 60m :height 50m :data {data}) at field with camera-1 at 6m/s every 10m)");
+        let (flight, _) = fly(linked(folder.path(), &goal, options), folder.path());
+        flight.report.failed_because.unwrap_or_else(|| panic!("{data} {options} is flown"))
+    };
+    let why = failed("stream", LINK);
+    assert!(why.contains("take a picture every 4.0 s, store the data, or process it on board"), "{why}");
+    let why = failed("stream", "");
+    assert!(why.contains("the mission states none; add `:downlink (:rate-mbit-s 2 :picture-mbit 40)`"), "{why}");
+    let why = failed("later", LINK);
+    assert!(why.contains("write store, stream, or (process DELAY SHARE)"), "{why}");
+}
+
+/// A goal with a handling of its data is answered by a manoeuvre in that handling, and `:latency` counts with it.
+#[test]
+fn a_goal_states_how_its_data_are_handled() {
+    let seconds = |s: f64| Value::Duration(apex_model::time::Duration::from_seconds(s));
+    let goal = |data: Value, latency_s: f64| {
+        acquire("field", &[("resolution", length(0.05)), ("latency", seconds(latency_s)), ("data", data)])
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mission = linked(folder.path(), "(wait 1s)", LINK);
+    assert!(synthesised(&mission, &goal(process(5.0, 0.1), 60.0), 0.0).is_ok());
+    let why = synthesised(&mission, &goal(process(90.0, 0.1), 60.0), 0.0).unwrap_err();
+    assert!(why.contains("data are sent as the goal states, and on the ground"), "{why}");
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = "(acquire field :product stills :resolution 5cm :data (process 5s 0.1))";
+    let (flight, arrivals_s) = fly(linked(folder.path(), wanted, LINK), folder.path());
+    assert!(flight.end.reason.is_success() && !arrivals_s.is_empty(), "{}", flight.report.text());
+}
