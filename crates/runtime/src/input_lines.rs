@@ -365,7 +365,7 @@ mod tests {
     fn a_json_fault_keeps_words_that_look_like_its_place() {
         let text = r#"{"t": 1, "seen at line 3": 1, "seen at line 3": 2}"#;
         let faults = read_inputs("in.jsonl", text, &read).unwrap_err().0;
-        assert_eq!(faults, ["in.jsonl:1:49: this is not JSON: the key `seen at line 3` is given twice"]);
+        assert_eq!(faults, ["in.jsonl:1:46: this is not JSON: the key `seen at line 3` is given twice"]);
     }
 
     #[test]

@@ -105,7 +105,7 @@ fn a_commanded_landing_is_reported_for_a_vehicle_without_a_flight_phase() {
     let command = |number: u64, form: &str| Effect::Command {
         command: CommandId(number),
         task: TaskId(1),
-        form: apex_pdl::read_value(form).unwrap_or_else(|error| panic!("{error}")),
+        form: apex_pdl::read_value(form).unwrap_or_else(|error| panic!("{error:?}")),
         because: Because::new(Cause::InitialTask, None),
     };
     let said = |findings: Findings| {
