@@ -46,7 +46,7 @@ pub const PATROL: &str = "
 /// Checks a program that requires nothing.
 pub fn check(text: &str) -> Checked {
     let source = SourceText { name: "bench.pdl".into(), text: text.into() };
-    let mut resolve = |_| Err("a measured program requires nothing".to_string());
+    let mut resolve = |_| Err("a measured program requires nothing".into());
     apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve })
 }
 

@@ -23,7 +23,7 @@ pub const PERIOD_NS: i64 = 20_000_000;
 /// If a text is not a condition.
 pub fn conditions(declarations: &str, texts: &[String]) -> (Arc<Library>, Vec<Condition>) {
     let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let sources = texts.iter().map(|text| source("condition", text)).collect();
     let read = check_conditions(vec![source("declarations", declarations)], sources, options);

@@ -4,7 +4,7 @@ use crate::errors::ConditionError;
 use apex_model::condition::Condition;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
-use apex_pdl::{CheckOptions, HostSignature, Requirement, Severity, SourceText};
+use apex_pdl::{CheckOptions, HostSignature, Requirement, Severity, SourceText, Unresolved};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -52,19 +52,21 @@ pub(crate) fn read(condition: &str, library: Option<(String, String)>, folder: O
     }
 }
 
-fn required(requirement: Requirement, folder: Option<&Path>) -> std::result::Result<SourceText, String> {
+fn required(requirement: Requirement, folder: Option<&Path>) -> std::result::Result<SourceText, Unresolved> {
     match requirement {
         Requirement::File { name, .. } => {
             let Some(folder) = folder else {
                 return Err(
                     "the library was handed over as text; hand over its path, so that files next to it are found"
-                        .to_string(),
+                        .into(),
                 );
             };
             let path = folder.join(&name);
             let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             Ok(SourceText { name: path.display().to_string(), text })
         }
-        Requirement::Library(name) => Err(format!("the package ships no library {name:?}; require its file instead")),
+        Requirement::Library(name) => {
+            Err(format!("the package ships no library {name:?}; require its file instead").into())
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::reasons::Asker;
 use apex_executive::load;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
+use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText, Unresolved};
 use apex_runtime::error::RunError;
 use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly_all};
 use apex_runtime::ports::Observer;
@@ -123,7 +123,7 @@ pub fn messages(checked: &Checked) -> String {
     rendered.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<SourceText, String> {
+fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<SourceText, Unresolved> {
     match requirement {
         Requirement::Library(name) => {
             let file = format!("library/{name}.pdl");
@@ -136,7 +136,7 @@ fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<Sourc
         }
         Requirement::File { name, .. } => match files.iter().find(|(known, _)| *known == name) {
             Some((_, text)) => Ok(SourceText { name, text: text.clone() }),
-            None => Err(format!("this page has no file `{name}`")),
+            None => Err(format!("this page has no file `{name}`").into()),
         },
     }
 }

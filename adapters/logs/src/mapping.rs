@@ -91,6 +91,8 @@ pub struct Sampler {
     unwanted: Option<LogInterval>,
     /// Notes about entries that the log contradicts or does not need.
     doubts: Vec<String>,
+    /// Entries whose field has had a coordinate that does not exist.
+    impossible: BTreeSet<usize>,
 }
 
 impl Sampler {
@@ -98,7 +100,16 @@ impl Sampler {
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
         let wanted = vec![true; mapping.entries.len()];
-        Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None, doubts: Vec::new() }
+        Sampler {
+            mapping,
+            topics: Vec::new(),
+            counts,
+            chosen,
+            wanted,
+            unwanted: None,
+            doubts: Vec::new(),
+            impossible: BTreeSet::new(),
+        }
     }
 
     /// Restricts the samples to these attributes.
@@ -173,6 +184,13 @@ impl Sampler {
                 continue;
             }
             if let Some(value) = entry.value(&message.values, source) {
+                if let Some(doubt) = entry.impossible(&value, message.at) {
+                    // One note for each field: a receiver without a fix repeats such a value.
+                    if self.impossible.insert(number) {
+                        self.doubts.push(doubt);
+                    }
+                    continue;
+                }
                 if let Some(count) = self.counts.get_mut(number) {
                     *count += 1;
                 }
@@ -252,6 +270,30 @@ impl Entry {
             return Some(word.clone());
         }
         Some(Value::Real(number * source.scale + self.offset))
+    }
+
+    /// Returns a note about a number that no latitude or longitude has: it is not a sample.
+    fn impossible(&self, value: &Value, at: Time) -> Option<String> {
+        let limit_deg = match self.variable.attribute.folded() {
+            "latitude" => 90.0,
+            "longitude" => 360.0,
+            _ => return None,
+        };
+        let Value::Real(angle) = value else { return None };
+        // Library `vehicle` declares them in degrees; of another unit only the factor to SI is known.
+        let angle_deg = match self.declared {
+            Some((factor, Dimension::ANGLE)) => (angle * factor).to_degrees(),
+            _ => *angle,
+        };
+        let is_possible = angle_deg.abs() <= limit_deg + 1e-9;
+        (!is_possible).then(|| {
+            format!(
+                "`{}` is {} deg at {at}, which is not a {}: such values of the field are left out",
+                self.field,
+                (angle_deg * 1e7).round() / 1e7,
+                self.variable.attribute
+            )
+        })
     }
 
     /// Returns a text of the log as a value: a symbol if it is one word, so that conditions can name it.

@@ -339,7 +339,11 @@ mod tests {
             let source = apex_pdl::SourceText { name: file.name.clone(), text: declarations };
             let checked = apex_pdl::check(
                 vec![source],
-                apex_pdl::CheckOptions { fragment: false, host: &[], resolve: &mut |_| Err(String::new()) },
+                apex_pdl::CheckOptions {
+                    fragment: false,
+                    host: &[],
+                    resolve: &mut |_| Err("nothing is required".into()),
+                },
             );
             assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
             let attributes: Vec<_> = file.entries.iter().map(|(entry, _)| entry.variable.attribute.clone()).collect();

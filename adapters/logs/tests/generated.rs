@@ -254,6 +254,24 @@ fn words_scales_and_numbers_for_not_known() {
     assert!(of(2).all(|word| word == "auto"));
 }
 
+#[test]
+fn coordinates_that_do_not_exist_are_no_samples_and_are_noted_once() {
+    // The log counts 0 to 10: latitudes of 0 to 300 degrees, longitudes of 0 to 600 degrees.
+    let of = |attribute: &str, scale: f64| Entry { scale, ..entry("roll", attribute, Take::Value) };
+    let (log, entries) = (builders::csv(11), vec![of("latitude", 30.0), of("longitude", 60.0)]);
+    let mut reader = reader(&log, "csv");
+    let mut sampler = Sampler::new(Mapping { entries, ..Mapping::default() });
+    let (mut message, mut samples) = (Message::default(), Vec::new());
+    while reader.next(&mut message).unwrap() {
+        sampler.sample(reader.topics(), &message, &mut samples);
+    }
+    let count = |number: usize| samples.iter().filter(|each| each.entry == number).count();
+    assert_eq!((count(0), count(1)), (4, 7));
+    let doubts = sampler.doubts();
+    assert_eq!(doubts.len(), 2, "{doubts:?}");
+    assert!(doubts[0].contains("`roll` is 120 deg at 0.4s, which is not a latitude"), "{doubts:?}");
+}
+
 /// Arbitrary bytes can look like a text that the vehicle's software logged.
 #[test]
 fn texts_alone_are_no_log_without_its_beginning() {

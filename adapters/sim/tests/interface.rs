@@ -21,7 +21,7 @@ fn the_simulator_takes_what_the_interface_declares() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../library/interface.pdl");
     let text = std::fs::read_to_string(path).expect("the interface is there");
     let source = SourceText { name: "interface.pdl".into(), text };
-    let mut resolve = |_| Err("the interface requires nothing".to_string());
+    let mut resolve = |_| Err("the interface requires nothing".into());
     let checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
     assert!(!checked.has_errors(), "{}", apex_pdl::render(&checked.diagnostics, &checked.library.sources, false));
     let declarations = checked.library.commands.iter();

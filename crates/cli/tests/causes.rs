@@ -49,7 +49,7 @@ fn library(reader: &RecordReader) -> Library {
             Requirement::Library(name) => format!("{name}.pdl"),
         };
         let found = sources.iter().find(|source| Path::new(&*source.name).ends_with(&wanted));
-        found.map(text).ok_or(wanted)
+        found.map(text).ok_or_else(|| wanted.into())
     };
     let options = apex_pdl::CheckOptions { fragment: false, host: &host, resolve: &mut resolve };
     apex_pdl::check(vec![text(&sources[0])], options).library

@@ -53,8 +53,9 @@ impl FileName<'_> {
     /// Returns the error of a text that is not JSON, or is JSON of another shape.
     pub(crate) fn unreadable(self, error: &serde_json::Error) -> DiagnosisError {
         let text = error.to_string();
-        // serde_json appends the place, which is in front here.
-        let reason = text.rsplit_once(" at line ").map_or(text.as_str(), |(reason, _)| reason).to_string();
+        // serde_json appends the place in this form; here it is in front.
+        let appended = format!(" at line {} column {}", error.line(), error.column());
+        let reason = text.strip_suffix(&appended).unwrap_or(&text).to_string();
         let place = format!("{}:{}", error.line(), error.column());
         self.error(place, reason, "docs/reference/diagnosis.md describes the file")
     }

@@ -26,7 +26,7 @@ fn intervals(condition: &str, lines: &str) -> Vec<(f64, f64)> {
 
 fn over(condition: &str, lines: String, note: &dyn Fn(&str)) -> Vec<(f64, f64, String)> {
     let text = SourceText { name: "condition".to_string(), text: condition.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let read = check_conditions(Vec::new(), vec![text], options);
     assert!(!read.checked.has_errors());

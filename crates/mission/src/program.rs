@@ -8,7 +8,7 @@ use apex_executive::Agent;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::SourceFile;
-use apex_pdl::{Checked, CheckedConditions, HostSignature, Requirement, SourceText};
+use apex_pdl::{Checked, CheckedConditions, HostSignature, Requirement, SourceText, Unresolved};
 use rust_embed::RustEmbed;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -85,7 +85,7 @@ pub fn check_text_with(
 pub fn check_sources(
     sources: Vec<SourceText>,
     fragment: bool,
-    resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+    resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, Unresolved>,
 ) -> Checked {
     let host = host_signatures();
     let mut checked = apex_pdl::check(sources, apex_pdl::CheckOptions { fragment, host: &host, resolve });
@@ -111,7 +111,7 @@ pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, fol
 }
 
 /// Returns a required text: among the `known` ones, otherwise next to them, otherwise from the shipped libraries.
-fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
+fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, Unresolved> {
     let wanted = match &requirement {
         Requirement::File { name, .. } => name.clone(),
         Requirement::Library(name) => format!("{name}.pdl"),
@@ -150,7 +150,7 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
             Requirement::Library(name) => format!("{name}.pdl"),
         };
         let found = sources.iter().find(|source| Path::new(&*source.name).ends_with(&wanted));
-        found.map(text_of).ok_or_else(|| format!("`{wanted}` is not in the record"))
+        found.map(text_of).ok_or_else(|| format!("`{wanted}` is not in the record").into())
     });
     if checked.has_errors() {
         let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
@@ -188,7 +188,7 @@ fn resolve(
     folder: &Path,
     requirement: Requirement,
     read: &mut dyn FnMut(&Path) -> MissionResult<String>,
-) -> Result<SourceText, String> {
+) -> Result<SourceText, Unresolved> {
     match requirement {
         Requirement::File { name, .. } => {
             let path = folder.join(&name);
@@ -205,13 +205,16 @@ fn resolve(
                     name: format!("library/{file}"),
                     text: String::from_utf8_lossy(&shipped.data).into_owned(),
                 }),
-                None => Err(format!("no library `{name}`; shipped are {}", shipped_names().join(", "))),
+                None => {
+                    let names = shipped_names();
+                    Err(Unresolved { reason: format!("no library `{name}`; shipped are {}", names.join(", ")), names })
+                }
             }
         }
     }
 }
 
-fn read_required(path: &Path, read: &mut dyn FnMut(&Path) -> MissionResult<String>) -> Result<SourceText, String> {
+fn read_required(path: &Path, read: &mut dyn FnMut(&Path) -> MissionResult<String>) -> Result<SourceText, Unresolved> {
     let text = read(path).map_err(|error| match error.reason {
         Some(reason) => format!("{}: {reason}", error.message),
         None => error.message,

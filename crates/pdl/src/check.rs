@@ -9,6 +9,7 @@ use crate::interfaces;
 use crate::loose;
 use crate::lower::{Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
+use crate::requirement::{Requirement, Unresolved};
 use crate::suggest::{renames, renames_marked};
 use crate::vocabulary::FORMS;
 use apex_model::condition::Condition;
@@ -34,20 +35,6 @@ impl HostSignature {
     }
 }
 
-/// A text that another text needs.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Requirement {
-    /// `(require-apex-library "name")` or an entry of `:libraries`.
-    Library(String),
-    /// `(require-apex-file "name")` or an entry of `:files`.
-    File {
-        /// The name as written.
-        name: String,
-        /// The source that requires it, as named in its [`SourceText`].
-        from: String,
-    },
-}
-
 /// Options of a check.
 pub struct CheckOptions<'a> {
     /// True if the text is a part of something larger: undefined names and missing libraries become notes, and a library is produced
@@ -55,8 +42,8 @@ pub struct CheckOptions<'a> {
     pub fragment: bool,
     /// Functions of the host program.
     pub host: &'a [HostSignature],
-    /// Returns required texts; the error states in one line why a text cannot be read.
-    pub resolve: &'a mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+    /// Returns required texts.
+    pub resolve: &'a mut dyn FnMut(Requirement) -> Result<SourceText, Unresolved>,
 }
 
 /// Result of a check.
@@ -122,7 +109,7 @@ impl Loader {
         &mut self,
         source: SourceText,
         fragment: bool,
-        resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+        resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, Unresolved>,
     ) {
         let mut pending = vec![(source, false)];
         while let Some((source, is_library)) = pending.pop() {
@@ -137,8 +124,8 @@ impl Loader {
                 let is_library = is_library || matches!(requirement, Requirement::Library(_));
                 match resolve(requirement.clone()) {
                     Ok(text) if self.files.len() + pending.len() < SOURCES_MAX => pending.push((text, is_library)),
-                    Ok(_) => self.missing(&requirement, span, "too many files are required", fragment),
-                    Err(reason) => self.missing(&requirement, span, &reason, fragment),
+                    Ok(_) => self.missing(&requirement, span, "too many files are required".into(), fragment),
+                    Err(unresolved) => self.missing(&requirement, span, unresolved, fragment),
                 }
             }
         }
@@ -180,7 +167,7 @@ impl Loader {
         self.files.split_off(first)
     }
 
-    fn missing(&mut self, requirement: &Requirement, span: Span, reason: &str, fragment: bool) {
+    fn missing(&mut self, requirement: &Requirement, span: Span, unresolved: Unresolved, fragment: bool) {
         let what = match requirement {
             Requirement::Library(name) => format!("library \"{name}\" cannot be loaded"),
             Requirement::File { name, .. } => format!("file \"{name}\" cannot be loaded"),
@@ -188,21 +175,22 @@ impl Loader {
         self.incomplete = true;
         let severity = if fragment { Severity::Note } else { Severity::Error };
         let diagnostic = Diagnostic::new(severity, codes::REQUIREMENT_MISSING, span, what);
-        self.diagnostics.push(diagnostic.fixes(self.names_in_reason(requirement, span, reason)).reason(reason));
+        let fixes = self.renames(requirement, span, &unresolved.names);
+        self.diagnostics.push(diagnostic.fixes(fixes).reason(unresolved.reason));
     }
 
-    /// Returns fixes for a misspelt name, if the reason lists the existing names.
-    fn names_in_reason(&self, requirement: &Requirement, span: Span, reason: &str) -> Vec<Fix> {
+    /// Returns fixes for a misspelt name, from the names that exist.
+    fn renames(&self, requirement: &Requirement, span: Span, names: &[String]) -> Vec<Fix> {
         let (Requirement::Library(name) | Requirement::File { name, .. }) = requirement;
-        let ends = |letter: char| letter.is_whitespace() || matches!(letter, ',' | ';' | ':' | '`' | '"');
-        let words = reason.split(ends).map(|word| word.trim_end_matches('.')).filter(|word| word.len() >= 3);
         let source = usize::try_from(span.file).ok().and_then(|file| self.library.sources.get(file));
         let start = usize::try_from(span.start).ok();
         let quoted = source
             .zip(start)
             .and_then(|(source, start)| source.text.get(start..))
             .is_some_and(|text| text.starts_with('"'));
-        renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
+        renames_marked(span, name, names.iter().map(String::as_str), |name| {
+            if quoted { format!("\"{name}\"") } else { name.to_string() }
+        })
     }
 
     /// Returns the library of all texts; `texts` are those that [`Loader::split_off`] removed, which contain conditions.

@@ -43,7 +43,7 @@ mod tests {
 
     fn read(declarations: &str, condition: &str) -> (CheckedConditions, String) {
         let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
-        let mut resolve = |_| Err("nothing is required".to_string());
+        let mut resolve = |_| Err("nothing is required".into());
         let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
         let read = check_conditions(vec![source("d.pdl", declarations)], vec![source("condition", condition)], options);
         let messages = render(&read.checked.diagnostics, &read.checked.library.sources, false);

@@ -13,7 +13,7 @@ fn checked(text: &str) -> Checked {
         Requirement::Library(name) if name == "vehicle" => {
             Ok(SourceText { name: "library/vehicle.pdl".to_string(), text: "(primitive (index (fly)))\n".to_string() })
         }
-        _ => Err("there is no such file".to_string()),
+        _ => Err("there is no such file".into()),
     };
     let source = SourceText { name: "page.pdl".to_string(), text: text.to_string() };
     let mut checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });

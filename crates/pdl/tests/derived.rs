@@ -4,7 +4,7 @@ use apex_pdl::{CheckOptions, SourceText, check, render};
 
 fn messages(text: &str) -> String {
     let source = SourceText { name: "derived.pdl".to_string(), text: text.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
     render(&checked.diagnostics, &checked.library.sources, false)
 }

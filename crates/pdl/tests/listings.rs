@@ -7,12 +7,12 @@ use apex_pdl::{CheckOptions, Checked, ParsedCondition, Severity, SourceText, che
 
 fn fragment(name: &str, text: &str) -> Checked {
     let source = SourceText { name: name.to_string(), text: text.to_string() };
-    let mut resolve = |_| Err("a fragment has no libraries".to_string());
+    let mut resolve = |_| Err("a fragment has no libraries".into());
     check(vec![source], CheckOptions { fragment: true, host: &[], resolve: &mut resolve })
 }
 
 fn condition(text: &str) -> ParsedCondition {
-    let mut resolve = |_| Err("none".to_string());
+    let mut resolve = |_| Err("none".into());
     parse_condition(text, CheckOptions { fragment: true, host: &[], resolve: &mut resolve })
 }
 
@@ -62,7 +62,7 @@ fn clauses_outside_of_a_procedure_load_as_a_fragment_only() {
     let both = format!("{REFLY_ALONE}\n{index}\n{}", TABLE_1.join("\n"));
     let unsupported = |each: &&apex_pdl::Diagnostic| each.severity == Severity::Error;
     assert_eq!(fragment("all.pdl", &both).diagnostics.iter().find(unsupported).map(|each| &each.message), None);
-    let mut resolve = |_| Err("none".to_string());
+    let mut resolve = |_| Err("none".into());
     let source = SourceText { name: "whole.pdl".to_string(), text: REFLY_ALONE.to_string() };
     let whole = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
     assert!(whole.has_errors(), "a whole application has no loose clauses");

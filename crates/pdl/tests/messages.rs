@@ -1,6 +1,6 @@
 //! Messages for authors: every message in full. A change of wording is a change of these files.
 
-use apex_pdl::{CheckOptions, HostSignature, Requirement, SourceText, check, error_codes, render};
+use apex_pdl::{CheckOptions, HostSignature, Requirement, SourceText, Unresolved, check, error_codes, render};
 
 fn host() -> Vec<HostSignature> {
     let pure = |name: &str, count| HostSignature {
@@ -20,7 +20,7 @@ fn messages(text: &str) -> String {
             text: "(state-variable (altitude ?aircraft) :unit ft :type real)\n(primitive (index (fly-to ?place)))\n"
                 .to_string(),
         }),
-        _ => Err("there is no such file".to_string()),
+        _ => Err("there is no such file".into()),
     };
     let checked = check(vec![source], CheckOptions { fragment: false, host: &host(), resolve: &mut resolve });
     render(&checked.diagnostics, &checked.library.sources, false)
@@ -135,10 +135,22 @@ fn one_typo_gives_one_message() {
     }
 }
 
+/// Names that exist come from the resolver, not from the words of its reason: here `file` is one.
+#[test]
+fn a_word_of_the_reason_is_no_name_of_a_library() {
+    let text = messages("(require-apex-library \"fille\")\n");
+    assert!(text.contains("there is no such file") && !text.contains("fix:"), "{text}");
+    let source = SourceText { name: "fire.pdl".to_string(), text: "(require-apex-library \"fille\")\n".to_string() };
+    let mut resolve = |_| Err(Unresolved { reason: "not found".to_string(), names: vec!["fill".to_string()] });
+    let checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
+    let text = render(&checked.diagnostics, &checked.library.sources, false);
+    assert!(text.contains("`\"fill\"`"), "{text}");
+}
+
 #[test]
 fn colours_are_only_in_coloured_text() {
     let source = SourceText { name: "a.pdl".to_string(), text: "(".to_string() };
-    let mut resolve = |_| Err(String::new());
+    let mut resolve = |_| Err("nothing is required".into());
     let checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
     let sources = &checked.library.sources;
     assert!(render(&checked.diagnostics, sources, true).contains('\u{1b}'));

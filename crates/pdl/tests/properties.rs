@@ -18,7 +18,7 @@ use proptest::prelude::*;
 
 fn checked(text: &str, fragment: bool) -> Checked {
     let source = SourceText { name: "generated.pdl".to_string(), text: text.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     check(vec![source], CheckOptions { fragment, host: &[], resolve: &mut resolve })
 }
 
@@ -86,7 +86,7 @@ fn every_clause_prints_and_loads_again() {
 fn every_condition_prints_and_loads_again() {
     for text in include_str!("listings/conditions.pdl").lines().filter(|line| line.starts_with('(')) {
         let parse = |text: &str| {
-            let mut resolve = |_| Err(String::new());
+            let mut resolve = |_| Err("nothing is required".into());
             let parsed = parse_condition(text, CheckOptions { fragment: true, host: &[], resolve: &mut resolve });
             parsed.condition.unwrap_or_else(|| panic!("{text}: {:?}", parsed.diagnostics))
         };

@@ -153,11 +153,16 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     Ok(Input { at, kind, agent, command_form })
 }
 
+/// Returns the reason of a JSON error without its place, which `serde_json` appends in this form; messages have the place in front.
+pub fn json_reason(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    text.strip_suffix(&place).unwrap_or(&text).to_owned()
+}
+
 /// Returns the text of a JSON error with its column first, `:7: this is not JSON: expected ..`, as in `file:line:column`.
 fn json_fault(error: &serde_json::Error) -> String {
-    let text = error.to_string();
-    let what = text.split(" at line ").next().unwrap_or(&text);
-    format!(":{}: this is not JSON: {what}", error.column())
+    format!(":{}: this is not JSON: {}", error.column(), json_reason(error))
 }
 
 fn time_of(fields: &Map<String, Json>) -> Result<Time, String> {
@@ -354,6 +359,13 @@ mod tests {
             "in.jsonl:12: expected an object like {\"t\": 1.5, \"event\": \"(stop)\"}",
         ];
         assert_eq!(faults, expected);
+    }
+
+    #[test]
+    fn a_json_fault_keeps_words_that_look_like_its_place() {
+        let text = r#"{"t": 1, "seen at line 3": 1, "seen at line 3": 2}"#;
+        let faults = read_inputs("in.jsonl", text, &read).unwrap_err().0;
+        assert_eq!(faults, ["in.jsonl:1:46: this is not JSON: the key `seen at line 3` is given twice"]);
     }
 
     #[test]

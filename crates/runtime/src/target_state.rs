@@ -3,8 +3,6 @@
 use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// Reason of a target that needs no observation any longer.
-pub const TARGET_GONE: &str = "no longer a target";
 /// The message that changes the value of a target, `(new-value ID NUMBER)`.
 pub const NEW_VALUE: &str = "new-value";
 /// Highest value of a target; a message with a higher one changes nothing.

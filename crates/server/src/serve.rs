@@ -11,6 +11,7 @@ use crate::shelf::Shelf;
 use crate::state::{AppState, LoadSources, Views};
 use crate::what_if::WhatIf;
 use apex_mission::deliberation::PlanningResources;
+use apex_model::time::Time;
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
@@ -25,7 +26,7 @@ use tokio::sync::Semaphore;
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Time for which the index of the log is built without a pause; then follows `INDEXING_PAUSE`.
-const INDEXING_TURN: Duration = Duration::from_millis(100);
+const INDEXING_TURN: Duration = Duration::from_millis(20);
 const INDEXING_PAUSE: Duration = Duration::from_millis(10);
 /// Maximum number of simultaneous WebSockets.
 const LIVE_PLACES: usize = 64;
@@ -170,7 +171,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             is_encrypted: tls.is_some(),
             live_places: Arc::new(Semaphore::new(LIVE_PLACES)),
         };
-        serve_connections(listener, router(Arc::new(state)), tls, stop, STOP_PATIENCE).await;
+        serve_connections(listener, router(score_early(state)), tls, stop, STOP_PATIENCE).await;
         Ok(())
     });
     if let Some(forks) = forks {
@@ -195,6 +196,17 @@ fn filled_shelf(record: Option<&RecordView>, agent: usize, others: &[PathBuf]) -
         shelf.stand(other, None)?;
     }
     Ok(shelf)
+}
+
+/// Computes the score of the whole record on a thread, so that the first request finds it or a part of it.
+fn score_early(state: AppState) -> Arc<AppState> {
+    let state = Arc::new(state);
+    if state.views.is_some() {
+        let state = Arc::clone(&state);
+        // An error occurs again in the first request, which reports it.
+        std::thread::spawn(move || state.reader_of(0).and_then(|reader| state.score.at(&reader, Time::END)).is_ok());
+    }
+    state
 }
 
 /// Reads the log of the record into its index, in turns with pauses. A query that needs steps after the indexed ones reads them itself.

@@ -2,6 +2,7 @@
 
 use apex_runtime::RecordError;
 use apex_runtime::record::RecordReader;
+use apex_runtime::record::view::RecordView;
 use axum::Router;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,9 @@ pub(crate) struct ShelfEntry {
     pub(crate) path: PathBuf,
     pub(crate) agent: usize,
     pub(crate) shown: ShelfRow,
+    /// The open record, so that the first query reads this one, whatever file has its name by then. `None` for the served record, which has
+    /// connections.
+    pub(crate) opened: Option<Arc<Mutex<RecordView>>>,
     /// Routes for queries about it; made at the first query.
     pub(crate) routes: Arc<OnceLock<Router>>,
 }
@@ -57,16 +61,28 @@ impl Shelf {
     /// # Errors
     /// A record that cannot be read.
     pub(crate) fn stand(&self, path: &Path, except: Option<usize>) -> Result<Option<usize>, RecordError> {
-        self.stand_reader(&RecordReader::open(path)?, except)
+        let reader = RecordReader::open(path)?;
+        let (rows, path) = (rows_of(&reader)?, path.to_path_buf());
+        let opened = Arc::new(Mutex::new(RecordView::of_reader(reader)));
+        Ok(self.stand_rows(rows, (path, Some(opened)), except))
     }
 
-    /// As [`Shelf::stand`], for a record that is open: opening it again would check the whole file again.
+    /// As [`Shelf::stand`], for the served record: opening it again would check the whole file again.
     pub(crate) fn stand_reader(
         &self,
         reader: &RecordReader,
         except: Option<usize>,
     ) -> Result<Option<usize>, RecordError> {
-        let (rows, path) = (rows_of(reader)?, reader.path());
+        let rows = rows_of(reader)?;
+        Ok(self.stand_rows(rows, (reader.path().to_path_buf(), None), except))
+    }
+
+    fn stand_rows(
+        &self,
+        rows: Vec<ShelfRow>,
+        (path, opened): (PathBuf, Option<Arc<Mutex<RecordView>>>),
+        except: Option<usize>,
+    ) -> Option<usize> {
         let mut entries = self.entries();
         let mut first = None;
         for (agent, row) in rows.into_iter().enumerate().filter(|(agent, _)| Some(*agent) != except) {
@@ -75,10 +91,10 @@ impl Shelf {
                 break;
             }
             first.get_or_insert(id);
-            let routes = Arc::default();
-            entries.push(ShelfEntry { path: path.to_path_buf(), agent, shown: ShelfRow { id, ..row }, routes });
+            let (path, opened, routes) = (path.clone(), opened.clone(), Arc::default());
+            entries.push(ShelfEntry { path, agent, shown: ShelfRow { id, ..row }, opened, routes });
         }
-        Ok(first)
+        first
     }
 }
 

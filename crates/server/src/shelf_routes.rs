@@ -5,14 +5,13 @@ use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
 use crate::shelf::{Shelf, rows_of};
 use crate::state::{AppState, Shared, Views, blocking};
-use apex_runtime::record::view::RecordView;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{MatchedPath, Path as UrlPath, Request, State};
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Json, Router};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, PoisonError};
 use tower::ServiceExt;
 
 /// Returns the routes.
@@ -66,11 +65,11 @@ fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
     if let Some(routes) = entry.routes.get() {
         return Ok(routes.clone());
     }
-    let is_same = state.record.as_ref() == Some(&entry.path);
-    // The served record is not opened as a new one: its file may be that of another flight by now.
-    let view = match is_same {
-        true => state.read(|view| Ok(view.of_agent(entry.agent)?))?,
-        false => RecordView::open(&entry.path, entry.agent)?,
+    let is_same = entry.opened.is_none();
+    // No record is opened as a new one: its file may be that of another flight by now.
+    let view = match &entry.opened {
+        None => state.read(|view| Ok(view.of_agent(entry.agent)?))?,
+        Some(opened) => opened.lock().unwrap_or_else(PoisonError::into_inner).of_agent(entry.agent)?,
     };
     let of_entry = AppState {
         views: Some(Views::new(view)?),

@@ -38,8 +38,11 @@ fn options(record: &Path) -> ServeOptions {
 
 /// Serves on a thread that ends with the test program.
 fn start(record: &Path) -> SocketAddr {
+    start_with(options(record))
+}
+
+fn start_with(mut options: ServeOptions) -> SocketAddr {
     let (sender, receiver) = mpsc::channel();
-    let mut options = options(record);
     options.ready = Box::new(move |url| sender.send(url.to_owned()).unwrap());
     std::thread::spawn(move || serve(options).unwrap());
     let url = receiver.recv().unwrap();
@@ -307,6 +310,23 @@ fn a_record_without_a_writer_is_incomplete() {
     file.set_modified(long_ago).unwrap();
     let server = start(&path);
     assert_eq!(get(server, "/api/mission").1["status"], "incomplete");
+}
+
+/// The file of a record next to the served one is replaced before the first query about it.
+#[test]
+fn a_record_that_another_one_replaces_is_not_shown_as_the_old_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["flight.apex", "other.apex", "kept.apex", "new.apex"] {
+        flight::write_complete(&path(name));
+    }
+    let others = vec![path("other.apex"), path("kept.apex")];
+    let server = start_with(ServeOptions { others, ..options(&path("flight.apex")) });
+    std::fs::rename(path("new.apex"), path("other.apex")).unwrap();
+    let (status, answer) = get(server, "/api/records/1/mission");
+    assert_ne!(status, 200, "{answer}");
+    assert!(answer["error"].as_str().is_some_and(|error| error.contains("other.apex")), "{answer}");
+    assert_eq!(get(server, "/api/records/2/mission").0, 200);
 }
 
 #[test]

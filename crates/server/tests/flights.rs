@@ -324,7 +324,12 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     assert_eq!((&late["state"], &late["at_ns"]), (&json!("expired"), &Value::Null), "{late}");
     assert!(late["reason"].as_str().unwrap().contains("reached the server after the time"), "{late}");
     assert_eq!(get(server, &at("operation")).1["paused"], json!(true), "an expired command has no effect");
-    ends(&json!({"do": "acknowledge", "alarm": "x", "until_ms": clock + 60_000.0}), "accepted", "");
+    ends(&json!({"do": "pace", "pace": 0.5, "until_ms": clock + 60_000.0}), "accepted", "");
+    ends(&json!({"do": "pause"}), "accepted", "");
+    // Nothing has been raised so far: an alarm that nobody saw cannot be acknowledged. english: allow
+    ends(&json!({"do": "acknowledge", "alarm": "x", "at_ns": 0}), "rejected", "raised no alarm at 0s, and none before");
+    let signal = json!({"do": "acknowledge", "alarm": "x", "at_ns": 0, "signal": "(moon rotorcraft-1)"});
+    ends(&signal, "rejected", "`(moon rotorcraft-1)` has no sample");
     assert_eq!(command(&json!({"do": "pause", "until_ms": "soon"})).0, 422);
     assert_eq!(ask(server, "POST", &at("commands"), "", "{}").0, 415);
     ends(&json!({"do": "stop"}), "accepted", "");
@@ -334,7 +339,7 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     let record = PathBuf::from(ended["record"].as_str().unwrap());
     let lines = trace(&record);
     let entries = lines.lines().filter(|line| line.contains("operator-command")).count();
-    assert_eq!(entries, 12, "each command that the run could take is one input:\n{lines}");
+    assert_eq!(entries, 15, "each command that the run could take is one input:\n{lines}");
     assert!(replay(&RecordReader::open(&record).unwrap()).unwrap().difference.is_none());
     let (_, none) = get(server, "/api/operation");
     assert_eq!(none, Value::Null, "this server shows no record");

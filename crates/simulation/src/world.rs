@@ -2,6 +2,7 @@
 
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::{Mission, Target, TargetKind, WorldText};
+use apex_runtime::input_lines::json_reason;
 use apex_sim::{
     BurnableSite, BurningTarget, Ground, GroundPatch, LivingWorld, Modem, NamedPlace, SimulatedWorld, Start,
     WorldConfig,
@@ -61,11 +62,9 @@ fn living(world: &WorldText) -> MissionResult<LivingWorld> {
     serde_json::from_str(&world.text).map_err(|error| {
         let (line, column) = (error.line(), error.column());
         let place = format!("{}:{line}:{column}", world.place);
-        let text = error.to_string();
-        let reason = text.split(" at line ").next().unwrap_or(&text).to_string();
         MissionError::data(format!("{} cannot be read as a world", world.place))
             .at(place)
-            .because(reason)
+            .because(json_reason(&error))
             .help("docs/reference/world.md lists the fields with their units")
     })
 }

@@ -7,7 +7,7 @@ use apex_pdl::{CheckOptions, Checked, SourceText, apply, check, format, render};
 
 fn checked(text: &str) -> Checked {
     let source = SourceText { name: "fuzz.pdl".into(), text: text.into() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     check(vec![source], CheckOptions { fragment: true, host: &[], resolve: &mut resolve })
 }
 

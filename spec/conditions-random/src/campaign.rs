@@ -14,8 +14,6 @@ pub struct Outcome {
     pub same: u64,
     /// Number of questions that have a result.
     pub satisfied: u64,
-    /// Number of questions that the executive cannot answer yet, by the missing feature.
-    pub not_yet: BTreeMap<String, u64>,
     /// Number of questions that the checker calls impossible and that are never satisfied.
     pub never: u64,
     /// Seeds of questions whose text the checker rejects.
@@ -38,7 +36,6 @@ impl Outcome {
                     *counts = (counts.0 + 1, counts.1 + satisfied);
                 }
             }
-            Finding::NotYet(what) => *self.not_yet.entry(what).or_default() += 1,
             Finding::Never => self.never += 1,
             Finding::Refused(_) => self.refused.push(seed),
             Finding::Different(_) => self.different.push(seed),
@@ -52,9 +49,6 @@ impl Outcome {
         self.never += other.never;
         self.refused.extend(&other.refused);
         self.different.extend(&other.different);
-        for (what, count) in &other.not_yet {
-            *self.not_yet.entry(what.clone()).or_default() += count;
-        }
         for (feature, (asked, satisfied)) in &other.features {
             let counts = self.features.entry(feature.clone()).or_default();
             *counts = (counts.0 + asked, counts.1 + satisfied);
@@ -66,9 +60,6 @@ impl Outcome {
         let mut text = format!("{} alike, {} of them with a result\n", self.same, self.satisfied);
         for (feature, (asked, satisfied)) in &self.features {
             text.push_str(&format!("  {asked:8} {satisfied:8}  {feature}\n"));
-        }
-        for (what, count) in &self.not_yet {
-            text.push_str(&format!("  {count:8}           not yet: {what}\n"));
         }
         text.push_str(&format!("  {:8}           can never hold, says the checker\n", self.never));
         text

@@ -9,8 +9,6 @@ use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 pub enum Finding {
     /// Both give the same answer; with the result, if there is one.
     Same(Option<Outcome>),
-    /// The executive cannot do this yet.
-    NotYet(String),
     /// The checker calls the condition impossible, and it is never satisfied.
     Never,
     /// The checker refuses it.
@@ -23,7 +21,6 @@ pub enum Finding {
 pub fn compare(question: &Question) -> Finding {
     let accepted = match accepted(question) {
         Ok(accepted) => accepted,
-        Err(Refusal::NotYet(what)) => return Finding::NotYet(what),
         // A condition that the checker calls impossible must be so by definition.
         Err(Refusal::Never) => {
             return match first(question, UNTIL) {

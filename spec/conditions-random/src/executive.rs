@@ -23,11 +23,12 @@ pub struct Accepted {
     condition: Condition,
 }
 
+/// Code of the checker for a condition that can never hold.
+const IMPOSSIBLE: &str = "E0703";
+
 /// Reason of a refusal by the checker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
-    /// The executive cannot do this yet.
-    NotYet(String),
     /// The checker calls the condition impossible.
     Never,
     /// The text is wrong: these messages.
@@ -51,18 +52,14 @@ pub enum Said {
 /// The reason of the refusal.
 pub fn accepted(question: &Question) -> Result<Accepted, Refusal> {
     let source = |name: &str, text: String| SourceText { name: name.into(), text };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let declarations = vec![source("declarations.pdl", print::declarations(question))];
     let text = vec![source("condition.pdl", print::condition(&question.condition))];
     let read = apex_pdl::check_conditions(declarations, text, options);
     let errors: Vec<&Diagnostic> =
         read.checked.diagnostics.iter().filter(|each| each.severity == Severity::Error).collect();
-    let not_yet = |each: &&Diagnostic| each.message.strip_suffix(" is not yet supported").map(String::from);
-    if let Some(what) = errors.iter().find_map(not_yet) {
-        return Err(Refusal::NotYet(what));
-    }
-    if errors.iter().any(|each| each.message.contains("can never hold")) {
+    if errors.iter().any(|each| each.code == IMPOSSIBLE) {
         return Err(Refusal::Never);
     }
     let mut conditions = read.conditions;

@@ -4,10 +4,6 @@ use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind
 use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
-/// Features that the executive does not have yet, by the checker's names. A condition with one of these must be rejected, and every
-/// rejection must name one of these.
-pub const NOT_YET: &[&str] = &[];
-
 /// Returns the forms and odd data of a question.
 pub fn features(question: &Question) -> BTreeSet<String> {
     let mut found = BTreeSet::new();

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// The checker's messages.
 pub fn loaded(pdl: &str) -> Result<Agent, String> {
     let source = SourceText { name: "page.pdl".into(), text: pdl.into() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let checked = apex_pdl::check(vec![source], options);
     if checked.has_errors() {

@@ -2,7 +2,7 @@
 
 import { type ServedFlight, VALID_MS } from '../record/operation';
 import { RecordError } from '../record/source';
-import type { Operation, Wish } from '../record/types';
+import type { CommandState, Operation, Wish } from '../record/types';
 
 /** Time between two readings of the state; it is shorter while a command is on its way, whose age is shown in tenths of seconds. */
 const LOOK_MS = 400;
@@ -60,7 +60,8 @@ export class Operator {
     clearInterval(this.clock);
   }
 
-  async send(wish: Wish): Promise<void> {
+  /** Sends a command; resolves to its end, or to null if the server has not taken it, which `trouble` explains. */
+  async send(wish: Wish): Promise<CommandState | null> {
     this.trouble = null;
     // The holder of authority sends the epoch that the page shows, so that the server rejects the command after a hand-over that the page
     // has not seen.
@@ -71,13 +72,15 @@ export class Operator {
     const until = this.clockLead === null ? null : one.sentMs + this.clockLead + VALID_MS;
     const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null, until);
     setTimeout(() => void this.watch(), 0);
+    let end: CommandState | null = null;
     try {
-      await ended;
+      end = await ended;
     } catch (error) {
       this.trouble = error instanceof RecordError ? `${error.message}; ${error.help}` : String(error);
     }
     this.track(this.sent.filter(other => other !== one));
     await this.watch();
+    return end;
   }
 
   private track(sent: SentCommand[]): void {

@@ -13,6 +13,8 @@ const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble =>
   handler: null,
   place: null,
   target: null,
+  targets: [],
+  cause_kind: null,
 });
 const said = (alarm: string | null, t_ns: number, end = 'accepted'): RecordedCommand => ({
   t_ns,
@@ -126,10 +128,11 @@ describe('alarms', () => {
 });
 
 describe('a flood', () => {
-  const alarm = (number: number, minutes: number, cause: string): Alarm => ({
+  const alarm = (number: number, minutes: number, cause: string, group = 'left-out'): Alarm => ({
     id: `a${number}`,
     words: `left out: target ${number}`,
     cause,
+    group,
     firstNs: minutes * 60e9,
     lastNs: minutes * 60e9,
     count: 1,
@@ -155,8 +158,30 @@ describe('a flood', () => {
   });
 
   it('is listed by cause, whatever the figures', () => {
-    const groups = groupsOf([...ten, alarm(11, 1, 'T7 failed: no path'), alarm(12, 1, 'T8 failed: no path')]);
+    const failed = (number: number) =>
+      alarm(number, 1, `T${number} failed: no path`, 'failed child-failed a:3:1');
+    const groups = groupsOf([...ten, failed(11), failed(12)]);
     expect(groups.map(group => group.alarms.length)).toEqual([10, 2]);
     expect(groups[0]?.cause).toBe('needs 1 min more');
+  });
+
+  it('has one group for one kind of cause at one place of the program', () => {
+    const entry = (subject: string, cause_kind: string, place: string, cause: string): Trouble => ({
+      ...trouble('failed', 1e9, subject),
+      cause_kind,
+      place,
+      cause,
+    });
+    const list = alarms(
+      [
+        entry('a', 'child-failed', 'a.pdl:3:1', 'its child failed'),
+        entry('b', 'child-failed', 'a.pdl:3:1', 'worded otherwise'),
+        entry('c', 'child-failed', 'a.pdl:9:1', 'its child failed'),
+        entry('d', 'duration-elapsed', 'a.pdl:3:1', 'its child failed'),
+      ],
+      [],
+    );
+    const groups = groupsOf(list).map(group => group.alarms.map(one => one.words));
+    expect(groups).toEqual([['failed: a', 'failed: b'], ['failed: c'], ['failed: d']]);
   });
 });

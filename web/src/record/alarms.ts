@@ -10,6 +10,8 @@ export interface Alarm {
   id: string;
   words: string;
   cause: string;
+  /** Alarms of one cause: the kind of the cause and its place in the program, or the signal. */
+  group: string;
   /** First and last time at which the alarm was raised. */
   firstNs: number;
   lastNs: number;
@@ -61,10 +63,12 @@ export function alarmsOf(
       const word = CALLS[entry.kind];
       if (word === null || entry.t_ns > atNs) return [];
       const { task, target, cause, t_ns } = entry;
+      const group = [entry.kind, entry.cause_kind, entry.place].join(' ');
       return [
         {
           words: `${word}: ${subject(entry)}`,
           cause,
+          group,
           atNs: t_ns,
           open: false,
           isQuestion: false,
@@ -76,7 +80,13 @@ export function alarmsOf(
     }),
     ...questions.flatMap(asked => (asked.asked_ns <= atNs ? [waiting(asked, atNs)] : [])),
     ...windows.flatMap(window => exceeded(window, atNs, signalName(window))),
-    ...stateAlarms(windows, atNs).map(one => ({ ...one, isQuestion: false, task: null, target: null })),
+    ...stateAlarms(windows, atNs).map(one => ({
+      ...one,
+      group: one.signal,
+      isQuestion: false,
+      task: null,
+      target: null,
+    })),
   ];
   raised.sort((a, b) => a.atNs - b.atNs);
   const alarms = new Map<string, Alarm>();
@@ -130,6 +140,7 @@ function waiting(asked: AskedQuestion, atNs: number): Raised {
   return {
     words: `question: ${text}`,
     cause: `${choices}${end}`,
+    group: 'question',
     atNs: asked.asked_ns,
     open,
     isQuestion: true,
@@ -164,6 +175,7 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
       {
         words: `${name} beyond its limit`,
         cause: `peak ${`${Number(one.peak.toPrecision(4))} ${window.unit}`.trim()}, ${span(one.to_ns - one.from_ns)}, watched by ${limit.step}`,
+        group: window.name,
         atNs: one.raised_ns,
         open: ends,
         isQuestion: false,
@@ -206,14 +218,13 @@ export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null 
   return late.length >= FLOOD_COUNT ? late.sort((a, b) => a.firstNs - b.firstNs) : null;
 }
 
-/** Alarms grouped by cause; causes that differ only in figures and task numbers are the same. */
+/** Alarms grouped by cause, whatever the figures and tasks that the causes name. */
 export function groupsOf(alarms: readonly Alarm[]): AlarmGroup[] {
   const groups = new Map<string, AlarmGroup>();
   for (const alarm of alarms) {
-    const key = alarm.signal ?? alarm.cause.replace(/T?\d+(\.\d+)?/g, '#');
-    const group = groups.get(key);
+    const group = groups.get(alarm.group);
     if (group) group.alarms.push(alarm);
-    else groups.set(key, { cause: alarm.cause, alarms: [alarm] });
+    else groups.set(alarm.group, { cause: alarm.cause, alarms: [alarm] });
   }
   return [...groups.values()];
 }

@@ -16,6 +16,8 @@ const entry = (
   task,
   failed_child: null,
   handler_task: null,
+  targets: [],
+  cause_kind: null,
   handler: null,
   place: null,
   target: null,

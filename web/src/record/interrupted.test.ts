@@ -9,10 +9,11 @@ const yard = {
   name: 'Yard',
   state: 'observing',
   detail: null,
+  gone_ns: null,
   observed_ns: 20,
   history: [change(10, 'observing'), change(20, 'observed'), change(30, 'observing')],
 } as unknown as Target;
-const interrupted = (t_ns: number, subject: string): Trouble => ({
+const interrupted = (t_ns: number, targets: string[], subject = '(visit)'): Trouble => ({
   t_ns,
   kind: 'interrupted',
   subject,
@@ -23,8 +24,10 @@ const interrupted = (t_ns: number, subject: string): Trouble => ({
   handler: null,
   place: null,
   target: null,
+  targets,
+  cause_kind: 'outranked',
 });
-const troubles = [interrupted(40, '(visit yard at (37.4 -121.1 69.0))'), interrupted(50, '(visit barn)')];
+const troubles = [interrupted(40, ['yard']), interrupted(50, ['barn'])];
 const ending = { reason: 'done', failed: false };
 
 it('a visit ends with the interruption of its task, while the task is interrupted', () => {
@@ -44,7 +47,7 @@ it('no visit is under way after the end of the flight', () => {
 });
 
 it('an interruption before the visit, or of another target, is none of it', () => {
-  expect(
-    interruptionOf(yard, [interrupted(25, '(visit yard)'), interrupted(40, '(visit yard-2)')]),
-  ).toBeNull();
+  // The words of a goal count for nothing: a message may quote the name.
+  const quoting = interrupted(45, [], '(print "visit yard now")');
+  expect(interruptionOf(yard, [interrupted(25, ['yard']), interrupted(40, ['yard-2']), quoting])).toBeNull();
 });

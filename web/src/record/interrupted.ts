@@ -5,13 +5,15 @@ import type { Ending, Target, Task, Trouble } from './types';
 /** The state of a target whose visit was interrupted, in its history. */
 export const INTERRUPTED = 'interrupted';
 
-/** The last interruption of a task that has the target in its goal, since its visit under way began; null without one. */
+/** The last interruption of a task whose goal names the target, since its visit under way began; null without one. */
 export function interruptionOf(target: Target, troubles: readonly Trouble[]): Trouble | null {
   const began = target.history.findLast(change => change.state === 'observing');
   if (target.state !== 'observing' || !began) return null;
-  const isOf = (trouble: Trouble) =>
-    trouble.target === target.id || trouble.subject.split(/[\s()]+/).includes(target.id);
-  return troubles.findLast(one => one.kind === 'interrupted' && one.t_ns >= began.t_ns && isOf(one)) ?? null;
+  return (
+    troubles.findLast(
+      one => one.kind === 'interrupted' && one.t_ns >= began.t_ns && one.targets.includes(target.id),
+    ) ?? null
+  );
 }
 
 /**

@@ -3,7 +3,16 @@ import { seenInPassing } from './passing';
 import type { Footprints, Target } from './types';
 
 const target = (id: string, longitude_deg: number, more: Partial<Target> = {}): Target =>
-  ({ id, longitude_deg, latitude_deg: 0, geometry: null, observed_ns: null, history: [], ...more }) as Target;
+  ({
+    id,
+    longitude_deg,
+    latitude_deg: 0,
+    geometry: null,
+    gone_ns: null,
+    observed_ns: null,
+    history: [],
+    ...more,
+  }) as Target;
 const square = (east: number, size = 1): [number, number][] => [
   [east - size, -size],
   [east + size, -size],

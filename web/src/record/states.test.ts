@@ -60,6 +60,21 @@ describe('watched states', () => {
     expect([at(50e9)?.open, at(50e9)?.signal]).toEqual([false, '(margin terrain)']);
   });
 
+  it('names a requirement that cannot be judged, without the margin of an earlier time', () => {
+    const state = words('requirement-state', 'mission-end', [
+      [5, 'kept'],
+      [20, 'unknown'],
+    ]);
+    const margin = { ...words('margin', 'mission-end', []), t_ns: [5e9, 25e9], low: [7, 8] } as SignalWindow;
+    const [alarm] = stateAlarms([state, margin], 80e9);
+    expect([alarm?.words, alarm?.open, alarm?.signal]).toEqual([
+      'requirement mission end not judged',
+      true,
+      '(requirement-state mission-end)',
+    ]);
+    expect(alarm?.cause).toBe('the vehicle does not report what its margin is computed from; 1 min 00 s');
+  });
+
   it('shows no true values of the simulator', () => {
     const signals = ['truth-edr', 'edr'].map(attribute => ({ ...navigation, attribute }));
     expect(withoutTruth({ signals }).signals.map(one => one.attribute)).toEqual(['edr']);

@@ -6,6 +6,9 @@ import type { Signal, SignalWindow } from './types';
 /** The attributes that are watched, with the word of their normal state. */
 const NORMAL: Readonly<Record<string, string>> = { 'requirement-state': 'kept', 'navigation-state': 'good' };
 
+/** The word of a requirement that cannot be judged. */
+const UNKNOWN = 'unknown';
+
 /** True for a state variable whose words other than the normal one are alarms. */
 export function isWatchedState(signal: Pick<Signal, 'kind' | 'attribute'>): boolean {
   return signal.kind === 'words' && signal.attribute in NORMAL;
@@ -69,6 +72,13 @@ function stateAlarm(one: Abnormal, windows: readonly SignalWindow[], atNs: numbe
       ...common,
       words: `navigation of ${object} ${state}`,
       cause: `the positions shown are those that the autopilot assumes; the true ones are not known${lasted}`,
+      signal: window.name,
+    };
+  if (word === UNKNOWN)
+    return {
+      ...common,
+      words: `requirement ${object} not judged`,
+      cause: `the vehicle does not report what its margin is computed from; ${span((toNs ?? atNs) - fromNs)}${lasted}`,
       signal: window.name,
     };
   const margin = windows.find(other => other.attribute === 'margin' && other.object === window.object);

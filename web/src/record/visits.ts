@@ -14,12 +14,9 @@ export interface Visit {
   state: string;
 }
 
-/** The reason of a target that needs no observation any longer, as the record has it. */
-const TARGET_GONE = 'no longer a target';
-
 /** True for a target that needs no observation any longer. */
-export function isGone(target: Pick<Target, 'detail'>): boolean {
-  return target.detail === TARGET_GONE;
+export function isGone(target: Pick<Target, 'gone_ns'>): boolean {
+  return target.gone_ns !== null;
 }
 
 /**
@@ -27,10 +24,10 @@ export function isGone(target: Pick<Target, 'detail'>): boolean {
  * so by text and marks. The number of observed targets is the same everywhere.
  */
 export function shownState(
-  target: Pick<Target, 'id' | 'state' | 'detail' | 'observed_ns' | 'history'>,
+  target: Pick<Target, 'id' | 'state' | 'gone_ns' | 'observed_ns' | 'history'>,
   plan: PlanInForce | null = null,
 ): string {
-  if (target.detail === TARGET_GONE) return 'skipped';
+  if (isGone(target)) return 'skipped';
   if (target.observed_ns !== null && target.state !== 'observing') return 'observed';
   if (target.state === INTERRUPTED || isUnmentioned(target, plan)) return 'known';
   return target.state ?? 'known';
@@ -193,7 +190,7 @@ export function targetRows({ targets, plans, troubles, facts, report, passing, a
         )
         .map(trouble => trouble.t_ns),
       passingNs: passing?.get(target.id) ?? null,
-      goneNs: target.detail === TARGET_GONE ? target.since_ns : null,
+      goneNs: target.gone_ns,
       factors: factorsOf(report, target.id),
       worth: worthOf(report, target.id),
     };
@@ -276,7 +273,7 @@ function factorsOf(report: Report | null, target: string): TargetRow['factors'] 
 /** `Castle Rock, observing, planned T+8:55:00, 2 visits, last T+7:10:00 to T+7:12:00, interrupted 2×, worth up to 90`. */
 function wordsOf(row: Omit<TargetRow, 'words'>): string {
   const parts = [row.name, row.state];
-  if (row.goneNs !== null) parts.push(`${TARGET_GONE} since ${missionTime(row.goneNs)}`);
+  if (row.goneNs !== null) parts.push(`no longer a target since ${missionTime(row.goneNs)}`);
   else if (row.nextNs !== null) parts.push(`planned T+${plannedClock(row.nextNs)}`);
   else if (row.left) parts.push(leftWords(row.left));
   else if (row.unmentioned) parts.push(row.unmentioned.reason);

@@ -60,7 +60,7 @@ const DARK = {
 export type ColourName = keyof typeof DARK;
 
 /** The paper theme: the same roles on a light ground. Text has a contrast of at least 4.5 to 1. */
-const LIGHT: Record<ColourName, string> = {
+export const LIGHT: Record<ColourName, string> = {
   ground: '#fcfbf8',
   panel: '#fcfbf8',
   raised: '#f3f1ec',

@@ -359,7 +359,7 @@ impl<'a> Evaluator<'a> {
                 Some(most) => format!("{least} to {most}"),
                 None => format!("at least {least}"),
             };
-            let plural = if wanted.ends_with(" 1") || wanted == "1" { "" } else { "s" };
+            let plural = if most.unwrap_or(least) == 1 { "" } else { "s" };
             return Err(error(place, format!("{name} takes {wanted} argument{plural}, not {}", arguments.len())));
         }
         let given = parameters.required.iter().chain(parameters.optional.iter().map(|(name, _)| name));

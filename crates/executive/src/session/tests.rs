@@ -23,7 +23,7 @@ fn session(condition: &str, created_at: f64) -> (MonitorSession, MonitorId) {
 
 fn read(text: &str) -> (Arc<Library>, Condition) {
     let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let mut read =
         check_conditions(vec![source("declarations", DECLARATIONS)], vec![source("condition", text)], options);

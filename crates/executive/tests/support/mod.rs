@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 pub fn library(pdl: &str) -> Arc<Library> {
     let source = SourceText { name: "test.pdl".into(), text: pdl.into() };
-    let mut resolve = |_| Err("nothing to require".to_string());
+    let mut resolve = |_| Err("nothing to require".into());
     let checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
     let messages = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
     assert!(!checked.has_errors(), "{messages}");

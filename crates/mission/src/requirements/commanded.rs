@@ -81,6 +81,11 @@ impl Commanded {
         }
     }
 
+    /// Returns true while a landing is commanded.
+    pub(super) fn lands(&self) -> bool {
+        matches!(self.order, Some(FlightOrder::Land(_)))
+    }
+
     /// Returns the altitude that the vehicle flies at now, or climbs or descends to.
     pub(super) fn altitude_m(&self) -> Option<f64> {
         match self.via {
@@ -287,6 +292,8 @@ pub(super) struct Flown {
     pub(super) is_icing: bool,
     /// Ice that was met.
     pub(super) ice: IceMemory,
+    /// True once a link has reported its level.
+    pub(super) has_signal_level: bool,
     /// Instants since when links, by their names in small letters, have been below their nominal level.
     pub(super) weak_since_s: BTreeMap<String, f64>,
     track_deg: Option<f64>,
@@ -343,6 +350,7 @@ impl Flown {
             && mission.requirements.link_lost_s.is_some()
             && let Some(level) = number(value, Dimension::NONE)
         {
+            self.has_signal_level = true;
             if level >= mission.lost_link.nominal {
                 self.weak_since_s.remove(&name());
             } else {

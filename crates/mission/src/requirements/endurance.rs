@@ -19,7 +19,7 @@ const NO_WAY_S: f64 = 86_400.0;
 
 impl<'a> Scene<'a> {
     /// Returns the flight time left: as reported or, for a vehicle that reports fuel or charge instead, what these allow at cruise.
-    fn endurance_s(&self) -> Option<f64> {
+    pub(super) fn endurance_s(&self) -> Option<f64> {
         let full = self.mission.model.stored_full();
         let share = || match self.mission.model.energy {
             EnergyModel::Fuel(_) => self.flown.fuel_kg.map(|fuel_kg| fuel_kg / full),

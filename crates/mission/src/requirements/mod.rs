@@ -20,6 +20,7 @@ mod start;
 mod statement;
 mod storms;
 mod surface_wind;
+mod unjudged;
 mod watch;
 
 pub use readings::Reading;

@@ -2,13 +2,15 @@
 //!
 //! Runs: in the fold of the situation, after each step with a new position or another command; at most once a second near a limit, every
 //! ten seconds otherwise. What it reports enters the next batch and is recorded like all inputs: `(margin REQUIREMENT)`,
-//! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, and the messages `(requirement-at-risk ..)` and
+//! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, `(landing-commanded AGENT)`, and the messages `(requirement-at-risk ..)` and
 //! `(requirement-kept ..)`.
 
 use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use super::surface_wind::too_much_wind_at_start;
+use super::unjudged::{UNKNOWN, Unjudged};
+use crate::Mission;
 use crate::in_air::AirState;
 use crate::position::PositionFilter;
 use crate::ways::STRAIGHT_CLIMB_M;
@@ -41,6 +43,8 @@ const REPEAT_S: f64 = 30.0;
 const NEAR_STORM_S: f64 = 120.0;
 /// A new plan for the rest of the mission is requested at most this often.
 const REPLAN_S: f64 = 1_800.0;
+/// Time without a new position after which no requirement is judged, as in the check of flights.
+const SILENT_S: f64 = 60.0;
 /// Significant digits of reported margins.
 const DIGITS: i32 = 3;
 
@@ -48,6 +52,7 @@ const DIGITS: i32 = 3;
 static MARGIN: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("margin"));
 static TIME_TO_VIOLATION: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("time-to-violation"));
 static REQUIREMENT_STATE: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("requirement-state"));
+static LANDING_COMMANDED: LazyLock<Symbol> = LazyLock::new(|| Symbol::new("landing-commanded"));
 static NONE: LazyLock<Value> = LazyLock::new(|| Value::symbol("none"));
 static KEPT: LazyLock<Value> = LazyLock::new(|| Value::symbol("kept"));
 
@@ -61,6 +66,10 @@ pub struct Watch {
     /// The number of changes of the command that was read last.
     read_changes: u32,
     is_near: bool,
+    /// Instant of the last new position.
+    moved_s: Option<f64>,
+    /// `landing-commanded` as reported last.
+    says_landing: bool,
     storm: StormWatch,
     requirements: BTreeMap<String, RequirementState>,
 }
@@ -79,6 +88,9 @@ struct StormWatch {
 struct RequirementState {
     alarm: Alarm,
     reported_s: Option<f64>,
+    /// True while it cannot be judged; a note has said so once.
+    is_unjudged: bool,
+    has_noted_unjudged: bool,
     said_s: Option<f64>,
     /// Instant of the last request to plan the rest of the mission again.
     replanned_s: Option<f64>,
@@ -135,6 +147,11 @@ impl Watch {
             self.commanded.take(batch.now.seconds(), effect, |value| mission.place(value));
         }
         let now_s = batch.now.seconds();
+        let mut findings = Findings::default();
+        self.report_landing(known.0, batch.now, &mut findings);
+        if moved {
+            self.moved_s = Some(now_s);
+        }
         if let Some(here) = self.flown.position.filter(|_| moved) {
             let flown = &self.flown;
             self.commanded.pass(here, || flown.track_deg());
@@ -149,20 +166,36 @@ impl Watch {
         let changed = self.commanded.changes != self.read_changes;
         let period_s = if self.is_near { NEAR_S } else { FAR_S };
         let due = self.read_s.is_none_or(|read_s| now_s - read_s >= period_s);
-        if self.flown.is_on_ground || !(moved && due || changed) {
-            return Findings::default();
+        if self.flown.is_on_ground {
+            return findings;
         }
-        self.read(known, batch.now)
+        if self.moved_s.is_some_and(|moved_s| now_s - moved_s > SILENT_S) {
+            for (name, watched) in &mut self.requirements {
+                watched.report_unjudged((name, "its position"), batch.now, &mut findings);
+            }
+        } else if moved && due || changed {
+            self.read(known, batch.now, &mut findings);
+        }
+        findings
     }
 
-    fn read(&mut self, known: Known<'_>, now: Time) -> Findings {
+    /// Reports whether a landing is commanded, for a vehicle that does not report its flight phase: programs would otherwise take it for
+    /// one that flies on.
+    fn report_landing(&mut self, mission: &Mission, now: Time, findings: &mut Findings) {
+        let lands = self.flown.is_near_ground.is_none() && self.commanded.lands();
+        if lands != self.says_landing {
+            self.says_landing = lands;
+            let variable = StateVariable::new(LANDING_COMMANDED.clone(), Value::Symbol(mission.agent.name.clone()));
+            let value = if lands { Value::symbol("t") } else { Value::nil() };
+            findings.inputs.push(Input::new(now, EventKind::Measurement(variable, value)));
+        }
+    }
+
+    fn read(&mut self, known: Known<'_>, now: Time, findings: &mut Findings) {
         let now_s = now.seconds();
         super::ice_level::update(&mut self.flown, known.0, &self.commanded, now_s);
-        let mut findings = Findings {
-            inputs: super::ice_level::report(&mut self.flown, known.0, &self.commanded, now),
-            ..Findings::default()
-        };
-        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return findings };
+        findings.inputs.extend(super::ice_level::report(&mut self.flown, known.0, &self.commanded, now));
+        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return };
         // The vehicle's slowest report limits how soon the next reading can follow.
         let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
         let is_first = self.read_s.is_none();
@@ -171,7 +204,12 @@ impl Watch {
         if is_first && let Some(reason) = too_much_wind_at_start(known.0) {
             findings.notes.push(reason);
         }
-        self.is_near |= self.storm.report(&scene, now, &mut findings);
+        self.is_near |= self.storm.report(&scene, now, findings);
+        let unjudged = scene.unjudged();
+        for Unjudged { name, missing } in &unjudged {
+            let watched = self.requirements.entry((*name).to_string()).or_default();
+            watched.report_unjudged((name, missing), now, findings);
+        }
         for reading in scene.readings() {
             let is_urgent = |within_s: f64| {
                 reading.margin < 0.0
@@ -192,14 +230,17 @@ impl Watch {
                 let left = Value::measured(rounded(reading.margin), reading.unit);
                 findings.notes.push(format!("{} is in {left} more than the way home takes", reading.name));
             }
-            watched.report(&reading, now, is_near || change.is_some(), &mut findings);
+            // A reading without reports of the vehicle only predicts: it can raise an alarm, and does not say that the requirement is kept.
+            if is_raised || unjudged.iter().all(|other| other.name != reading.name) {
+                watched.report(&reading, now, is_near || change.is_some(), findings);
+            }
             let repeat = watched.said_s.is_none_or(|said_s| now_s - said_s >= REPEAT_S);
             let is_raised_now = change == Some(AlarmState::Raised) || (is_raised && must_act && repeat);
             // Near the ground a fixed wing that takes off can only climb straight ahead: the alarm is raised after that, if it lasts.
             let waits = scene.climbs_from_the_ground() && reading.concern != Concern::Sensor;
             if is_raised_now && !waits {
                 watched.said_s = Some(now_s);
-                let said = raise(&scene, &reading, watched.alarm.is_escalated(), now, &mut findings);
+                let said = raise(&scene, &reading, watched.alarm.is_escalated(), now, findings);
                 let subject = (reading.what.clone(), said.0.word().to_string());
                 if watched.noted.as_ref() != Some(&subject) {
                     findings.notes.push(said.1);
@@ -211,7 +252,6 @@ impl Watch {
                 watched.noted = None;
             }
         }
-        findings
     }
 }
 
@@ -280,13 +320,27 @@ fn raise(
 }
 
 impl RequirementState {
+    /// Reports that the requirement cannot be judged, if that is new or due, and notes it once; the vehicle does not report `missing`.
+    fn report_unjudged(&mut self, (name, missing): (&str, &str), now: Time, findings: &mut Findings) {
+        let due = self.reported_s.is_none_or(|reported_s| now.seconds() - reported_s >= REPORT_S);
+        if self.is_unjudged && !due {
+            return;
+        }
+        if !std::mem::replace(&mut self.has_noted_unjudged, true) {
+            findings.notes.push(format!("{name} is not judged: the vehicle does not report {missing}"));
+        }
+        (self.reported_s, self.is_unjudged) = (Some(now.seconds()), true);
+        let variable = StateVariable::new(REQUIREMENT_STATE.clone(), Value::symbol(name));
+        findings.inputs.push(Input::new(now, EventKind::Measurement(variable, UNKNOWN.clone())));
+    }
+
     /// Reports the samples of a requirement, if they are due.
     fn report(&mut self, reading: &Reading, now: Time, is_wanted: bool, findings: &mut Findings) {
         let due = self.reported_s.is_none_or(|reported_s| now.seconds() - reported_s >= REPORT_S);
-        if !(is_wanted || due) {
+        if !(is_wanted || due || self.is_unjudged) {
             return;
         }
-        self.reported_s = Some(now.seconds());
+        (self.reported_s, self.is_unjudged) = (Some(now.seconds()), false);
         let state = match self.alarm.state() {
             AlarmState::Kept => KEPT.clone(),
             AlarmState::Raised => Value::symbol("at-risk"),
@@ -324,13 +378,5 @@ fn rounded(number: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn margins_are_reported_with_three_digits() {
-        assert_eq!(rounded(12_345.6), 12_300.0);
-        assert_eq!(rounded(-0.012_345), -0.0123);
-        assert_eq!((rounded(0.0), rounded(f64::INFINITY)), (0.0, f64::INFINITY));
-    }
-}
+#[path = "watch_tests.rs"]
+mod tests;

@@ -11,7 +11,7 @@ use apex_model::problem::Plan;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
-use apex_runtime::target_state::{TARGET_GONE, TargetState};
+use apex_runtime::target_state::TargetState;
 
 impl Situation {
     /// Records an update, and a note about it.
@@ -31,7 +31,7 @@ impl Situation {
                 let printed = printed.clone();
                 let note = self.updates.apply(update);
                 self.note(at, note);
-                self.change(printed, at, TargetState::Skipped, TARGET_GONE.to_string());
+                self.change(printed, at, TargetState::Skipped, "no longer a target".to_string());
             }
             _ => {
                 if matches!(update, MissionUpdate::PlanImposed(_)) {

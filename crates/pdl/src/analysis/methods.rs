@@ -157,7 +157,7 @@ mod tests {
     fn library(indexes: &[&str]) -> Library {
         let text: String = indexes.iter().map(|index| format!("(primitive (index {index}))\n")).collect();
         let source = crate::SourceText { name: "a.pdl".to_string(), text };
-        let mut resolve = |_| Err(String::new());
+        let mut resolve = |_| Err("nothing is required".into());
         crate::check(vec![source], crate::CheckOptions { fragment: false, host: &[], resolve: &mut resolve }).library
     }
 

@@ -21,6 +21,8 @@ pub(crate) struct Expected {
     pub(crate) declared: Option<Span>,
     /// The declared type of the values.
     pub(crate) value_type: Option<Symbol>,
+    /// The attribute of a state variable that nothing declares.
+    pub(crate) undeclared: Option<Symbol>,
 }
 
 /// Treatment of literals.
@@ -55,7 +57,7 @@ impl Expected {
 
     /// Returns an expectation of this kind that comes from no declaration.
     pub(crate) fn plain(subject: &str, kind: ExpectedKind) -> Expected {
-        Expected { subject: subject.to_string(), kind, declared: None, value_type: None }
+        Expected { subject: subject.to_string(), kind, declared: None, value_type: None, undeclared: None }
     }
 
     /// Returns the expectation of the values of the state variable with this attribute.
@@ -66,12 +68,18 @@ impl Expected {
             if attribute.is(RESOURCE_LEVEL) {
                 return Expected::anything();
             }
-            return Expected { subject, kind: ExpectedKind::Undeclared, declared: None, value_type: None };
+            return Expected {
+                subject,
+                kind: ExpectedKind::Undeclared,
+                undeclared: Some(attribute.clone()),
+                declared: None,
+                value_type: None,
+            };
         };
         let unit = declaration.unit.as_ref().and_then(|unit| unit_named(unit.printed()));
         let is_number = declaration.unit.is_some() || declaration.value_type.as_ref().is_none_or(is_number_type);
         let kind = if is_number { ExpectedKind::Measured(declaration.dimension, unit) } else { ExpectedKind::Anything };
-        Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone() }
+        Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone(), undeclared: None }
     }
 
     /// Returns the expectation of the change per second of such values.
@@ -249,7 +257,7 @@ impl Lowering {
             let severity = self.undefined();
             let mut diagnostic = Diagnostic::new(severity, codes::UNDECLARED_UNIT, span, message)
                 .reason("values of undeclared state variables are pure numbers");
-            diagnostic.help.extend(self.declared_like(&expected.subject));
+            diagnostic.help.extend(expected.undeclared.as_ref().and_then(|attribute| self.declared_like(attribute)));
             let diagnostic = diagnostic.help(format!(
                 "declare it: `(state-variable {} :unit ..)`",
                 expected.subject.trim_matches('`').replace("..", "?object")
@@ -279,10 +287,10 @@ impl Lowering {
     }
 
     /// Returns the declared state variable that was probably meant by an undeclared one.
-    fn declared_like(&self, subject: &str) -> Option<String> {
-        let name = subject.trim_start_matches("`(").split(' ').next()?;
+    fn declared_like(&self, attribute: &Symbol) -> Option<String> {
         let declared = self.names.state_variables.keys().map(Symbol::printed);
-        crate::suggest::nearest(name, declared).map(|near| format!("`{near}` is declared: is that one meant?"))
+        crate::suggest::nearest(attribute.printed(), declared)
+            .map(|near| format!("`{near}` is declared: is that one meant?"))
     }
 
     /// Returns a fix for a duration where an instant is needed: the author probably counts from the start of the mission or of the task.

@@ -1,6 +1,6 @@
 //! The shipped missions and libraries, and their check with one text replaced.
 
-use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
+use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText, Unresolved};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -67,9 +67,11 @@ impl Corpus {
             Ok(SourceText { name: name.to_string(), text: text.to_string() })
         };
         let mut resolve = |requirement| match requirement {
-            Requirement::Library(name) => text_of(&format!("library/{name}.pdl"))
-                .map_err(|_| "no such library; shipped are aerial-observation, contingencies, vehicle".to_string()),
-            Requirement::File { name, .. } => Err(format!("there is no {name}")),
+            Requirement::Library(name) => text_of(&format!("library/{name}.pdl")).map_err(|_| {
+                let names = ["aerial-observation", "contingencies", "vehicle"].map(str::to_string).to_vec();
+                Unresolved { reason: "no such library".to_string(), names }
+            }),
+            Requirement::File { name, .. } => Err(format!("there is no {name}").into()),
         };
         let program = text_of(&place.program).unwrap();
         apex_pdl::check(vec![program], CheckOptions { fragment: false, host: &self.host, resolve: &mut resolve })

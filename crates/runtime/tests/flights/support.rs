@@ -32,7 +32,7 @@ pub(crate) fn load(sources: &[SourceFile]) -> Result<RestoredProgram, String> {
         .iter()
         .map(|source| apex_pdl::SourceText { name: source.name.to_string(), text: source.text.to_string() })
         .collect();
-    let mut resolve = |_| Err("there is nothing to require".to_owned());
+    let mut resolve = |_| Err("there is nothing to require".into());
     let options = apex_pdl::CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let checked = apex_pdl::check(texts, options);
     if checked.has_errors() {

@@ -1,13 +1,15 @@
 //! Answers of the record view: questions at an instant, searches in several answers, commands of operators.
 
-use crate::support::{event, load, record};
+use crate::support::{event, load, program, record};
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_runtime::mission_loop::FlyOptions;
 use apex_runtime::ports::Input;
-use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView, TroubleKind};
+use apex_runtime::program::{NoDeliberator, run_with};
+use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView, TasksQuery, TroubleKind};
+use apex_runtime::record::{RecordOptions, Recorder, TargetRow};
 
 const ASKING: &str = r#"
 (procedure (index (do-domain))
@@ -97,6 +99,68 @@ fn a_handled_failure_names_the_subtask_and_its_handler() {
     assert!(fault.place.is_some() && failed.place.is_some(), "{entries:?}");
 }
 
+const VISITING: &str = r#"
+(procedure (index (do-domain))
+  (step visit (visit zaca :from (places lick)) (priority 3))
+  (step call (inform (visiting zaca)))
+  (step urgent (rest) (waitfor (urgent)) (priority 7))
+  (step done (end-application) (waitfor ?urgent)))
+(primitive (index (visit ?target :from ?places)) (profile flight-path) (duration 100s))
+(primitive (index (rest)) (profile flight-path) (duration 5s))
+"#;
+
+/// Records the targets of a mission; it has no states of them.
+fn record_targets(inputs: Vec<Input>) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("flight.apex");
+    let (library, declaration, host) = program(VISITING);
+    let mut recorder = Recorder::create(&path, &library, RecordOptions::default()).unwrap();
+    recorder.program(&library).unwrap();
+    for id in ["Zaca", "lick", "barn"] {
+        recorder.target(&TargetRow { id: id.into(), ..TargetRow::default() }).unwrap();
+    }
+    let mut agent = apex_executive::load(library, &declaration, host).unwrap();
+    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    let end = run_with(&mut agent, &mut NoDeliberator, &mut [&mut recorder], options).unwrap();
+    recorder.finish(end.at, &end.reason.text()).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn tasks_and_interruptions_state_the_targets_of_their_goals() {
+    let (_folder, path) = record_targets(vec![event(10.0, "(urgent)")]);
+    let mut view = RecordView::open(&path, 0).unwrap();
+    let tasks = view.tasks(&TasksQuery { at_ns: Some(5_000_000_000), ..TasksQuery::default() }).unwrap().tasks;
+    let of = |tag: &str| tasks.iter().find(|task| task.tag == tag).unwrap();
+    assert_eq!(
+        (of("visit").targets.as_slice(), of("visit").is_message),
+        (["Zaca", "lick"].map(String::from).as_slice(), false)
+    );
+    assert_eq!((of("call").targets.as_slice(), of("call").is_message), (["Zaca".to_string()].as_slice(), true));
+    assert!(of("urgent").targets.is_empty());
+    let entries = view.troubles(None).unwrap().troubles; // english: allow
+    let [interrupted] = entries.as_slice() else { panic!("{entries:?}") };
+    assert_eq!(interrupted.targets, ["Zaca", "lick"]);
+    assert_eq!(interrupted.cause_kind.as_deref(), Some("outranked"));
+}
+
+#[test]
+fn a_target_is_gone_from_its_message_until_it_is_announced_again() {
+    let inputs = vec![
+        event(2.0, "(target-gone zaca)"),
+        event(4.0, "(target-gone zaca)"),
+        event(6.0, "(new-target zaca)"),
+        event(10.0, "(urgent)"),
+    ];
+    let (_folder, path) = record_targets(inputs);
+    let mut view = RecordView::open(&path, 0).unwrap();
+    let mut gone = |at_s: i64| {
+        let targets = view.targets(Some(at_s * 1_000_000_000)).unwrap().targets;
+        targets.into_iter().find(|target| target.id == "Zaca").unwrap().gone_ns
+    };
+    assert_eq!([1, 2, 5, 6].map(&mut gone), [None, Some(2_000_000_000), Some(2_000_000_000), None]);
+}
+
 const TICKING: &str = r#"
 (procedure (index (do-domain))
   (step tick (print "tick") (waitfor (tick)) (repeating))
@@ -145,6 +209,24 @@ fn a_search_in_several_answers_finds_what_one_answer_finds() {
     };
     let counts = [i64::MIN, 0, 1, i64::MAX].map(|number| view.events(&before(number)).unwrap().events.len());
     assert_eq!(counts, [0, 0, 0, ask("tick", None).0.len()]);
+}
+
+/// While a thread indexes the log, each answer reads fewer effects, so that ten searches at once do not delay each other for long.
+#[test]
+fn a_search_in_a_log_that_is_being_indexed_is_answered_in_smaller_parts() {
+    let mut inputs: Vec<Input> = (1..=200).map(|second| event(f64::from(second), "(tick)")).collect();
+    inputs.push(event(201.0, "(enough)"));
+    let flight = record(TICKING, inputs, &mut NoDeliberator, &mut []);
+    let view = RecordView::open(&flight.path, 0).unwrap();
+    let mut query = EventsQuery { find: Some("nowhere".into()), ..EventsQuery::default() };
+    assert!(!view.index_effects(std::time::Duration::ZERO).unwrap(), "a thread has begun to index");
+    let mut parts = 1;
+    while let Some(next) = view.events(&query).unwrap().next {
+        (query.before, parts) = (Some(next), parts + 1);
+    }
+    assert_eq!(parts, 2);
+    while !view.index_effects(std::time::Duration::from_secs(1)).unwrap() {}
+    assert_eq!(view.events(&EventsQuery { before: None, ..query }).unwrap().next, None);
 }
 
 #[test]

@@ -15,7 +15,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 15] = [
     ("add-target", &["target"], &[]),
     ("remove-target", &["target"], &[]),
     ("value-target", &["target", "value"], &[]),
-    ("acknowledge", &["alarm"], &[]),
+    ("acknowledge", &["alarm", "at_ns"], &["signal"]),
     ("take-authority", &[], &[]),
     ("offer-authority", &["to"], &[]),
     ("refuse-authority", &[], &[]),
@@ -118,12 +118,13 @@ mod tests {
             (r#"{"do": "pauze"}"#, "there is no command `pauze`; the nearest is `pause`"),
             (r#"{"do": "pause", "do": "resume"}"#, "the key `do` is given twice"),
             (r#"{"do": 1}"#, "`do` is missing"),
-            (r#"{"do": "acknowledge", "alarm": " "}"#, "`alarm` is empty"),
+            (r#"{"do": "acknowledge", "alarm": " ", "at_ns": 0}"#, "`alarm` is empty"),
+            (r#"{"do": "acknowledge", "alarm": "x"}"#, "`acknowledge` needs the member `at_ns`"),
         ] {
             let refusal = checked(body).unwrap_err();
             assert!(refusal.contains(fault), "{body}: {refusal}");
         }
-        let long = format!(r#"{{"do": "acknowledge", "alarm": "{}"}}"#, "a".repeat(5_000));
+        let long = format!(r#"{{"do": "acknowledge", "alarm": "{}", "at_ns": 0}}"#, "a".repeat(5_000));
         assert!(checked(&long).unwrap_err().contains("`alarm` has 5000 characters"));
     }
 }

@@ -75,6 +75,11 @@ pub(crate) enum Wish {
     Acknowledge {
         /// The alarm, as text.
         alarm: String,
+        /// Mission time in nanoseconds at which it was raised last.
+        at_ns: i64,
+        /// The signal that raised it; `None` for other alarms.
+        #[cfg_attr(test, ts(optional))]
+        signal: Option<String>,
     },
     /// The author holds authority over the flight from now on.
     TakeAuthority,
@@ -145,7 +150,7 @@ impl Wish {
             Wish::AddTarget { target } => format!("add target {target}"),
             Wish::RemoveTarget { target } => format!("remove target {target}"),
             Wish::ValueTarget { target, value } => format!("value of target {target}: {}", figure(*value)),
-            Wish::Acknowledge { alarm } => format!("acknowledge {alarm}"),
+            Wish::Acknowledge { alarm, .. } => format!("acknowledge {alarm}"),
             Wish::TakeAuthority => "take authority".into(),
             Wish::OfferAuthority { to } => format!("offer authority to {to}"),
             Wish::RefuseAuthority => "refuse authority".into(),
@@ -175,7 +180,7 @@ impl Wish {
             Wish::Pace { pace } => Ok(Order::Pace(*pace)),
             Wish::Step => Ok(Order::Step),
             Wish::Stop => Ok(Order::Stop),
-            Wish::Acknowledge { alarm } => Ok(Order::Acknowledge(alarm.clone())),
+            Wish::Acknowledge { alarm, .. } => Ok(Order::Acknowledge(alarm.clone())),
             Wish::TakeAuthority => Ok(Order::Authority(AuthorityRequest::Take)),
             Wish::OfferAuthority { to } => Ok(Order::Authority(AuthorityRequest::Offer(to.clone()))),
             Wish::RefuseAuthority => Ok(Order::Authority(AuthorityRequest::Refuse)),

@@ -2,18 +2,21 @@
 
 use crate::access::Caller;
 use crate::answer::{ApiError, ApiResult};
+use crate::operation::alarms::{self, StatedAlarm};
 use crate::operation::door::{CommandRequest, CommandState, FlightDoor};
 use crate::operation::request::Wish;
-use crate::state::{AppState, Shared};
+use crate::state::{AppState, Shared, blocking};
 use apex_runtime::UniqueJson;
 use apex_runtime::authority::Actor;
 use apex_runtime::commands::Author;
+use apex_runtime::record::view::RecordView;
 use axum::extract::rejection::{JsonRejection, PathRejection};
 use axum::extract::{DefaultBodyLimit, Path, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Extension, Json, Router};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -47,7 +50,7 @@ async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody
             "fly with `apex fly MISSION --serve`; `POST /api/flights/ID/commands` commands flights of `apex serve --missions`",
         )
     })?;
-    send((&*state, door), caller, body).await
+    send((state, door), None, caller, body).await
 }
 
 async fn flight_operation(
@@ -55,7 +58,7 @@ async fn flight_operation(
     Extension(Caller(actor)): Who,
     id: Result<Path<u64>, PathRejection>,
 ) -> ApiResult<Response> {
-    let door = door_of(&state, id)?;
+    let (door, _) = flight_of(&state, id)?;
     door.hear(&actor.name);
     Ok(Json(door.operation(&actor, stations(&state, &actor))).into_response())
 }
@@ -66,7 +69,8 @@ async fn flight_command(
     id: Result<Path<u64>, PathRejection>,
     body: CommandBody,
 ) -> ApiResult<Json<CommandState>> {
-    send((&*state, door_of(&state, id)?), caller, body).await
+    let (door, record) = flight_of(&state, id)?;
+    send((state, door), Some(record), caller, body).await
 }
 
 /// Returns the other callers that can receive authority from `actor`.
@@ -74,16 +78,20 @@ fn stations(state: &AppState, actor: &Actor) -> Vec<Actor> {
     state.sessions.stations.others(actor, Instant::now())
 }
 
-fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<FlightDoor> {
+/// Returns the door and the record of a flight of this server.
+fn flight_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<(FlightDoor, PathBuf)> {
     let Path(id) = id.map_err(|rejection| {
         ApiError::bad_request(rejection.body_text(), "flights have whole numbers; `/api/flights` lists them")
     })?;
-    Ok(state.tower()?.flight(id)?.door().clone())
+    let flight = state.tower()?.flight(id)?;
+    Ok((flight.door().clone(), flight.record.clone()))
 }
 
-/// Sends a command and waits for its end, which is reached even if the caller disconnects.
+/// Sends a command and waits for its end, which is reached even if the caller disconnects. `record` is that of the flight; `None` is the
+/// served one.
 async fn send(
-    (state, door): (&AppState, FlightDoor),
+    (state, door): (Arc<AppState>, FlightDoor),
+    record: Option<PathBuf>,
     Caller(actor): Caller,
     body: CommandBody,
 ) -> ApiResult<Json<CommandState>> {
@@ -99,6 +107,15 @@ async fn send(
     door.hear(&actor.name);
     let objection = match &wish {
         Wish::OfferAuthority { to } => state.sessions.objection_to_holder(to),
+        Wish::Acknowledge { at_ns, signal, .. } => {
+            let alarm = StatedAlarm { at_ns: *at_ns, signal: signal.clone() };
+            let state = Arc::clone(&state);
+            let search = move || match record {
+                None => state.read(|view| alarms::objection(view, &alarm)),
+                Some(path) => alarms::objection(&mut RecordView::open(&path, 0)?, &alarm),
+            };
+            blocking(search).await?
+        }
         _ => None,
     };
     let author = Author { actor, epoch: terms.epoch };

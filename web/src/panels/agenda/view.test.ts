@@ -14,6 +14,8 @@ function task(
     since_ns: 0,
     created_ns: 0,
     method: null,
+    targets: [],
+    is_message: false,
     method_place: null,
     place: null,
   };

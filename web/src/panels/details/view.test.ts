@@ -67,6 +67,8 @@ const why: TaskExplanation = {
     since_ns: 5e9,
     created_ns: 0,
     method: 'primitive a.pdl:9:1',
+    targets: [],
+    is_message: false,
     method_place: 'a.pdl:9:1',
     place: 'a.pdl:3:1',
   },
@@ -290,18 +292,18 @@ it('a target leads to the task that observes it', () => {
   const task = (
     id: number,
     parent: number | null,
-    goal: string,
+    targets: string[],
     state: string,
     outcome: string | null = null,
-  ) => ({ id, parent, goal, state, outcome, since_ns: id }) as Task;
+  ) => ({ id, parent, targets, is_message: id === 3, state, outcome, since_ns: id }) as Task;
   const tasks = [
-    task(0, null, '(watch the structures)', 'ongoing'),
-    task(1, 0, '(visit barn)', 'terminated', 'success'),
-    task(2, 0, '(visit barn)', 'terminated', 'cut'),
-    task(3, 0, '(inform (observed barn))', 'ongoing'),
-    task(4, 0, '(visit barn)', 'pending'),
-    task(5, 0, '(visit mill)', 'ongoing'),
-    task(6, 5, '(hover over mill)', 'ongoing'),
+    task(0, null, [], 'ongoing'),
+    task(1, 0, ['barn'], 'terminated', 'success'),
+    task(2, 0, ['barn'], 'terminated', 'cut'),
+    task(3, 0, ['barn'], 'ongoing'),
+    task(4, 0, ['barn'], 'pending'),
+    task(5, 0, ['mill'], 'ongoing'),
+    task(6, 5, ['mill'], 'ongoing'),
   ];
   expect(observeTask(tasks, 'barn')?.id).toBe(1);
   expect(observeTask(tasks, 'mill')?.id).toBe(5);

@@ -285,13 +285,13 @@ const STATE_RANKS: Record<Task['state'], number> = {
  * one that succeeded, or otherwise one that waits. Null if no task has the target.
  */
 export function observeTask(tasks: readonly Task[], target: string): Task | null {
-  const has = (task: Task) => task.goal.split(/[\s()]+/).includes(target);
-  const withTarget = new Map(tasks.filter(has).map(task => [task.id, task]));
-  const isMessage = (task: Task) => /^\((inform|print|ask)\b/.test(task.goal);
+  const withTarget = new Map(
+    tasks.filter(task => task.targets.includes(target)).map(task => [task.id, task]),
+  );
   const isCut = (task: Task) => task.state === 'terminated' && task.outcome !== 'success';
   const rank = (task: Task) => (isCut(task) ? 5 : STATE_RANKS[task.state]);
   const topmost = [...withTarget.values()].filter(
-    task => !isMessage(task) && (task.parent === null || !withTarget.has(task.parent)),
+    task => !task.is_message && (task.parent === null || !withTarget.has(task.parent)),
   );
   return topmost.sort((a, b) => rank(a) - rank(b) || b.since_ns - a.since_ns)[0] ?? null;
 }

@@ -82,8 +82,8 @@ describe('a draft', () => {
   });
 
   it('offers what is still to be observed', () => {
-    const target = (id: string, state: string) => ({ id, state }) as never;
-    const gone = { id: 'd', state: 'skipped', detail: 'no longer a target' } as never as Target;
+    const target = (id: string, state: string) => ({ id, state, gone_ns: null }) as never;
+    const gone = { id: 'd', state: 'skipped', gone_ns: 10 } as never as Target;
     expect(
       addable([target('a', 'planned'), target('b', 'observed'), target('c', 'skipped'), gone], ['a']).map(
         one => one.id,

@@ -81,6 +81,7 @@ describe('targets', () => {
     detail: null,
     since_ns: null,
     announced_ns: null,
+    gone_ns: null,
     observed_ns: null,
     history: [
       { t_ns: 10, state: 'observing', detail: null },

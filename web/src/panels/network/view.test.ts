@@ -59,6 +59,8 @@ describe('the network of activities', () => {
       since_ns: 70e9,
       created_ns: 10e9,
       method: null,
+      targets: [],
+      is_message: false,
       method_place: null,
       place: 'p:1:1',
     };

@@ -40,7 +40,7 @@ describe('the now line', () => {
     });
     const answer = (enabled: [string, string]) => ({
       cause: 'it was granted flight-path',
-      task: { goal: '(scan zaca once along ((34.3 ..)))' },
+      task: { goal: '(scan zaca once along ((34.3 ..)))', targets: ['zaca'] },
       explanation: {
         history: [moment(1, 'enabled', ...enabled), moment(2, 'ongoing', 'resources-granted', '')],
       },
@@ -52,12 +52,16 @@ describe('the now line', () => {
     expect(because(free)).toBe('plan 2, adopted 5:59:45, has Zaca');
     expect(because(free, null)).toBe('it was granted flight-path');
     // A task without a target serves a task above it that has one.
-    const hover = { ...answer(free), task: { goal: '(hover)' } };
-    const above = [{ goal: '(orient camera-1)' }, { goal: '(visit zaca with camera-1)' }];
+    const hovering = { goal: '(hover)', targets: [] };
+    const hover = { ...answer(free), task: hovering };
+    const above = [
+      { goal: '(orient camera-1)', targets: [] },
+      { goal: '(visit zaca with camera-1)', targets: ['zaca'] },
+    ];
     expect(reasonWords(hover as never, plan, names, above)).toBe('plan 2, adopted 5:59:45, has Zaca');
-    expect(whatWords({ goal: '(hover)' }, names, above)).toBe('hover, to visit Zaca');
-    expect(whatWords({ goal: '(scan zaca)' }, names, above)).toBe('scan Zaca');
-    expect(whatWords({ goal: '(hover)' }, names, above.slice(0, 1))).toBe('hover');
+    expect(whatWords(hovering, names, above)).toBe('hover, to visit Zaca');
+    expect(whatWords({ goal: '(scan zaca)', targets: ['zaca'] }, names, above)).toBe('scan Zaca');
+    expect(whatWords(hovering, names, above.slice(0, 1))).toBe('hover');
     const tree = [3, 2, 1].map(id => ({ id, parent: id === 1 ? null : id - 1, goal: `(g${id})` })) as never;
     expect(tasksAbove(tree, { parent: 2 }).map(task => task.goal)).toEqual(['(g2)', '(g1)']);
     const rolled: [string, string] = ['preconditions-satisfied', 'roll above 3deg for P6S'];
@@ -73,7 +77,11 @@ describe('the now line', () => {
         cause: { kind: 'preconditions-satisfied', evidence, observed: 'T5 ended at 0:53:04.689' },
       };
       const began = { id: 2, to: 'ongoing', because: '', cause: { kind: 'resources-granted' } };
-      const answer = { cause: '', task: { goal: '(hover)' }, explanation: { history: [enabled, began] } };
+      const answer = {
+        cause: '',
+        task: { goal: '(hover)', targets: [] },
+        explanation: { history: [enabled, began] },
+      };
       const goals = new Map([[5, '(power-up camera-1)']]);
       return reasonWords(answer as never, null, names, [], task => goals.get(task) ?? null);
     };

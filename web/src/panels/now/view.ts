@@ -51,10 +51,6 @@ export function tasksAbove(tasks: readonly Task[], task: Pick<Task, 'parent'>): 
   return above;
 }
 
-function wordsOf(goal: string): Set<string> {
-  return new Set(goal.split(/[\s()]+/));
-}
-
 /**
  * Why the task is at work. If the cause is only that its resources were granted, this is the condition that enabled it, or else the plan in
  * force that has the target of the task or of a task above it.
@@ -63,7 +59,7 @@ export function reasonWords(
   answer: Pick<TaskExplanation, 'cause' | 'task' | 'explanation'>,
   plan: PlanInForce | null,
   names: Names,
-  above: readonly Pick<Task, 'goal'>[] = [],
+  above: readonly Pick<Task, 'targets'>[] = [],
   goalOf: (task: number) => string | null = () => null,
 ): string {
   const history = answer.explanation?.history ?? [];
@@ -74,9 +70,9 @@ export function reasonWords(
     const evidence = evidenceWords(enabled.cause.evidence ?? [], names, goalOf);
     return evidence ?? causeWords(enabled.cause.observed, names);
   }
-  const visit = [answer.task, ...above]
-    .map(task => wordsOf(task.goal))
-    .flatMap(words => plan?.visits.find(one => words.has(one.target)) ?? [])[0];
+  const visit = [answer.task, ...above].flatMap(
+    task => plan?.visits.find(one => task.targets.includes(one.target)) ?? [],
+  )[0];
   if (!plan || !visit) return causeWords(answer.cause, names);
   const adopted = clock(plan.adopted_ns / 1e9);
   return `plan ${plan.number}, adopted ${adopted}, has ${names.get(visit.target) ?? visit.target}`;
@@ -119,11 +115,11 @@ export function endWords(mission: Mission | null): { words: string; failed: bool
 
 /** What the task does; where its goal names no target, also the task above that does: `hover, to visit School`. */
 export function whatWords(
-  task: Pick<Task, 'goal'>,
+  task: Pick<Task, 'goal' | 'targets'>,
   names: Names,
-  above: readonly Pick<Task, 'goal'>[] = [],
+  above: readonly Pick<Task, 'goal' | 'targets'>[] = [],
 ): string {
-  const hasTarget = ({ goal }: Pick<Task, 'goal'>) => [...wordsOf(goal)].some(word => names.has(word));
+  const hasTarget = ({ targets }: Pick<Task, 'targets'>) => targets.length > 0;
   const own = untilTarget(task.goal, names);
   const purpose = hasTarget(task) ? undefined : above.find(hasTarget);
   return purpose ? `${own}, to ${untilTarget(purpose.goal, names)}` : own;

@@ -12,6 +12,8 @@ const task = (id: number, state: Task['state'], place: string): Task => ({
   since_ns: 0,
   created_ns: 0,
   method: null,
+  targets: [],
+  is_message: false,
   method_place: null,
   place,
 });

@@ -11,6 +11,7 @@ function target(id: string, history: [number, string][]): Target {
     value: 10,
     state: history.at(-1)?.[1] ?? null,
     detail: null,
+    gone_ns: null,
     observed_ns: history.findLast(([, state]) => state === 'observed')?.[0] ?? null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   } as unknown as Target;
@@ -52,6 +53,8 @@ describe('rows of targets', () => {
         task: 1,
         failed_child: null,
         handler_task: null,
+        targets: [],
+        cause_kind: null,
         handler: null,
         place: null,
         target: null,
@@ -130,7 +133,10 @@ describe('rows of targets', () => {
       shownState(target('a', [[1, 'observing'], [2, 'observed'], ...last]));
     expect([shown(), shown([3, 'skipped']), shown([3, 'planned'])]).toEqual(Array(3).fill('observed'));
     expect(shown([3, 'planned'], [4, 'observing'])).toBe('observing');
-    expect(shownState({ ...target('a', [[2, 'observed']]), detail: 'no longer a target' })).toBe('skipped');
+    expect(shownState({ ...target('a', [[2, 'observed']]), gone_ns: 3 })).toBe('skipped');
+    // The reason's words alone do not make it so.
+    const worded = { ...target('a', [[2, 'observed']]), detail: 'no longer a target' };
+    expect(shownState(worded)).toBe('observed');
     expect(shownState(target('a', []))).toBe('known');
   });
   it('have one visit where a plan was made during it', () => {
@@ -189,7 +195,7 @@ describe('rows of targets', () => {
     expect(words(3, 80e9)).toContain('2 visits, last since T+0:00:50');
   });
   it('say since when a target is none any longer, whatever plans said before', () => {
-    const gone = { ...target('b', [[30, 'skipped']]), detail: 'no longer a target', since_ns: 3600e9 };
+    const gone = { ...target('b', [[30, 'skipped']]), gone_ns: 3600e9 };
     const [row] = targetRows({ ...known, targets: [gone], atNs: 4000e9 });
     expect(row?.goneNs).toBe(3600e9);
     expect(row?.words).toContain('no longer a target since T+1:00:00');

@@ -149,6 +149,8 @@ describe('failures and faults', () => {
     task: null,
     failed_child: null,
     handler_task: null,
+    targets: [],
+    cause_kind: null,
     handler: null,
     place: null,
     target: null,
@@ -183,6 +185,7 @@ it('visits last from observing to the result; a skipped target is a mark', () =>
     detail: null,
     since_ns: null,
     announced_ns: null,
+    gone_ns: null,
     observed_ns: null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   });

@@ -199,7 +199,15 @@ value: number, } | { "do": "acknowledge",
 /**
  * The alarm, as text.
  */
-alarm: string, } | { "do": "take-authority" } | { "do": "offer-authority", 
+alarm: string, 
+/**
+ * Mission time in nanoseconds at which it was raised last.
+ */
+at_ns: number, 
+/**
+ * The signal that raised it; `None` for other alarms.
+ */
+signal?: string, } | { "do": "take-authority" } | { "do": "offer-authority", 
 /**
  * Its name.
  */

@@ -170,6 +170,14 @@ tag: string,
  */
 goal: string, 
 /**
+ * Identifiers of the targets that the goal names.
+ */
+targets: Array<string>, 
+/**
+ * True if it only sends a message or asks a question.
+ */
+is_message: boolean, 
+/**
  * Its state.
  */
 state: TaskState, 
@@ -449,6 +457,10 @@ since_ns: number | null,
  */
 announced_ns: number | null, 
 /**
+ * Mission time in nanoseconds since which it needs no observation any longer; none if it needs one.
+ */
+gone_ns: number | null, 
+/**
  * Mission time in nanoseconds of the end of its last observation; none if it was not observed by then.
  */
 observed_ns: number | null, 
@@ -671,7 +683,15 @@ place: string | null,
 /**
  * The target's identifier, if the entry concerns a target.
  */
-target: string | null, };
+target: string | null, 
+/**
+ * Identifiers of the targets that the goal of the task concerned names.
+ */
+targets: Array<string>, 
+/**
+ * The kind of the cause, a word of `docs/reference/flight-record.md`; null for entries that are not decisions.
+ */
+cause_kind: string | null, };
 
 /**
  * Failures, interruptions and faults up to an instant.

@@ -379,17 +379,16 @@ pub(crate) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
                 Decision::Fails => "it is not so that",
             };
             let edge = |edge: Edge| match edge {
-                Edge::FirstStart => format!("the start of the first, {},", left.0.0),
-                Edge::FirstEnd => format!("the end of the first, {},", end_words(left)),
-                Edge::SecondStart => format!("the start of the second, {},", right.0.0),
-                Edge::SecondEnd => format!("the end of the second, {},", end_words(right)),
+                Edge::FirstStart => format!("the start of the first, {}", left.0.0),
+                Edge::FirstEnd => format!("the end of the first, {}", end_words(left)),
+                Edge::SecondStart => format!("the start of the second, {}", right.0.0),
+                Edge::SecondEnd => format!("the end of the second, {}", end_words(right)),
             };
             let link = match missed.1 {
                 PointComparison::Earlier => "is before",
                 PointComparison::Same => "is",
             };
-            let text = format!("{words} {} {link} {}", edge(missed.0), edge(missed.2));
-            Some((index, text.trim_end_matches(',').to_string()))
+            Some((index, format!("{words} {}, {link} {}", edge(missed.0), edge(missed.2))))
         },
     )
 }

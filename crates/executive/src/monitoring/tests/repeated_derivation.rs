@@ -18,7 +18,7 @@ const DECLARATIONS: &str = "(state-variable (x ?o) :lateness 3s) (state-variable
 fn library(join: &str) -> Library {
     let text = DECLARATIONS.replace("JOIN", join);
     let text = apex_pdl::SourceText { name: "derived".to_string(), text };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = apex_pdl::CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let checked = apex_pdl::check(vec![text], options);
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);

@@ -9,7 +9,7 @@ type Series = [Vec<(i64, i64)>; 2];
 
 fn library_of(declarations: &str) -> Arc<Library> {
     let text = SourceText { name: "derived".to_string(), text: declarations.to_string() };
-    let mut resolve = |_| Err("nothing is required".to_string());
+    let mut resolve = |_| Err("nothing is required".into());
     let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
     let checked = apex_pdl::check(vec![text], options);
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);

@@ -1,5 +1,6 @@
 //! Messages about targets. Announcements of late targets: a target of the mission's files with `announced` = `by-event` is unknown before
-//! the first event `(new-target ID)`. Values: the last event `(new-value ID NUMBER)` counts.
+//! the first event `(new-target ID)`. Values: the last event `(new-value ID NUMBER)` counts. A target that needs no observation any longer
+//! is gone from the event `(target-gone ID)` until another `(new-target ID)`.
 //!
 //! GeoJSON states which targets are late. Tables and KML only state that some are: then every announced target counts as late, and a
 //! target that is never announced cannot be distinguished from one known from the start.
@@ -17,6 +18,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The head of the event that announces a target.
 const HEAD: &str = "new-target";
+/// The head of the event about a target that needs no observation any longer.
+const GONE: &str = "target-gone";
 /// The value of a late target's property `announced`.
 const LATE: &str = "by-event";
 /// Separates a target's identifier from the name of one of its wanted looks.
@@ -34,6 +37,7 @@ pub(super) struct Announcements {
     announced_ns: BTreeMap<String, i64>,
     /// Values by target, with the instants from which they hold.
     values: BTreeMap<String, Vec<(i64, f64)>>,
+    gone: GoneChanges,
     seen_batch: i64,
 }
 
@@ -69,11 +73,16 @@ impl Announcements {
             let batch = codec::decode(Time(t_ns), bytes, &variables)
                 .map_err(|fault| reader.garbled(format!("batch {id} at {} cannot be read: {fault}", Time(t_ns))))?;
             for message in batch.events.iter().filter_map(|event| message_of(&event.kind)) {
+                match &message {
+                    TargetMessage::Announced(target) => set_gone(&mut self.gone, target, t_ns, false),
+                    TargetMessage::Gone(target) => set_gone(&mut self.gone, target, t_ns, true),
+                    TargetMessage::Value(..) => {}
+                }
                 match message {
                     TargetMessage::Announced(target) if awaited.remove(&target) || self.others => {
                         self.announced_ns.entry(target).or_insert(t_ns);
                     }
-                    TargetMessage::Announced(_) => {}
+                    TargetMessage::Announced(_) | TargetMessage::Gone(_) => {}
                     TargetMessage::Value(target, value) => self.values.entry(target).or_default().push((t_ns, value)),
                 }
             }
@@ -88,6 +97,16 @@ impl Announcements {
         later.checked_sub(1).and_then(|last| values.get(last)).map(|(_, value)| *value)
     }
 
+    /// Returns the mission time in nanoseconds since which the target or wanted look `id` is gone at `at_ns`; `None` if it is not.
+    pub(super) fn gone_ns(&self, id: &str, at_ns: i64) -> Option<i64> {
+        let id = id.to_lowercase();
+        let own = id.split(LOOK).next().unwrap_or(&id);
+        let changes = self.gone.get(&id).or_else(|| self.gone.get(own))?;
+        let later = changes.partition_point(|(since_ns, _)| *since_ns <= at_ns);
+        let (since_ns, is_gone) = *changes.get(later.checked_sub(1)?)?;
+        is_gone.then_some(since_ns)
+    }
+
     /// Returns the mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
     pub(super) fn known_ns(&self, id: &str) -> Option<i64> {
         let is_awaited = |id: &str| self.awaited.as_ref().is_some_and(|awaited| awaited.contains(id));
@@ -100,9 +119,21 @@ impl Announcements {
     }
 }
 
+/// By target: the instants from which it is gone, or not, oldest first.
+type GoneChanges = BTreeMap<String, Vec<(i64, bool)>>;
+
+/// Takes a message by which a target is gone or, by a new announcement, is not.
+fn set_gone(gone: &mut GoneChanges, target: &str, t_ns: i64, is_gone: bool) {
+    let changes = gone.entry(target.to_owned()).or_default();
+    if changes.last().is_some_and(|(_, known)| *known) != is_gone {
+        changes.push((t_ns, is_gone));
+    }
+}
+
 /// Message about a target.
 enum TargetMessage {
     Announced(String),
+    Gone(String),
     Value(String, f64),
 }
 
@@ -129,12 +160,15 @@ fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), Recor
 
 /// Returns true if the stored events can hold an announcement: symbols are stored as they are printed.
 fn names_head(bytes: &[u8]) -> bool {
-    // Both heads begin with `new-`, and few bytes are hyphens, so those are looked for.
-    let hyphens = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'-').map(|(at, _)| at);
+    // Each head has a hyphen, and few bytes are hyphens, so those are looked for.
+    let mut hyphens = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'-').map(|(at, _)| at);
     let has = |start: usize, head: &str| {
         bytes.get(start..start + head.len()).is_some_and(|found| found.eq_ignore_ascii_case(head.as_bytes()))
     };
-    hyphens.filter_map(|at| at.checked_sub(3)).any(|start| has(start, HEAD) || has(start, NEW_VALUE))
+    let begins = |at: usize, head: &str| {
+        head.find('-').and_then(|before| at.checked_sub(before)).is_some_and(|start| has(start, head))
+    };
+    hyphens.any(|at| [HEAD, NEW_VALUE, GONE].iter().any(|head| begins(at, head)))
 }
 
 /// Returns what an event says about a target. A value that no target can have changes nothing.
@@ -149,6 +183,9 @@ fn message_of(kind: &EventKind) -> Option<TargetMessage> {
     };
     if head.is(HEAD) {
         return Some(TargetMessage::Announced(target));
+    }
+    if head.is(GONE) {
+        return Some(TargetMessage::Gone(target));
     }
     let number = more.first().filter(|_| head.is(NEW_VALUE))?.as_number();
     let number = number.filter(|(_, dimension)| *dimension == Dimension::NONE).map(|(number, _)| number);

@@ -15,10 +15,12 @@ pub(super) const BLOCK_EFFECTS: i64 = 32;
 const FILTER_BITS: usize = 1 << 13;
 /// Lengths of the n-grams in bytes: long ones exclude more blocks, short ones serve searches for short texts.
 const GRAMS: [usize; 3] = [5, 3, 2];
-/// Number of effects that are read at once; the index stays locked while they are read.
-const CHUNK_EFFECTS: i64 = 8_192;
+/// Number of effects that are read at once, a multiple of those of a block: a query that extends the index reads no more than these after
+/// its time is over.
+const CHUNK_EFFECTS: i64 = 2_048;
 
 /// A block of effects with consecutive numbers.
+#[derive(Clone)]
 struct EffectBlock {
     first_ns: i64,
     last_ns: i64,
@@ -29,6 +31,8 @@ struct EffectBlock {
 /// The index.
 #[derive(Default)]
 pub(super) struct EffectIndex {
+    /// Number of blocks that are left out before the first one; none are, but in a continuation.
+    left_out: usize,
     blocks: Vec<EffectBlock>,
     /// The last effect that was read.
     seen: i64,
@@ -45,10 +49,32 @@ pub(super) struct EffectSearch<'a> {
     pub(super) find: Option<&'a str>,
 }
 
+/// Returns the number of the block of an effect, from 0.
+fn block_number(id: i64) -> usize {
+    usize::try_from((id - 1).max(0) / BLOCK_EFFECTS).unwrap_or(usize::MAX)
+}
+
 impl EffectIndex {
     /// Returns the last effect that the index has.
     pub(super) fn seen(&self) -> i64 {
         self.seen
+    }
+
+    /// Returns an empty index that continues this one: it reads the next effects while queries use this one.
+    pub(super) fn continuation(&self) -> EffectIndex {
+        // The last block may not be full.
+        let left_out = block_number(self.seen.saturating_add(1)).min(self.blocks.len());
+        let blocks = self.blocks.get(left_out..).unwrap_or_default().to_vec();
+        EffectIndex { left_out, blocks, seen: self.seen, kinds: self.kinds.clone() }
+    }
+
+    /// Takes what a continuation from effect `after` has read. If another thread has extended the index meanwhile, nothing changes.
+    pub(super) fn append(&mut self, after: i64, next: EffectIndex) {
+        if self.seen == after && self.left_out == 0 {
+            self.blocks.truncate(next.left_out);
+            self.blocks.extend(next.blocks);
+            (self.seen, self.kinds) = (next.seen, next.kinds);
+        }
     }
 
     /// Reads the next chunk of effects, none after effect `last`.
@@ -89,7 +115,7 @@ impl EffectIndex {
 
     /// Returns the block of effect `id`, which is not in the index yet.
     fn block_of(&mut self, id: i64, t_ns: i64) -> Option<&mut EffectBlock> {
-        let place = usize::try_from((id - 1).max(0) / BLOCK_EFFECTS).unwrap_or(0);
+        let place = block_number(id).checked_sub(self.left_out)?;
         while self.blocks.len() <= place {
             let filter = vec![0; FILTER_BITS / 64].into_boxed_slice();
             self.blocks.push(EffectBlock { first_ns: t_ns, last_ns: t_ns, kinds: 0, filter });
@@ -187,6 +213,7 @@ mod tests {
         fn no_effect_that_is_wanted_is_outside_of_the_blocks(
             steps in prop::collection::vec((0i64..3, 0usize..2, prop::collection::vec(0usize..6, 0..4)), 1..400),
             (from, to, find, kind) in (0i64..600, 0i64..600, 0usize..6, 0usize..3),
+            turn in 1usize..90,
         ) {
             let kinds = ["created", "transition"];
             let mut at = 0;
@@ -194,7 +221,25 @@ mod tests {
                 at += passed;
                 (at, kinds[kind], words.into_iter().map(|word| WORDS[word]).collect::<Vec<_>>().join(" "))
             }).collect();
-            let index = indexed((1..).zip(&effects));
+            let whole = indexed((1..).zip(&effects));
+            // In turns, as while queries use the index; a continuation that comes too late is left out.
+            let mut index = EffectIndex::default();
+            let numbered: Vec<(i64, &(i64, &str, String))> = (1..).zip(&effects).collect();
+            for effects in numbered.chunks(turn) {
+                let (after, mut next, mut late) = (index.seen(), index.continuation(), index.continuation());
+                for (id, (t_ns, kind, text)) in effects {
+                    next.add(*id, *t_ns, kind, ["", text]);
+                    late.add(*id, *t_ns, "other", ["", "wrong"]);
+                }
+                index.append(after, next);
+                index.append(after, late);
+            }
+            prop_assert_eq!(index.seen(), whole.seen());
+            let everything = EffectSearch { from_ns: i64::MIN, to_ns: i64::MAX, kinds: &[], find: None };
+            prop_assert_eq!(
+                index.blocks(&everything, i64::MAX).collect::<Vec<_>>(),
+                whole.blocks(&everything, i64::MAX).collect::<Vec<_>>()
+            );
             let wanted_kinds: Vec<String> = kinds.get(kind).map(|kind| (*kind).to_owned()).into_iter().collect();
             let find = WORDS[find].to_ascii_lowercase();
             let wanted = EffectSearch { from_ns: from, to_ns: to, kinds: &wanted_kinds, find: Some(&find) };

@@ -18,6 +18,10 @@ const LIMIT_MAX: usize = 5_000;
 /// where the search continues.
 const SEARCHED_MAX: usize = 4_096;
 
+/// An effect that is not in the index counts as this many of [`SEARCHED_MAX`]: while the log is being indexed, each answer would otherwise
+/// read as many as it may.
+const UNINDEXED_WEIGHT: usize = 4;
+
 /// Number of blocks that a query takes from the index at once.
 const BLOCKS_TURN: usize = 32;
 
@@ -113,7 +117,7 @@ impl RecordView {
         let (mut events, next) = match query.task {
             Some(task) => {
                 let effects = self.reader.effects()?;
-                self.selected(query, &effects, effects.table.about(task), limit + 1)?
+                self.selected(query, &effects, (effects.table.about(task), usize::MAX), limit + 1)?
             }
             None => self.found(query, limit + 1)?,
         };
@@ -123,12 +127,12 @@ impl RecordView {
         Ok(Events { events, more, next })
     }
 
-    /// Returns the first `count` effects at `places` that a query selects, and the number of the effect at which the search ended early.
+    /// Returns the first `count` effects at `places` that a query selects, of which those from the place `unindexed` on are not in the index, and the number of the effect at which the search ended early.
     fn selected(
         &self,
         query: &EventsQuery,
         effects: &Effects<'_>,
-        places: impl Iterator<Item = usize>,
+        (places, unindexed): (impl Iterator<Item = usize>, usize),
         count: usize,
     ) -> Result<(Vec<EventRow>, Option<i64>), RecordError> {
         let find = query.find.as_deref().map(str::to_ascii_lowercase).unwrap_or_default();
@@ -155,7 +159,7 @@ impl RecordView {
             if find.is_empty() || holds(&told.row.subject) || holds(&told.row.text) {
                 events.push(EventRow::of(told));
             } else {
-                in_vain += 1;
+                in_vain += if place >= unindexed { UNINDEXED_WEIGHT } else { 1 };
             }
         }
         Ok((events, None))
@@ -193,7 +197,7 @@ impl RecordView {
             (!ranges.is_empty()).then_some(ranges)
         });
         let blocks = turns.flatten().flat_map(|(first, last)| (place(first - 1)..place(last)).rev());
-        self.selected(query, &effects, newest.chain(blocks), count)
+        self.selected(query, &effects, (newest.chain(blocks), place(seen)), count)
     }
 
     /// Extends the index of the log for about `budget` of time. Returns true once it contains all effects; before that, queries search
@@ -214,12 +218,18 @@ impl RecordView {
         self.reader.check_growth()?;
         let began = Instant::now();
         let last = self.reader.effects()?.table.last_id();
-        while for_reading(&self.indexes.effects).seen() < last {
+        loop {
+            // Queries wait for neither the reading nor the decoding of effects: the index is locked only to append what was read.
+            let mut next = for_reading(&self.indexes.effects).continuation();
+            let after = next.seen();
+            if after >= last {
+                return Ok(true);
+            }
             if began.elapsed() > budget {
                 return Ok(false);
             }
-            for_writing(&self.indexes.effects).refresh(&self.reader, last)?;
+            next.refresh(&self.reader, last)?;
+            for_writing(&self.indexes.effects).append(after, next);
         }
-        Ok(true)
     }
 }

@@ -7,7 +7,9 @@ use crate::error::RecordError;
 use crate::method_detail::MethodDetail;
 use crate::record::{EffectKind, EffectNeed, Effects, Item, RecordReader};
 use apex_model::effect::{Decision, DecisionKind, Effect};
+use apex_model::symbol::Symbol;
 use apex_model::task::{OUTCOME_WORDS, TaskState};
+use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -32,10 +34,51 @@ pub(super) struct IndexedTask {
     /// The instant of the first change of each block.
     block_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
-    goals: Vec<(i64, Box<str>)>,
+    goals: Vec<(i64, IndexedGoal)>,
     /// The method of each selection; none from a new start of the step until it is selected again.
     methods: Vec<(i64, Option<Arc<MethodDetail>>)>,
 }
+
+/// A goal as text, and what programs ask about it, so that they need not read the text.
+#[derive(Clone, Debug)]
+pub(super) struct IndexedGoal {
+    pub(super) text: Box<str>,
+    /// The names in it, at any depth, each once; its head is the first one.
+    names: Box<[Symbol]>,
+}
+
+impl IndexedGoal {
+    fn of(goal: &Value) -> IndexedGoal {
+        let mut names = Vec::new();
+        add_names(goal, &mut names);
+        IndexedGoal { text: goal.to_string().into_boxed_str(), names: names.into_boxed_slice() }
+    }
+
+    /// Returns those of `targets` that the goal names.
+    pub(super) fn targets(&self, targets: &TargetNames) -> Vec<String> {
+        self.names.iter().filter_map(|name| targets.get(name.folded())).cloned().collect()
+    }
+
+    /// Returns true if a task with this goal only sends a message or asks a question.
+    pub(super) fn is_message(&self) -> bool {
+        self.names.first().is_some_and(|head| MESSAGES.contains(&head.folded()))
+    }
+}
+
+/// Adds the names in a value that are not among `names` yet.
+fn add_names(value: &Value, names: &mut Vec<Symbol>) {
+    match value {
+        Value::Symbol(name) if !names.contains(name) => names.push(name.clone()),
+        Value::List(items) => items.iter().for_each(|item| add_names(item, names)),
+        _ => {}
+    }
+}
+
+/// The identifiers of targets by their text in lower case.
+pub(super) type TargetNames = BTreeMap<String, String>;
+
+/// Heads of goals whose tasks only send a message or ask a question.
+const MESSAGES: [&str; 3] = ["inform", "print", "ask"];
 
 /// Number of changes of a task in one block of [`IndexedTask::longest_ns`].
 pub(super) const BLOCK_CHANGES: usize = 16;
@@ -165,10 +208,10 @@ impl IndexedTask {
                 self.place = effects.place(decision);
                 self.created_ns = at_ns;
                 self.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: OutcomeCode::default() });
-                self.set_goal(at_ns, goal.to_string());
+                self.set_goal(at_ns, goal);
             }
             DecisionKind::Selected { method, goal, .. } => {
-                self.set_goal(at_ns, goal.to_string());
+                self.set_goal(at_ns, goal);
                 self.methods.push((at_ns, Some(Arc::new(effects.method(method)))));
             }
             _ => {}
@@ -181,9 +224,10 @@ impl IndexedTask {
         self.methods.push((at_ns, method));
     }
 
-    fn set_goal(&mut self, at_ns: i64, goal: String) {
-        if self.goals.last().is_none_or(|(_, known)| **known != *goal) {
-            self.goals.push((at_ns, goal.into_boxed_str()));
+    fn set_goal(&mut self, at_ns: i64, goal: &Value) {
+        let goal = IndexedGoal::of(goal);
+        if self.goals.last().is_none_or(|(_, known)| known.text != goal.text) {
+            self.goals.push((at_ns, goal));
         }
     }
 
@@ -261,7 +305,12 @@ impl IndexedTask {
 
     /// Returns its goal as known at `at_ns`; empty before its creation.
     pub(super) fn goal_at(&self, at_ns: i64) -> &str {
-        last_known(&self.goals, at_ns).map_or("", |goal| goal)
+        self.known_goal(at_ns).map_or("", |goal| &goal.text)
+    }
+
+    /// Returns its goal as known at `at_ns`; `None` before its creation.
+    pub(super) fn known_goal(&self, at_ns: i64) -> Option<&IndexedGoal> {
+        last_known(&self.goals, at_ns)
     }
 
     /// Returns the method selected by `at_ns`.

@@ -119,6 +119,11 @@ impl RecordView {
         Ok(RecordView::of(reader, indexes.unwrap_or_default()))
     }
 
+    /// Returns a view of a record that is open.
+    pub fn of_reader(reader: RecordReader) -> RecordView {
+        RecordView::of(reader, Arc::default())
+    }
+
     fn of(reader: RecordReader, indexes: Arc<Indexes>) -> RecordView {
         RecordView { reader, indexes }
     }

@@ -1,9 +1,9 @@
 //! The observation targets and the history of each.
 
 use super::announcements::{Announcements, LOOK};
+use super::index::TargetNames;
 use super::{RecordView, for_writing};
 use crate::error::RecordError;
-use crate::target_state::TARGET_GONE;
 use rusqlite::Connection;
 use serde::Serialize;
 use serde_json::Value;
@@ -45,6 +45,8 @@ pub struct Target {
     pub since_ns: Option<i64>,
     /// Mission time in nanoseconds of its announcement; `None` if it was known from the start.
     pub announced_ns: Option<i64>,
+    /// Mission time in nanoseconds since which it needs no observation any longer; none if it needs one.
+    pub gone_ns: Option<i64>,
     /// Mission time in nanoseconds of the end of its last observation; none if it was not observed by then.
     pub observed_ns: Option<i64>,
     /// Recorded changes up to that instant, oldest first, at most 500 entries.
@@ -64,6 +66,17 @@ pub struct TargetChange {
 }
 
 impl RecordView {
+    /// Returns the identifiers of all targets of the record, by their text in lower case.
+    pub(super) fn target_names(&self) -> Result<TargetNames, RecordError> {
+        let read = |connection: &Connection| {
+            let mut statement =
+                connection.prepare_cached("SELECT id FROM target UNION SELECT target FROM target_state")?;
+            let ids = statement.query_map([], |row| row.get(0))?;
+            ids.map(|id| id.map(|id: String| (id.to_lowercase(), id))).collect::<rusqlite::Result<_>>()
+        };
+        self.query("the targets", read)
+    }
+
     /// Returns the targets known at mission time `at_ns` (nanoseconds; `None`: the record's end), with their states at that time.
     ///
     /// # Errors
@@ -90,7 +103,8 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
         if history.is_empty() && known_ns.is_none_or(|known_ns| known_ns > at_ns) {
             continue;
         }
-        let now = state_of(&history);
+        let gone_ns = announcements.gone_ns(&id, at_ns);
+        let now = state_of(&history, gone_ns);
         let observed_ns = history.iter().rev().find(|change| change.state == "observed").map(|change| change.t_ns);
         let older = history.len().saturating_sub(HISTORY_MAX);
         history.drain(..older);
@@ -100,6 +114,7 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
             latitude_deg: row.get(2)?,
             longitude_deg: row.get(3)?,
             value: announcements.value_at(&id, at_ns).map_or_else(|| row.get(4), |value| Ok(Some(value)))?,
+            gone_ns,
             observed_ns,
             geometry: geometry.and_then(|text| serde_json::from_str(&text).ok()),
             state: now.as_ref().map(|change| change.state.clone()),
@@ -110,18 +125,24 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
             id,
         });
     }
-    targets.extend(grown(histories, &targets));
+    targets.extend(grown(histories, &targets, announcements, at_ns));
     targets.sort_by(|one, other| one.id.cmp(&other.id));
     Ok(Targets { targets })
 }
 
 /// Returns targets for the states that belong to ground by which a fire has grown, `FIRE/growth-1`: it has no row in the table. Its place,
 /// outline and value are not recorded; the middle of its fire is outside of it.
-fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> Vec<Target> {
+fn grown(
+    histories: BTreeMap<String, Vec<TargetChange>>,
+    targets: &[Target],
+    announcements: &Announcements,
+    at_ns: i64,
+) -> Vec<Target> {
     let of = |(id, mut history): (String, Vec<TargetChange>)| {
         let (fire, part) = id.split_once(LOOK)?;
         let fire = targets.iter().find(|target| target.id == fire)?;
-        let now = state_of(&history);
+        let gone_ns = announcements.gone_ns(&id, at_ns);
+        let now = state_of(&history, gone_ns);
         let observed_ns = history.iter().rev().find(|change| change.state == "observed").map(|change| change.t_ns);
         let announced_ns = history.first().map(|change| change.t_ns);
         history.drain(..history.len().saturating_sub(HISTORY_MAX));
@@ -130,6 +151,7 @@ fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> 
             latitude_deg: None,
             longitude_deg: None,
             value: None,
+            gone_ns,
             observed_ns,
             geometry: None,
             state: now.as_ref().map(|change| change.state.clone()),
@@ -144,11 +166,12 @@ fn grown(histories: BTreeMap<String, Vec<TargetChange>>, targets: &[Target]) -> 
 }
 
 /// Returns the present state, the instant since which it lasts, and its latest reason: each plan has a new time for every target that it
-/// keeps, and a new reason for every target that it leaves out.
-fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
+/// keeps, and a new reason for every target that it leaves out. A target that is gone has its state since then at the earliest.
+fn state_of(history: &[TargetChange], gone_ns: Option<i64>) -> Option<TargetChange> {
     let last = history.last()?;
-    let is_gone = |change: &TargetChange| change.detail.as_deref() == Some(TARGET_GONE);
-    let is_same = |change: &&TargetChange| change.state == last.state && is_gone(change) == is_gone(last);
+    let since_ns = gone_ns.unwrap_or(i64::MIN);
+    let is_same =
+        |change: &&TargetChange| change.state == last.state && (change.t_ns < since_ns) == (last.t_ns < since_ns);
     let first = history.iter().rev().take_while(is_same).last()?;
     Some(TargetChange { t_ns: first.t_ns, ..last.clone() })
 }
@@ -181,11 +204,15 @@ mod tests {
     #[test]
     fn a_state_lasts_since_the_first_plan_of_a_run_for_the_reason_of_the_last_one() {
         let history = [change(1, "planned", "at 5"), change(2, "skipped", "too far"), change(3, "skipped", "too late")];
-        assert_eq!(state_of(&history), Some(change(2, "skipped", "too late")));
-        let gone = [change(1, "skipped", "too far"), change(2, "skipped", TARGET_GONE)];
-        assert_eq!(state_of(&gone), Some(change(2, "skipped", TARGET_GONE)));
+        assert_eq!(state_of(&history, None), Some(change(2, "skipped", "too late")));
+        let gone = [change(1, "skipped", "too far"), change(2, "skipped", "no observation is needed")];
+        assert_eq!(state_of(&gone, Some(2)), gone.last().cloned());
+        assert_eq!(
+            state_of(&gone, None),
+            Some(TargetChange { t_ns: 1, ..change(2, "skipped", "no observation is needed") })
+        );
         let history = [change(1, "planned", "at 5"), change(2, "planned", "at 6")];
-        assert_eq!(state_of(&history), Some(TargetChange { t_ns: 1, ..change(2, "planned", "at 6") }));
-        assert_eq!(state_of(&[]), None);
+        assert_eq!(state_of(&history, None), Some(TargetChange { t_ns: 1, ..change(2, "planned", "at 6") }));
+        assert_eq!(state_of(&[], None), None);
     }
 }

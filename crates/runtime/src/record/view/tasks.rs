@@ -1,7 +1,7 @@
 //! The task tree at an instant.
 
 use super::RecordView;
-use super::index::{IndexedTask, TaskIndex};
+use super::index::{IndexedGoal, IndexedTask, TargetNames, TaskIndex};
 use super::state::StateWord;
 use crate::error::RecordError;
 use crate::method_detail::MethodDetail;
@@ -56,6 +56,10 @@ pub struct Task {
     pub tag: String,
     /// Its goal as known at that time.
     pub goal: String,
+    /// Identifiers of the targets that the goal names.
+    pub targets: Vec<String>,
+    /// True if it only sends a message or asks a question.
+    pub is_message: bool,
     /// Its state.
     pub state: StateWord,
     /// A word of `apex_model::task::OUTCOME_WORDS`, if it has ended.
@@ -93,14 +97,17 @@ pub enum TaskLookup {
 
 impl Task {
     /// Returns the task at `at_ns`; `None` before its creation.
-    fn at(id: u64, task: &IndexedTask, at_ns: i64) -> Option<Task> {
+    fn at(id: u64, task: &IndexedTask, targets: &TargetNames, at_ns: i64) -> Option<Task> {
         let now = task.state_at(at_ns)?;
+        let goal = task.known_goal(at_ns);
         let method = task.method_at(at_ns);
         Some(Task {
             id,
             parent: task.parent,
             tag: task.tag.clone(),
             goal: task.goal_at(at_ns).to_owned(),
+            targets: goal.map(|goal| goal.targets(targets)).unwrap_or_default(),
+            is_message: goal.is_some_and(IndexedGoal::is_message),
             state: now.state,
             outcome: now.outcome.word().map(str::to_owned),
             since_ns: now.at_ns,
@@ -122,6 +129,7 @@ impl RecordView {
         let at_ns = query.at_ns.unwrap_or(end_ns);
         let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
         let find = query.find.as_deref().map(str::to_lowercase).filter(|text| !text.is_empty());
+        let targets = self.target_names()?;
         let index = self.tasks_index()?;
         let mut counts = BTreeMap::new();
         let mut wanted = Vec::new();
@@ -139,7 +147,7 @@ impl RecordView {
         wanted.sort_unstable();
         let left_out = wanted.len().saturating_sub(limit);
         let chosen = with_ancestors(&index, wanted.into_iter().take(limit).map(|(.., id)| id));
-        let tasks = chosen.into_iter().filter_map(|id| Task::at(id, index.get(id)?, at_ns)).collect();
+        let tasks = chosen.into_iter().filter_map(|id| Task::at(id, index.get(id)?, &targets, at_ns)).collect();
         Ok(Tasks { at_ns, tasks, counts, left_out })
     }
 
@@ -148,16 +156,17 @@ impl RecordView {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn task(&mut self, id: u64, at_ns: i64) -> Result<TaskLookup, RecordError> {
+        let targets = self.target_names()?;
         let index = self.tasks_index()?;
         let Some(task) = index.get(id) else { return Ok(TaskLookup::Unknown) };
-        let Some(row) = Task::at(id, task, at_ns) else {
+        let Some(row) = Task::at(id, task, &targets, at_ns) else {
             return Ok(TaskLookup::NotYet { created_ns: task.created_ns });
         };
         let children = index
             .tasks()
             .range(id..)
             .filter(|(_, child)| child.parent == Some(id))
-            .filter_map(|(&id, child)| Task::at(id, child, at_ns))
+            .filter_map(|(&id, child)| Task::at(id, child, &targets, at_ns))
             .take(CHILDREN_MAX)
             .collect();
         Ok(TaskLookup::Found { task: Box::new(row), children })

@@ -36,6 +36,10 @@ pub struct Trouble {
     pub place: Option<String>,
     /// The target's identifier, if the entry concerns a target.
     pub target: Option<String>,
+    /// Identifiers of the targets that the goal of the task concerned names.
+    pub targets: Vec<String>,
+    /// The kind of the cause, a word of `docs/reference/flight-record.md`; null for entries that are not decisions.
+    pub cause_kind: Option<String>,
 }
 
 /// Kind of an entry.
@@ -94,6 +98,8 @@ impl TroubleIndex {
                 task: told.row.task.map(|task| task.0),
                 place: told.row.place,
                 target: None,
+                targets: Vec::new(),
+                cause_kind: cause_kind(&told.effect).map(str::to_owned),
             };
             let is_same = |before: &Trouble| {
                 kind == TroubleKind::Interrupted
@@ -105,6 +111,14 @@ impl TroubleIndex {
         }
         self.read_to = self.read_to.max(last);
         Ok(())
+    }
+}
+
+/// Returns the kind of the cause of a decision.
+fn cause_kind(effect: &Effect) -> Option<&'static str> {
+    match effect {
+        Effect::Decided(decision) => Some(decision.because.cause.kind()),
+        _ => None,
     }
 }
 

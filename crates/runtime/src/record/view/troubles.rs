@@ -31,6 +31,7 @@ impl RecordView {
         let mut troubles = index.until(until).to_vec();
         drop(index);
         self.name_handlers(&mut troubles, until)?;
+        self.name_targets(&mut troubles)?;
         for target in targets {
             let mut before = None;
             for change in target.history {
@@ -46,6 +47,8 @@ impl RecordView {
                         handler: None,
                         place: None,
                         target: Some(target.id.clone()),
+                        targets: Vec::new(),
+                        cause_kind: None,
                     });
                 }
                 before = Some(change.state);
@@ -64,6 +67,8 @@ impl RecordView {
                 handler: None,
                 place: None,
                 target: None,
+                targets: Vec::new(),
+                cause_kind: None,
             });
         }
         // A stable sort: entries of one instant keep the order of the effects.
@@ -82,6 +87,19 @@ impl RecordView {
         for entry in entries {
             let handler = entry.handler_task.and_then(|task| tasks.get(task));
             entry.handler = handler.map(|task| task.goal_at(until).to_owned());
+        }
+        Ok(())
+    }
+    /// Sets the targets that the goals of the tasks concerned name, as known at each entry's instant.
+    fn name_targets(&self, entries: &mut [Trouble]) -> Result<(), RecordError> {
+        let names = self.target_names()?;
+        if names.is_empty() {
+            return Ok(());
+        }
+        let tasks = self.tasks_index()?;
+        for entry in entries {
+            let goal = entry.task.and_then(|task| tasks.get(task)?.known_goal(entry.t_ns));
+            entry.targets = goal.map(|goal| goal.targets(&names)).unwrap_or_default();
         }
         Ok(())
     }
