@@ -84,7 +84,7 @@ fn a_requirement_without_the_reports_that_it_needs_is_unknown_and_noted_once() {
     // With the reports it is judged at once.
     let endurance = Value::Duration(Duration::from_seconds(36_000.0));
     let height = Value::measured(4_000.0, Dimension::LENGTH);
-    let samples = [place(35.1), ("endurance-remaining", endurance), ("height-above-ground", height)];
+    let samples = [place(35.08), ("endurance-remaining", endurance), ("height-above-ground", height)];
     let judged = watched.step(80.0, &samples, &[]);
     assert_eq!((states(&judged, "energy"), states(&judged, "terrain")), (vec!["kept".into()], vec!["kept".into()]));
 }
