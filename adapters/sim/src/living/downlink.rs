@@ -1,6 +1,7 @@
 //! Downlink of pictures: processing on board, a store, and a link whose rate falls with its signal level.
 //!
-//! A command may order that its pictures stay on board, or how they are sent. Pictures are sent in the order in which they were taken. Bound: O(1) for each step and picture.
+//! A command may order that its pictures stay on board, or how they are sent. Pictures are sent in the order in which they were taken.
+//! Bound: O(1) for each step and picture.
 
 use super::DownlinkSpec;
 use apex_model::value::Value;
@@ -148,7 +149,8 @@ mod tests {
     #[test]
     fn pictures_are_handled_as_their_command_orders() {
         let process = DataOrder::Process { delay_s: 2.0, share: 0.1 };
-        for (order, arrives_s) in [(DataOrder::Stream, Some(20)), (process, Some(4)), (DataOrder::Store, None)] {
+        // Its 4 Mbit leave in the seconds that end at 2 s and at 3 s: the second in which a picture becomes ready counts.
+        for (order, arrives_s) in [(DataOrder::Stream, Some(20)), (process, Some(3)), (DataOrder::Store, None)] {
             let mut link = downlink();
             assert!(link.store("camera-1", Value::symbol("barn"), Some(order), 0.0));
             let arrival_s = (1..60).find(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty());

@@ -2,8 +2,8 @@
 //!
 //! Runs: in the fold of the situation, after each step with a new position or another command; at most once a second near a limit, every
 //! ten seconds otherwise. What it reports enters the next batch and is recorded like all inputs: `(margin REQUIREMENT)`,
-//! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, `(landing-commanded AGENT)`, and the messages `(requirement-at-risk ..)` and
-//! `(requirement-kept ..)`.
+//! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, `(landing-commanded AGENT)`, and the messages
+//! `(requirement-at-risk ..)` and `(requirement-kept ..)`.
 
 use super::commanded::{Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
