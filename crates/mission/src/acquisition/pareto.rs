@@ -60,12 +60,21 @@ fn unbeaten(meeting: &[Predicted]) -> Vec<bool> {
 }
 
 /// Returns the end of the last candidate of a full answer, if no candidate that ends later can change that answer: `meeting` has
-/// [`ANSWERS_MAX`] candidates on the front that are as good as the best one, whatever its points are, and the fastest come first.
+/// [`ANSWERS_MAX`] candidates on the front that are as good as the best one, whatever its points are, and the fastest come first. A
+/// candidate that is as good as the best one up to now, and may not be as good as a better one that follows, leaves the answer open.
 pub(super) fn full_at_s(meeting: &[Predicted]) -> Option<f64> {
+    let surely_good = AS_GOOD * PERFECT_POINTS;
+    if meeting.iter().filter(|one| one.forecast.points >= surely_good).count() < ANSWERS_MAX {
+        return None;
+    }
     let stays = unbeaten(meeting);
-    let good =
-        meeting.iter().zip(&stays).filter(|(one, stays)| **stays && one.forecast.points >= AS_GOOD * PERFECT_POINTS);
-    let mut ends_s: Vec<f64> = good.map(|(one, _)| one.travel_s + one.forecast.time_s).collect();
+    let front: Vec<&Predicted> = meeting.iter().zip(stays).filter(|(_, stays)| *stays).map(|(one, _)| one).collect();
+    let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
+    if front.iter().any(|one| (AS_GOOD * best..surely_good).contains(&one.forecast.points)) {
+        return None;
+    }
+    let good = front.iter().filter(|one| one.forecast.points >= surely_good);
+    let mut ends_s: Vec<f64> = good.map(|one| one.travel_s + one.forecast.time_s).collect();
     ends_s.sort_by(f64::total_cmp);
     ends_s.get(ANSWERS_MAX - 1).copied()
 }

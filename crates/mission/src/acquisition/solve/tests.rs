@@ -3,6 +3,7 @@
 use super::*;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
+use apex_planning::random::Generator;
 use std::path::Path;
 
 /// Goals of the mission's area and of places, with several resolutions and endurances.
@@ -72,4 +73,55 @@ fn risk_is_an_axis_of_the_front() {
     // The required clearance over ground is a part of the height that shrinks with it; at twice the clearance there is no risk.
     let risks = [5.0, 22.0, 25.0, 37.0, 45.0, 1_000.0].map(|m| RiskLimits::of(&mission, &goal).over_ground(m).share);
     assert!(risks.is_sorted_by(|a, b| a >= b) && risks[0] == 1.0 && risks[5] == 0.0, "{risks:?}");
+}
+
+/// Random candidates in the order of their ends, with many that are as good as the best one: the answer of those up to the end of a full
+/// answer is that of all.
+#[test]
+fn candidates_after_a_full_answer_do_not_change_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/stand-off");
+    let mission = Mission::load(&folder).unwrap();
+    let resolution = Value::measured(0.1, Dimension::LENGTH);
+    let form =
+        Value::list([Value::symbol("acquire"), Value::symbol("plume"), Value::symbol(":resolution"), resolution]);
+    let goal = AcquisitionGoal::read(&mission, &form).unwrap();
+    let start = Start { here: mission.start, at_s: 60.0, endurance_s: 3_000.0 };
+    let mut model = synthesise(&mission, &goal, start).unwrap().front[0].clone();
+    model.forecast.flown.poses.clear();
+    let mut random = Generator::new(11);
+    let (mut ended_early, mut changed_by_the_last) = (0, 0);
+    for round in 0..400 {
+        let mut all: Vec<Predicted> = (0..8 + random.below(40))
+            .map(|_| {
+                let mut one = model.clone();
+                one.forecast.flown.energy = [1.0, 2.0, 3.0, 4.0][random.below(4)];
+                one.forecast.flown.turns = random.below(4);
+                one.risk.share = [0.0, 0.6, 0.8, 1.0][random.below(4)];
+                one.travel_s = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0][random.below(8)];
+                // In every second round the best candidates come last, so that others are as good as the best one for a time only.
+                let is_late = round % 2 == 0 || one.travel_s >= 60.0;
+                let points: &[f64] =
+                    if is_late { &[100.0, 99.97, 99.5, 99.0, 98.95, 95.0] } else { &[99.5, 99.3, 99.2, 99.0, 98.7] };
+                one.forecast.points = points[random.below(points.len())];
+                one
+            })
+            .collect();
+        all.sort_by(|a, b| a.travel_s.total_cmp(&b.travel_s));
+        let end_s = |one: &Predicted| one.travel_s + one.forecast.time_s;
+        let mut some: Vec<Predicted> = Vec::new();
+        for one in &all {
+            if full_at_s(&some).is_some_and(|full_s| end_s(one) > full_s) {
+                ended_early += 1;
+                break;
+            }
+            some.push(one.clone());
+        }
+        let answer = |meeting: &[Predicted]| front(meeting.to_vec()).iter().map(figures).collect::<Vec<_>>();
+        assert_eq!(answer(&some), answer(&all), "round {round}");
+        changed_by_the_last += usize::from(answer(&some[..some.len() - 1]) != answer(&some));
+    }
+    assert!(
+        ended_early >= 100 && changed_by_the_last >= 20,
+        "{ended_early} ended early, {changed_by_the_last} changed"
+    );
 }
