@@ -49,26 +49,21 @@ pub(super) fn is_perfect(one: &Predicted) -> bool {
     one.forecast.points >= (1.0 - ALL_POINTS_SPARE) * PERFECT_POINTS
 }
 
-/// Returns true for each candidate that no other one beats, and that is the first of equal ones.
-fn unbeaten(meeting: &[Predicted]) -> Vec<bool> {
-    let all: Vec<[f64; 5]> = meeting.iter().map(figures).collect();
-    let stays = |(index, own): (usize, &[f64; 5])| {
-        let twin = |(other, figures): (usize, &[f64; 5])| beats(figures, own) || (other < index && figures == own);
-        !all.iter().enumerate().any(twin)
-    };
-    all.iter().enumerate().map(stays).collect()
+/// Adds a candidate to a Pareto front, unless one on it beats or equals it; removes those that it beats. Bound: O(candidates on the front).
+pub(super) fn add(front: &mut Vec<Predicted>, one: Predicted) {
+    let own = figures(&one);
+    if front.iter().map(figures).any(|other| beats(&other, &own) || other == own) {
+        return;
+    }
+    front.retain(|other| !beats(&own, &figures(other)));
+    front.push(one);
 }
 
-/// Returns the end of the last candidate of a full answer, if no candidate that ends later can change that answer: `meeting` has
-/// [`ANSWERS_MAX`] candidates on the front that are as good as the best one, whatever its points are, and the fastest come first. A
-/// candidate that is as good as the best one up to now, and may not be as good as a better one that follows, leaves the answer open.
-pub(super) fn full_at_s(meeting: &[Predicted]) -> Option<f64> {
+/// Returns the end of the last candidate of a full answer, if no candidate that ends later can change that answer: `front` has
+/// [`ANSWERS_MAX`] candidates that are as good as the best one, whatever its points are, and the fastest come first. A candidate that is as
+/// good as the best one up to now, and may not be as good as a better one that follows, leaves the answer open.
+pub(super) fn full_at_s(front: &[Predicted]) -> Option<f64> {
     let surely_good = AS_GOOD * PERFECT_POINTS;
-    if meeting.iter().filter(|one| one.forecast.points >= surely_good).count() < ANSWERS_MAX {
-        return None;
-    }
-    let stays = unbeaten(meeting);
-    let front: Vec<&Predicted> = meeting.iter().zip(stays).filter(|(_, stays)| *stays).map(|(one, _)| one).collect();
     let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
     if front.iter().any(|one| (AS_GOOD * best..surely_good).contains(&one.forecast.points)) {
         return None;
@@ -79,11 +74,8 @@ pub(super) fn full_at_s(meeting: &[Predicted]) -> Option<f64> {
     ends_s.get(ANSWERS_MAX - 1).copied()
 }
 
-/// Returns the Pareto front of value, time, energy, risk and turns; the chosen manoeuvre first.
-pub(super) fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
-    let stays = unbeaten(&meeting);
-    let mut front: Vec<Predicted> =
-        meeting.into_iter().zip(stays).filter(|(_, stays)| *stays).map(|(one, _)| one).collect();
+/// Returns a Pareto front of value, time, energy, risk and turns as an answer: the chosen manoeuvre first, at most [`ANSWERS_MAX`].
+pub(super) fn answer(mut front: Vec<Predicted>) -> Vec<Predicted> {
     let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
     let is_good = |one: &Predicted| one.forecast.points >= AS_GOOD * best;
     front.sort_by(|a, b| {

@@ -5,7 +5,7 @@
 
 use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, ground_m, heights_m, lowest_m, sensors};
 use super::goal::AcquisitionGoal;
-use super::pareto::{ANSWERS_MAX, Cost, Predicted, beats, cost, figures, front, full_at_s, is_perfect};
+use super::pareto::{ANSWERS_MAX, Cost, Predicted, add, answer, beats, cost, figures, full_at_s, is_perfect};
 use super::permitted::{PathRequirements, PlacedPath};
 use super::predicted::observe;
 use super::risk::{Risk, RiskLimits};
@@ -63,12 +63,12 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
     let mut misses: Vec<Miss> = Vec::new();
     let candidates = all_candidates(mission, goal, start, &mut misses)?;
     let tried = candidates.len();
-    let meeting = predicted(mission, goal, candidates, start, &mut misses);
+    let (front, _) = predicted(mission, goal, candidates, start, &mut misses);
     misses.sort_by(|a, b| a.by.total_cmp(&b.by));
     misses.dedup_by(|next, before| next.why == before.why);
     let mut misses: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
     misses.truncate(ANSWERS_MAX);
-    let front = front(meeting);
+    let front = answer(front);
     match front.is_empty() {
         false => Ok(Synthesis { front, tried, misses }),
         true => {
@@ -101,16 +101,17 @@ fn all_candidates(
     Ok(candidates)
 }
 
-/// Returns the candidates that meet the goal, in the order of their ends; adds the misses of the others. Candidates that cannot be in the
-/// answer are left out: those that a perfect one beats whatever they saw, and those that end after the last one of a full answer.
+/// Returns the Pareto front of the candidates that meet the goal, and the number of those that were predicted; adds the misses of the
+/// others. Candidates that cannot be in the answer are not predicted: those that a perfect one beats whatever they saw, and those that end
+/// after the last one of a full answer.
 fn predicted(
     mission: &Mission,
     goal: &AcquisitionGoal,
     candidates: Vec<ManoeuvreCandidate>,
     start: Start,
     misses: &mut Vec<Miss>,
-) -> Vec<Predicted> {
-    let mut meeting: Vec<Predicted> = Vec::new();
+) -> (Vec<Predicted>, usize) {
+    let (mut front, mut predictions): (Vec<Predicted>, usize) = (Vec::new(), 0);
     let mut full_s = None;
     let requirements = PathRequirements::of(mission);
     for timed in by_time(mission, goal, candidates, start) {
@@ -124,18 +125,19 @@ fn predicted(
         if full_s.is_some_and(|full_s: f64| timed.cost[0] > full_s) {
             break;
         }
-        if meeting.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &timed.cost)) {
+        if front.iter().any(|one| is_perfect(one) && beats(&figures(one)[1..], &timed.cost)) {
             continue;
         }
+        predictions += 1;
         match judged(mission, (goal, &requirements), timed, start) {
             Ok(predicted) => {
-                meeting.push(predicted);
-                full_s = full_at_s(&meeting);
+                add(&mut front, predicted);
+                full_s = full_at_s(&front);
             }
             Err(miss) => misses.push(miss),
         }
     }
-    meeting
+    (front, predictions)
 }
 
 /// Adds a miss: the required pixels need a height at which the vehicle may not fly.
