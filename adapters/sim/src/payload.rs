@@ -4,6 +4,7 @@ use crate::arguments::Arguments;
 use crate::camera::{Aim, Camera, CameraState, DOWN, FixedDirection, PictureRun};
 use crate::instants;
 use crate::living::FaultKind;
+use crate::living::downlink::DataOrder;
 use crate::names::unknown_name;
 use crate::packet::Extent;
 use crate::world::SimulatedWorld;
@@ -26,7 +27,7 @@ impl SimulatedWorld {
             return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
         }
         let wanted = arguments.at(0).and_then(Value::as_symbol);
-        let order = arguments.data_keyword()?;
+        let order = self.data_order(arguments)?;
         if wanted.is_some_and(|word| word.is("on")) {
             if self.suffers(FaultKind::PayloadPower, "") {
                 return Err(arguments.wrong("the payload has no power"));
@@ -102,7 +103,7 @@ impl SimulatedWorld {
             }
             ("take-pictures", _) => {
                 let step = arguments.picture_step()?;
-                camera.data = arguments.data_keyword()?;
+                camera.data = self.data_order(arguments)?;
                 camera.run = Some(PictureRun { step, flown_m: 0.0, waited_s: 0.0, last: None });
                 answer = Some(Value::symbol(&camera.model.name));
                 self.settled = false;
@@ -119,6 +120,18 @@ impl SimulatedWorld {
             self.answer(id, Ok(answer), inputs);
         }
         Ok(())
+    }
+
+    /// Reads how a command wants its images handled. Without a downlink nothing can be sent.
+    fn data_order(&self, arguments: &Arguments) -> Result<Option<DataOrder>, String> {
+        let order = arguments.data_keyword()?;
+        let has_link = self.living.as_ref().is_some_and(|living| living.downlink.is_some());
+        match order {
+            Some(DataOrder::Stream | DataOrder::Process { .. }) if !has_link => Err(arguments.wrong(
+                "images cannot be sent, because the world file states no `downlink`; write `:data store` or add one",
+            )),
+            _ => Ok(order),
+        }
     }
 
     /// Refuses a command that a failure of power or sensor makes impossible.
@@ -156,7 +169,7 @@ impl SimulatedWorld {
         inputs: &mut Vec<Input>,
     ) -> Result<(), String> {
         camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
-        camera.data = arguments.data_keyword()?;
+        camera.data = self.data_order(arguments)?;
         camera.state = CameraState::Exposing;
         camera.timer = Some(self.now + instants::span(camera.model.picture_s));
         camera.command = Some(id);

@@ -24,6 +24,28 @@ pub(crate) enum DataOrder {
     Process { delay_s: f64, share: f64 },
 }
 
+/// Outcome of storing an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stored {
+    /// It is sent when its turn comes.
+    Queued,
+    /// It stays on board until the landing.
+    Kept,
+    /// It did not fit into the store.
+    Lost,
+}
+
+impl Stored {
+    /// Returns the head of the message about an image that will not arrive before the landing.
+    pub(crate) fn message(self) -> Option<&'static str> {
+        match self {
+            Stored::Queued => None,
+            Stored::Kept => Some("image-kept"),
+            Stored::Lost => Some("image-lost"),
+        }
+    }
+}
+
 /// One picture, or line of a scanner, in the store.
 #[derive(Clone, Debug)]
 struct Queued {
@@ -63,11 +85,11 @@ impl Downlink {
         self.kept_mbit + self.queue.iter().map(|queued| queued.left_mbit).sum::<f64>()
     }
 
-    /// Adds a picture to the store, to be handled as ordered, otherwise as the world states; returns false if it does not fit and is lost.
-    pub(crate) fn store(&mut self, camera: &str, target: Value, order: Option<DataOrder>, now_s: f64) -> bool {
+    /// Adds a picture to the store, to be handled as ordered, otherwise as the world states.
+    pub(crate) fn store(&mut self, camera: &str, target: Value, order: Option<DataOrder>, now_s: f64) -> Stored {
         let size_mbit = self.spec.picture_mbit;
         if self.used_mbit() + size_mbit > self.spec.store_mbit {
-            return false;
+            return Stored::Lost;
         }
         let (delay_s, share) = match order {
             None => (self.spec.processing_s, 1.0),
@@ -75,18 +97,25 @@ impl Downlink {
             Some(DataOrder::Process { delay_s, share }) => (delay_s, share),
             Some(DataOrder::Store) => {
                 self.kept_mbit += size_mbit;
-                return true;
+                return Stored::Kept;
             }
         };
         let (ready_s, left_mbit) = (now_s + delay_s, share * size_mbit);
         self.queue.push_back(Queued { camera: camera.to_owned(), target, ready_s, left_mbit });
-        true
+        Stored::Queued
     }
 
-    /// Observes the scanner; adds the image of a line to the store when it ends. Returns false if the image does not fit and is lost.
-    pub(crate) fn scan(&mut self, is_scanning: bool, now_s: f64) -> bool {
+    /// Observes the scanner; adds the image of a line to the store when it ends. Returns its outcome; `None` without an image.
+    pub(crate) fn scan(&mut self, is_scanning: bool, now_s: f64) -> Option<Stored> {
         let was_scanning = std::mem::replace(&mut self.is_scanning, is_scanning);
-        is_scanning || !was_scanning || self.store(SCANNER, Value::symbol("line"), self.scanner_order, now_s)
+        let has_ended = was_scanning && !is_scanning;
+        has_ended.then(|| self.store(SCANNER, Value::symbol("line"), self.scanner_order, now_s))
+    }
+
+    /// Empties the store: all images are read after a landing.
+    pub(crate) fn read_out(&mut self) {
+        self.queue.clear();
+        self.kept_mbit = 0.0;
     }
 
     /// Transmits during the `dt` seconds that end now; returns the pictures that have been delivered completely.
@@ -120,7 +149,7 @@ mod tests {
     #[test]
     fn a_picture_takes_processing_and_its_size_over_the_rate() {
         let mut link = downlink();
-        assert!(link.store("camera-1", Value::symbol("barn"), None, 0.0));
+        assert_eq!(link.store("camera-1", Value::symbol("barn"), None, 0.0), Stored::Queued);
         let arrivals: Vec<i32> = (1..60).filter(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty()).collect();
         assert_eq!(arrivals, [24], "5 s of processing, 20 s of sending; the second that ends at 5 s counts");
     }
@@ -130,7 +159,7 @@ mod tests {
         let mut link = downlink();
         let mut arrivals = Vec::new();
         for second in 0..60 {
-            assert!(link.scan((10..20).contains(&second), f64::from(second)));
+            assert_ne!(link.scan((10..20).contains(&second), f64::from(second)), Some(Stored::Lost));
             arrivals.extend(link.send(1.0, f64::from(second), 1.0).into_iter().map(|image| (second, image.camera)));
         }
         assert_eq!(arrivals, [(44, "scanner".to_string())], "the end at 20 s, 5 s of processing, 20 s of sending");
@@ -139,7 +168,8 @@ mod tests {
     #[test]
     fn a_weak_link_sends_less_and_a_full_store_loses() {
         let mut link = downlink();
-        assert!([1, 2, 3].map(|_| link.store("camera-1", Value::nil(), None, 0.0)) == [true, true, false]);
+        let stored = [1, 2, 3].map(|_| link.store("camera-1", Value::nil(), None, 0.0));
+        assert_eq!(stored, [Stored::Queued, Stored::Queued, Stored::Lost]);
         assert!(link.send(0.05, 100.0, 50.0).is_empty());
         assert_eq!(link.used_mbit(), 80.0);
         assert_eq!(link.send(0.5, 150.0, 50.0).len(), 1);
@@ -152,11 +182,14 @@ mod tests {
         // Its 4 Mbit leave in the seconds that end at 2 s and at 3 s: the second in which a picture becomes ready counts.
         for (order, arrives_s) in [(DataOrder::Stream, Some(20)), (process, Some(3)), (DataOrder::Store, None)] {
             let mut link = downlink();
-            assert!(link.store("camera-1", Value::symbol("barn"), Some(order), 0.0));
+            let expected = if order == DataOrder::Store { Stored::Kept } else { Stored::Queued };
+            assert_eq!(link.store("camera-1", Value::symbol("barn"), Some(order), 0.0), expected);
             let arrival_s = (1..60).find(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty());
             assert_eq!(arrival_s, arrives_s, "{order:?}");
             let used_mbit = if order == DataOrder::Store { 40.0 } else { 0.0 };
             assert_eq!(link.used_mbit(), used_mbit, "{order:?}");
+            link.read_out();
+            assert_eq!(link.used_mbit(), 0.0, "{order:?}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::FaultKind;
 use super::disturbances::Disturbances;
-use super::downlink::{Downlink, SCANNER};
+use super::downlink::{Downlink, SCANNER, Stored};
 use super::faults::{FaultChange, FaultSpan};
 use super::ignitions::{Fire, Ignitions};
 use super::life::{DETECTOR_K_MAX, Living};
@@ -190,10 +190,13 @@ impl SimulatedWorld {
             camera.broken = hot || living.faults.find(FaultKind::Sensor, name, now).is_some();
         }
         let level_of = |name: &str| self.radios.iter().find(|radio| radio.modem.name.eq_ignore_ascii_case(name));
-        let mut is_kept = true;
+        let mut line = None;
         let delivered = match &mut living.downlink {
             Some(downlink) => {
-                is_kept = downlink.scan(self.scanner_on, now_s);
+                line = downlink.scan(self.scanner_on, now_s);
+                if self.state.on_ground {
+                    downlink.read_out();
+                }
                 let level = level_of(&downlink.spec.over).map_or(0.0, |radio| radio.level);
                 downlink.send(level, now_s, dt)
             }
@@ -211,8 +214,8 @@ impl SimulatedWorld {
             }
             None => Vec::new(),
         };
-        if !is_kept {
-            let form = ["image-lost", SCANNER, "line"].map(Value::symbol);
+        if let Some(head) = line.and_then(Stored::message) {
+            let form = [head, SCANNER, "line"].map(Value::symbol);
             inputs.push(Input::new(now, EventKind::Occurrence(Value::list(form))));
         }
         for picture in delivered {
@@ -279,9 +282,9 @@ impl SimulatedWorld {
             said.push(Value::list([Value::symbol("fire-sighted"), Value::symbol(&site.name)]));
         }
         if let Some(downlink) = &mut living.downlink
-            && !downlink.store(&camera.model.name, target.clone(), camera.data, now_s)
+            && let Some(head) = downlink.store(&camera.model.name, target.clone(), camera.data, now_s).message()
         {
-            said.push(Value::list([Value::symbol("image-lost"), Value::symbol(&camera.model.name), target]));
+            said.push(Value::list([Value::symbol(head), Value::symbol(&camera.model.name), target]));
         }
         inputs.extend(said.into_iter().map(|form| Input::new(self.now, EventKind::Occurrence(form))));
     }

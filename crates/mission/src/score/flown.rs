@@ -190,6 +190,7 @@ impl FlownScore {
             "new-perimeter" => return self.grow(form),
             "crashed" => return self.arrivals.crashed(),
             "image-lost" => return self.arrivals.lost(&camera.to_string()),
+            "image-kept" => return self.arrivals.kept(&camera.to_string()),
             "image-on-ground" => {
                 let arrived = self.arrivals.arrived(&camera.to_string(), at);
                 return arrived.into_iter().for_each(|product| self.observation.add(Addition::Product(product)));

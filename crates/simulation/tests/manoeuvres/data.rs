@@ -7,6 +7,7 @@ use apex_mission::Mission;
 use apex_mission::acquisition::{PerformedManoeuvre, forecast, synthesised};
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::report::MissionValue;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::PayloadUse;
@@ -129,6 +130,19 @@ fn data_that_the_link_does_not_carry_are_refused_with_what_works() {
     assert!(why.contains("write store, stream, or (process DELAY SHARE)"), "{why}");
 }
 
+/// The application states a link that the world does not have: the vehicle refuses to send.
+#[test]
+fn nothing_is_sent_in_a_world_without_a_downlink() {
+    let folder = tempfile::tempdir().unwrap();
+    let goal = "(perform (orbit :radius 60m :height 50m :data stream) at field with camera-1 at 6m/s every 30m)";
+    drop(linked(folder.path(), goal, LINK));
+    std::fs::write(folder.path().join("world.json"), r#"{"format": "apex-world-1"}"#).unwrap();
+    let (flight, arrivals_s) = fly(Mission::load(folder.path()).unwrap(), folder.path());
+    let why = flight.report.failed_because.unwrap_or_else(|| panic!("it is flown"));
+    assert!(why.contains("images cannot be sent, because the world file states no `downlink`"), "{why}");
+    assert_eq!(arrivals_s, [] as [f64; 0]);
+}
+
 /// A goal with a handling of its data is answered by a manoeuvre in that handling, and `:latency` counts with it.
 #[test]
 fn a_goal_states_how_its_data_are_handled() {
@@ -145,4 +159,40 @@ fn a_goal_states_how_its_data_are_handled() {
     let wanted = "(acquire field :product stills :resolution 5cm :data (process 5s 0.1))";
     let (flight, arrivals_s) = fly(linked(folder.path(), wanted, LINK), folder.path());
     assert!(flight.end.reason.is_success() && !arrivals_s.is_empty(), "{}", flight.report.text());
+}
+
+/// The pictures of the field stay on board until the landing, about five minutes after the last one; those of the second manoeuvre of the
+/// same camera, which are sent, are not theirs. A world without a downlink, where all images are read after the landing, is the witness.
+#[test]
+fn stored_pictures_do_not_arrive_with_those_of_a_later_manoeuvre() {
+    let orbit = |data: &str, at: &str| {
+        format!("(perform (orbit :radius 60m :height 50m :data {data}) at {at} with camera-1 at 6m/s every 30m)")
+    };
+    let timing = |data: [&str; 2], has_downlink: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        let away = "(40.004 -99.996 0.0)";
+        let goal =
+            format!("{})\n  (step wait (wait 3min))\n  (step second {}", orbit(data[0], "field"), orbit(data[1], away));
+        drop(linked(folder.path(), &goal, LINK));
+        let change = |name: &str, from: &str, to: &str| {
+            let file = folder.path().join(name);
+            let text = std::fs::read_to_string(&file).unwrap();
+            assert!(text.contains(from), "{name}: {from}");
+            std::fs::write(&file, text.replace(from, to)).unwrap();
+        };
+        change("targets.geojson", r#""resolution_m": 5"#, r#""resolution_m": 5, "latency_min": [2, 30]"#);
+        if !has_downlink {
+            std::fs::write(folder.path().join("world.json"), r#"{"format": "apex-world-1"}"#).unwrap();
+        }
+        let (flight, arrivals_s) = fly(Mission::load(folder.path()).unwrap(), folder.path());
+        assert!(flight.end.reason.is_success(), "{}", flight.report.text());
+        let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
+        (score.looks[0].flown.factors.timing, arrivals_s.len())
+    };
+    let (stored, sent) = timing(["store", "stream"], true);
+    let (read_after_landing, none) = timing(["store", "store"], false);
+    let (streamed, _) = timing(["stream", "store"], true);
+    assert!(sent >= 5 && none == 0, "{sent} {none}");
+    assert!((stored - read_after_landing).abs() < 1e-6 && stored < 0.95, "{stored} {read_after_landing}");
+    assert_eq!(streamed, 1.0);
 }
