@@ -8,6 +8,7 @@ use apex_mission::acquisition::{PerformedManoeuvre, forecast, synthesised};
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::MissionValue;
+use apex_model::event::EventKind;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::PayloadUse;
@@ -31,18 +32,24 @@ fn linked(folder: &Path, goal: &str, options: &str) -> Mission {
     Mission::load(folder).unwrap()
 }
 
-/// Instants at which pictures arrived on the ground.
+/// Instants at which pictures arrived on the ground, and the reported shares of the store that are used.
 #[derive(Default)]
 struct Arrivals {
     at_s: Vec<f64>,
+    used: Vec<f64>,
 }
 
 impl apex_runtime::ports::Observer for Arrivals {
     fn observe(&mut self, batch: &apex_model::event::Batch, _: &[apex_model::effect::Effect]) -> Result<(), String> {
         for event in &batch.events {
-            let apex_model::event::EventKind::Occurrence(form) = &event.kind else { continue };
-            if form.to_string().starts_with("(image-on-ground camera-1") {
-                self.at_s.push(batch.now.seconds());
+            match &event.kind {
+                EventKind::Occurrence(form) if form.to_string().starts_with("(image-on-ground camera-1") => {
+                    self.at_s.push(batch.now.seconds());
+                }
+                EventKind::Measurement(variable, Value::Real(share)) if variable.attribute.is("store-used") => {
+                    self.used.push(*share);
+                }
+                _ => {}
             }
         }
         Ok(())
@@ -50,13 +57,18 @@ impl apex_runtime::ports::Observer for Arrivals {
 }
 
 fn fly(mission: Mission, folder: &Path) -> (FlightOutcome, Vec<f64>) {
+    let (flight, arrivals) = fly_observed(mission, folder);
+    (flight, arrivals.at_s)
+}
+
+fn fly_observed(mission: Mission, folder: &Path) -> (FlightOutcome, Arrivals) {
     let mission = Arc::new(mission);
     let mut recorder = apex_simulation::create_record(&folder.join("flight.apex"), &mission, None).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
     let terms = MissionFlight::terms(&mission, None);
     let mut arrivals = Arrivals::default();
     let flight = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut [&mut arrivals]).unwrap();
-    (flight, arrivals.at_s)
+    (flight, arrivals)
 }
 
 fn process(delay_s: f64, share: f64) -> Value {
@@ -128,6 +140,21 @@ fn data_that_the_link_does_not_carry_are_refused_with_what_works() {
     assert!(why.contains("the mission states none; add `:downlink (:rate-mbit-s 2 :picture-mbit 40)`"), "{why}");
     let why = failed("later", LINK);
     assert!(why.contains("write store, stream, or (process DELAY SHARE)"), "{why}");
+}
+
+#[test]
+fn a_landing_empties_the_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let goal = "(perform (orbit :radius 60m :height 50m :data store) at field with camera-1 at 6m/s every 30m)";
+    drop(linked(folder.path(), goal, ""));
+    let file = folder.path().join("mission.pdl");
+    let program = std::fs::read_to_string(&file).unwrap();
+    let program = program
+        .replace("(step home (return to pad at 120m))", "(step home (return to pad at 120m)) (step rest (wait 1min))");
+    assert!(program.contains("(step rest"), "{program}");
+    std::fs::write(&file, program).unwrap();
+    let used = fly_observed(Mission::load(folder.path()).unwrap(), folder.path()).1.used;
+    assert!(used.iter().any(|share| *share > 0.01) && used.last() == Some(&0.0), "{used:?}");
 }
 
 /// The application states a link that the world does not have: the vehicle refuses to send.
