@@ -1,4 +1,5 @@
-//! Modes of a manoeuvre in PDL notation: `:attitude`, `:heading`, `:pace` and `:data` of every form, with the modes of a form that states none.
+//! Modes of a manoeuvre in PDL notation: `:attitude`, `:heading`, `:pace` and `:data` of every form, with the modes of a form that states
+//! none.
 
 use super::data_mode::DataMode;
 use super::form::{Form, read_path};

@@ -127,7 +127,8 @@ impl RecordView {
         Ok(Events { events, more, next })
     }
 
-    /// Returns the first `count` effects at `places` that a query selects, of which those from the place `unindexed` on are not in the index, and the number of the effect at which the search ended early.
+    /// Returns the first `count` effects at `places` that a query selects, and the number of the effect at which the search ended early.
+    /// Effects from the place `unindexed` on are not in the index.
     fn selected(
         &self,
         query: &EventsQuery,
