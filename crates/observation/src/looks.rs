@@ -173,6 +173,7 @@ impl TargetLooks {
         let last = &mut self.last;
         let looks = &mut pass.looks;
         let (mut is_seen, mut finest): (bool, Option<CellLook>) = (false, None);
+        let new = NewStrip { facts: &facts, worth: worth(&facts.weights), needs };
         grid.rasterise(seen.polygon, |cell, middle| {
             let share = fraction(middle);
             let offset = middle.minus(from.plus(share, advance));
@@ -194,11 +195,11 @@ impl TargetLooks {
                 glint: seen.sun.map_or(1.0, |sun| glint(plane.east_north(offset), height_m, sun) as f32),
             };
             is_seen = true;
-            let is_valid = worth(&facts.weights) * f64::from(look.glint) > 0.0;
+            let is_valid = new.worth * f64::from(look.glint) > 0.0;
             if is_valid && finest.is_none_or(|finest| look.pixel_across_m < finest.pixel_across_m) {
                 finest = Some(look);
             }
-            keep(&pass.strips, facts, (looks, last), look, needs);
+            new.keep(&pass.strips, (looks, last), look);
         });
         self.sightings.extend(finest.map(|look| (facts.time_s, look)));
         if is_seen {
@@ -256,42 +257,46 @@ fn worth(weights: &ClarityWeights) -> f64 {
     weights.roll * weights.steady() * weights.clear_share
 }
 
-/// Adds a look of the pass, unless the last look of the same cell is at least as good in every respect; replaces that look if the new
-/// one is at least as good. Of predicted looks, the better one by `needs` is kept alone: they succeed or fail together.
-fn keep(
-    strips: &[StripFacts],
-    facts: StripFacts,
-    (looks, last): (&mut Vec<CellLook>, &mut [u32]),
-    look: CellLook,
-    needs: Option<&LookNeeds<'_>>,
-) {
-    let Some(latest) = last.get_mut(look.cell as usize) else { return };
-    let Some(earlier) = looks.get_mut(*latest as usize) else {
+/// The strip or picture whose looks are added: it follows the strips of its pass.
+struct NewStrip<'a> {
+    facts: &'a StripFacts,
+    /// Its clarity without glint.
+    worth: f64,
+    needs: Option<&'a LookNeeds<'a>>,
+}
+
+impl NewStrip<'_> {
+    /// Adds a look of the strip, unless the last look of the same cell is at least as good in every respect; replaces that look if the
+    /// new one is at least as good. Of predicted looks, the better one by the needs is kept alone: they succeed or fail together.
+    fn keep(&self, strips: &[StripFacts], (looks, last): (&mut Vec<CellLook>, &mut [u32]), look: CellLook) {
+        let Some(latest) = last.get_mut(look.cell as usize) else { return };
+        let Some(earlier) = looks.get_mut(*latest as usize) else {
+            *latest = looks.len() as u32;
+            looks.push(look);
+            return;
+        };
+        // An earlier look may be of the same strip, which is added after its looks.
+        let earlier_facts = strips.get(earlier.strip as usize).unwrap_or(self.facts);
+        let (new, old) = (self.worth * f64::from(look.glint), worth(&earlier_facts.weights) * f64::from(earlier.glint));
+        let finer = look.pixel_across_m <= earlier.pixel_across_m && look.pixel_along_m <= earlier.pixel_along_m;
+        let coarser = look.pixel_across_m >= earlier.pixel_across_m && look.pixel_along_m >= earlier.pixel_along_m;
+        let (is_beaten, is_better) = (new <= old && coarser, new >= old && finer);
+        let is_flown = self.facts.is_flown;
+        let (this, that) = ((look.look_cosine, self.facts.time_s), (earlier.look_cosine, earlier_facts.time_s));
+        let covers = |kept, other| self.needs.is_none_or(|needs| needs.covers(kept, other, is_flown));
+        if is_beaten && covers(that, this) {
+            return;
+        }
+        let replaces = is_better && covers(this, that);
+        if replaces || (!is_flown && (is_beaten || is_better)) {
+            if replaces || is_beaten {
+                *earlier = look;
+            }
+            return;
+        }
         *latest = looks.len() as u32;
         looks.push(look);
-        return;
-    };
-    // The strip of the new look is added after its looks.
-    let earlier_facts = strips.get(earlier.strip as usize).copied().unwrap_or(facts);
-    let (new, old) =
-        (worth(&facts.weights) * f64::from(look.glint), worth(&earlier_facts.weights) * f64::from(earlier.glint));
-    let finer = look.pixel_across_m <= earlier.pixel_across_m && look.pixel_along_m <= earlier.pixel_along_m;
-    let coarser = look.pixel_across_m >= earlier.pixel_across_m && look.pixel_along_m >= earlier.pixel_along_m;
-    let (is_beaten, is_better) = (new <= old && coarser, new >= old && finer);
-    let (this, that) = ((look.look_cosine, facts.time_s), (earlier.look_cosine, earlier_facts.time_s));
-    let covers = |kept, other| needs.is_none_or(|needs| needs.covers(kept, other, facts.is_flown));
-    if is_beaten && covers(that, this) {
-        return;
     }
-    let replaces = is_better && covers(this, that);
-    if replaces || (!facts.is_flown && (is_beaten || is_better)) {
-        if replaces || is_beaten {
-            *earlier = look;
-        }
-        return;
-    }
-    *latest = looks.len() as u32;
-    looks.push(look);
 }
 
 fn hides(grid: &TargetGrid, cell: usize, middle: Point, offset: Point, altitude_m: f64, ground: &dyn Ground) -> bool {

@@ -3,7 +3,7 @@
 //! Planned and recorded pictures are accumulated by the same code ([`add_picture`]); only the source of position, attitude and
 //! weights differs. Bound: O(cells of the footprint) per picture.
 
-use crate::assess::{AssessContext, assess};
+use crate::assess::{AssessContext, assess_factors};
 use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{self, Ground};
@@ -94,8 +94,8 @@ pub fn add_picture(
     looks.add_needed(grid, &seen, facts, (terrain, Some(&needs)))
 }
 
-/// Returns the result of a target after planned pictures. Pictures of one pass succeed or fail together, like those of one line; separate
-/// passes are independent.
+/// Returns the result of a target after planned pictures, without the figures of what is seen. Pictures of one pass succeed or fail
+/// together, like those of one line; separate passes are independent.
 pub fn predict_pictures(
     target: &ObservedTarget,
     grid: &TargetGrid,
@@ -120,7 +120,7 @@ pub fn predict_pictures(
         is_explained: context.is_explained,
     };
     match context.seen {
-        Some(seen) => assess(target, grid, &[seen, &looks], &assess_context),
-        None => assess(target, grid, &[&looks], &assess_context),
+        Some(seen) => assess_factors(target, grid, &[seen, &looks], &assess_context),
+        None => assess_factors(target, grid, &[&looks], &assess_context),
     }
 }

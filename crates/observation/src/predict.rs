@@ -4,7 +4,7 @@
 //! follows from the turbulence and the attitude hold, cloud from the forecast cover.
 //! Bound: O(length / [`PIECE_M`]) pieces per line and O(cells seen).
 
-use crate::assess::{AssessContext, Product, assess, assess_factors};
+use crate::assess::{AssessContext, Product, assess_factors};
 use crate::attitude::Attitude;
 use crate::clarity::{AttitudeHold, ClarityWeights, expected_rate_weight, share_within};
 use crate::footprint::Ground;
@@ -110,7 +110,7 @@ pub struct PredictionContext<'a> {
     pub is_explained: bool,
 }
 
-/// Returns the result of a target after the planned lines, together with earlier looks.
+/// Returns the result of a target after the planned lines, together with earlier looks, without the figures of what is seen.
 pub fn predict(
     target: &ObservedTarget,
     grid: &TargetGrid,
@@ -126,8 +126,8 @@ pub fn predict(
         is_explained: context.is_explained,
     };
     match context.seen {
-        Some(seen) => assess(target, grid, &[seen, &planned], &assess_context),
-        None => assess(target, grid, &[&planned], &assess_context),
+        Some(seen) => assess_factors(target, grid, &[seen, &planned], &assess_context),
+        None => assess_factors(target, grid, &[&planned], &assess_context),
     }
 }
 
