@@ -29,7 +29,8 @@ const LIMITS: &str = "exchange the limits, or join two conditions with `(:or ..)
 pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Impossible> {
     let within = |what: &str, constraints: &[Constraint]| {
         let reason = contradiction(constraints, library)?;
-        Some(Impossible { place: condition.place, reason: format!("{what} {reason}"), help: LIMITS })
+        let place = last_limit(constraints).unwrap_or(condition.place);
+        Some(Impossible { place, reason: format!("{what} {reason}"), help: LIMITS })
     };
     if let Some(found) = level(condition, library) {
         return Some(found);
@@ -69,6 +70,14 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             .iter()
             .find_map(|(name, constraints)| never(name, constraints, Some(0.0), condition.place, library)),
     }
+}
+
+/// Returns the place of the last limit that is compared with; `None` without one. The form of a condition may span many lines.
+fn last_limit(constraints: &[Constraint]) -> Option<Place> {
+    constraints.iter().rev().find_map(|constraint| match constraint {
+        Constraint::Compare { right, .. } => Some(right.place),
+        _ => None,
+    })
 }
 
 /// Returns the reason for which the level of a resource is never compared: the resource has none, or an amount of another dimension.
@@ -139,6 +148,7 @@ fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossib
     let positive = Constraint::Compare { relation: Relation::GreaterOrEqual, right: zero, tolerance: None };
     let all = [timing.duration.as_slice(), &[positive]].concat();
     let reason = contradiction(&all, library).filter(|_| !timing.duration.is_empty())?;
+    let place = last_limit(&timing.duration).unwrap_or(place);
     if contradiction(&timing.duration, library).is_none() {
         let help = "write a limit above zero, such as `(< 5s)`";
         return Some(Impossible { place, reason: "a duration is never negative".to_string(), help });
@@ -164,7 +174,7 @@ fn trend(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) 
         ("significance", [Constraint::Compare { right, .. }]) => {
             let level = number(right, library).filter(|level| !(*level > 0.0 && *level < 1.0))?;
             let reason = format!("a significance of {level} is not a probability between 0 and 1");
-            Some(Impossible { place, reason, help: LIMITS })
+            Some(Impossible { place: right.place, reason, help: LIMITS })
         }
         ("frequency", _) => never(name, constraints, Some(0.0), place, library),
         _ => never(name, constraints, None, place, library),
@@ -190,6 +200,7 @@ fn never(
     };
     let help =
         if contradiction(constraints, library).is_some() { LIMITS } else { "write a limit that a value can meet" };
+    let place = last_limit(constraints).unwrap_or(place);
     Some(Impossible { place, reason: format!("the {} {reason}", name.folded()), help })
 }
 

@@ -30,8 +30,36 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for (_, expr) in in_libraries.chain(functions).filter(|(place, _)| is_own(*place)) {
         walk::expr(expr, &mut |expr| unused_let(expr, report));
     }
+    let names = UsedNames::of(program.library);
+    parameters(program, &names, report);
     if !program.library.agents.is_empty() {
-        definitions(program, report);
+        definitions(program, &names, report);
+    }
+}
+
+/// Reports parameters of functions that their bodies do not use. The callers of functions that are passed as values, serve as predicates or
+/// compute `:costs` fix the number of arguments; a parameter whose name begins with `_` is meant to be unused.
+fn parameters(program: &Program<'_>, names: &UsedNames<'_>, report: &mut FindingCollector<'_>) {
+    let is_own = |place: Place| !program.foreign.contains(&place.file);
+    for (name, function) in &program.library.functions {
+        if !is_own(function.place) || names.passed.contains(name) {
+            continue;
+        }
+        let mut used: BTreeSet<Symbol> = BTreeSet::new();
+        let defaults = function.parameters.optional.iter().filter_map(|(_, default)| default.as_ref());
+        walk::exprs(defaults.chain(&function.body), &mut |part| {
+            if let ExprKind::Local(each) | ExprKind::Assign { name: each, of_task: false, .. } = &part.kind {
+                used.insert(each.clone());
+            }
+        });
+        let is_meant = |name: &Symbol| name.printed().starts_with('_');
+        for parameter in function.parameters.names().filter(|each| !used.contains(*each) && !is_meant(each)) {
+            let span = report.locator.word(function.place, parameter);
+            let message = format!("parameter `{parameter}` of `{name}` is never used");
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
+                .help(format!("use it in the body, or remove it; `_{parameter}` marks it as unused on purpose"));
+            report.add(diagnostic);
+        }
     }
 }
 
@@ -136,7 +164,7 @@ fn unused_let(expr: &Expr, report: &mut FindingCollector<'_>) {
 }
 
 /// Reports procedures, primitives, functions, indexicals and resources of the program that nothing in it uses.
-fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
+fn definitions(program: &Program<'_>, names: &UsedNames<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let is_own = |place: Place| !program.foreign.contains(&place.file);
     let add = |place: Place, report: &mut FindingCollector<'_>, what: String, reason: &str| {
@@ -160,7 +188,6 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
             }
         }
     }
-    let names = UsedNames::of(library);
     for (name, function) in &library.functions {
         if is_own(function.place) && !names.functions.contains(name) {
             add(function.place, report, format!("function `{name}` is never called"), "no expression names it");
@@ -172,10 +199,20 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         }
     }
     for (name, resource) in &library.resources {
-        if is_own(resource.place) && !names.resources.contains(name) && !names.any_resource {
+        let may_be_passed = || names.any_resource && is_written_again(program, name);
+        if is_own(resource.place) && !names.resources.contains(name) && !may_be_passed() {
             add(resource.place, report, format!("resource `{name}` is never needed"), "no profile names it");
         }
     }
+}
+
+/// Returns true if the program's own files have the word more often than in its declaration, so that a profile such as `(profile ?camera)`
+/// may be given it.
+fn is_written_again(program: &Program<'_>, name: &Symbol) -> bool {
+    let is_part = |letter: char| letter.is_alphanumeric() || "-_+*?:".contains(letter);
+    let own = (0..).zip(&program.library.sources).filter(|(file, _)| !program.foreign.contains(file));
+    let mut words = own.flat_map(|(_, source)| source.text.split(|letter: char| !is_part(letter)));
+    words.by_ref().filter(|word| word.eq_ignore_ascii_case(name.printed())).nth(1).is_some()
 }
 
 /// Returns all methods that agents may pursue; `None` if a goal may have any form.
@@ -221,6 +258,8 @@ fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
 #[derive(Default)]
 struct UsedNames<'l> {
     functions: BTreeSet<&'l Symbol>,
+    /// Functions whose callers fix the number of arguments: values, predicates, and those of `:costs`.
+    passed: BTreeSet<&'l Symbol>,
     indexicals: BTreeSet<&'l Symbol>,
     resources: BTreeSet<&'l Symbol>,
     /// True if a profile names a resource by a variable.
@@ -234,8 +273,12 @@ impl<'l> UsedNames<'l> {
         walk::library(library, &mut |expr| exprs.push(expr));
         for expr in exprs {
             match &expr.kind {
-                ExprKind::Call { function, .. } | ExprKind::FunctionName(function) => {
+                ExprKind::Call { function, .. } => {
                     names.functions.insert(function);
+                }
+                ExprKind::FunctionName(function) => {
+                    names.functions.insert(function);
+                    names.passed.insert(function);
                 }
                 ExprKind::Indexical(name) => {
                     names.indexicals.insert(name);
@@ -247,6 +290,7 @@ impl<'l> UsedNames<'l> {
         let costs = library.application.iter().filter_map(|application| application.option("costs")?.as_list());
         for name in costs.flatten().filter_map(|pair| pair.as_list()?.get(1)?.as_symbol()) {
             names.functions.insert(name);
+            names.passed.insert(name);
         }
         for procedure in &library.procedures {
             names.predicates(&procedure.index);
@@ -291,6 +335,7 @@ impl<'l> UsedNames<'l> {
         match pattern {
             Pattern::Is { predicate, .. } => {
                 self.functions.insert(predicate);
+                self.passed.insert(predicate);
             }
             Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
                 parts.iter().for_each(|part| self.predicates(part));
@@ -305,6 +350,7 @@ impl<'l> UsedNames<'l> {
             match constraint {
                 Constraint::Predicate(function, _) => {
                     self.functions.insert(function);
+                    self.passed.insert(function);
                 }
                 Constraint::Matches(pattern) => self.predicates(pattern),
                 Constraint::Compare { .. } | Constraint::Range(..) => {}
