@@ -114,6 +114,23 @@ impl MissionError {
         }
     }
 
+    /// Returns the file of the place, with its line and column where the place has the form `FILE:LINE:COLUMN` or `FILE:LINE`; `None`
+    /// without a place.
+    pub fn position(&self) -> Option<(&str, Option<u32>, Option<u32>)> {
+        let place = self.place.as_deref()?;
+        let number = |text: &str| -> Option<u32> { text.parse().ok().filter(|number| *number > 0) };
+        let split = |text: &'_ str| -> Option<(usize, u32)> {
+            let (before, last) = text.rsplit_once(':')?;
+            Some((before.len(), number(last)?))
+        };
+        let Some((end, last)) = split(place) else { return Some((place, None, None)) };
+        let before = place.get(..end)?;
+        Some(match split(before) {
+            Some((end, line)) => (before.get(..end)?, Some(line), Some(last)),
+            None => (before, Some(last), None),
+        })
+    }
+
     /// Replaces a failure by the first error of its program, for callers that show a single error. Failures without diagnostics are
     /// unchanged.
     #[must_use]
@@ -160,3 +177,23 @@ impl fmt::Display for MissionError {
 }
 
 impl std::error::Error for MissionError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_a_file_with_line_and_column_or_another_description() {
+        let position = |place: &str| {
+            let error = MissionError::data("unreadable").at(place);
+            error.position().map(|(file, line, column)| (file.to_string(), line, column))
+        };
+        let expected = |file: &str, line, column| Some((file.to_string(), line, column));
+        assert_eq!(position("a/mission.pdl:8:3"), expected("a/mission.pdl", Some(8), Some(3)));
+        assert_eq!(position("fires.csv:12"), expected("fires.csv", Some(12), None));
+        assert_eq!(position("targets.geojson, feature 3"), expected("targets.geojson, feature 3", None, None));
+        assert_eq!(position("C:/data/fires.csv:2"), expected("C:/data/fires.csv", Some(2), None));
+        assert_eq!(position("fires.csv:0"), expected("fires.csv:0", None, None));
+        assert_eq!(MissionError::data("unreadable").position(), None);
+    }
+}

@@ -95,13 +95,15 @@ fn print_data(error: &MissionError, json: bool) -> CliResult {
     if !json {
         return output::print_line(format_args!("error: {error}\n"));
     }
+    let (file, line, column) =
+        error.position().map_or((None, None, None), |(file, line, column)| (Some(file), line, column));
     output::print_line(serde_json::json!({
         "code": null,
         "severity": "error",
         "message": error.message,
-        "file": error.place,
-        "line": null,
-        "column": null,
+        "file": file,
+        "line": line,
+        "column": column,
         "reason": error.reason,
         "help": error.help.iter().collect::<Vec<_>>(),
         "fixes": [],
