@@ -260,9 +260,14 @@ impl Camera {
         let (low, high) = (self.model.tilt_deg_min, self.model.tilt_deg_max);
         let outside = elevation_deg > high || elevation_deg < low - 1.0;
         let name = &self.model.name;
+        let works = match () {
+            () if low >= high => "fly over the target, and point the camera down",
+            () if elevation_deg > high => "fly higher, or nearer to the target",
+            () => "fly lower, or farther away from the target",
+        };
         outside.then(|| {
             format!(
-                "{name} tilts from {low} to {high} degrees and the target is at {elevation_deg:.0} degrees; fly higher or farther away"
+                "{name} tilts from {low} to {high} degrees and the target is at {elevation_deg:.0} degrees; {works}"
             )
         })
     }

@@ -73,7 +73,7 @@ impl DataMode {
                 DataMode::Store => Ok(DataHandling::Store),
                 DataMode::Stream | DataMode::Process { .. } => Err(format!(
                     "`:data {}` needs a link, and the mission states none; add `:downlink (:rate-mbit-s 2 :picture-mbit 40)` to the \
-                     application with the figures of the link, or write `:data store`",
+                     application with the figures of the link, and for simulation a `downlink` to the world file; or write `:data store`",
                     self.value()
                 )),
             };

@@ -9,8 +9,9 @@ use apex_geo::geodesy::wrap_180;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
-    AttitudeMode, Craft, DataHandling, FlightPath, Instrument, Manoeuvre, SpeedProfile, Sweep,
+    AttitudeMode, Craft, DataHandling, FlightPath, Instrument, Manoeuvre, PayloadUse, SpeedProfile, Sweep,
 };
+use apex_observation::sensor::CameraSetting;
 
 /// Modes that a form states; `None`: those of the path, the vehicle and the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,6 +103,18 @@ impl Modes {
     }
 }
 
+/// Returns the sensor with the interval at which the goal takes pictures, if the camera could take them faster: the speed of an overlap
+/// depends on it.
+pub(super) fn at_interval(instrument: Instrument, payload: &PayloadUse) -> Instrument {
+    match (instrument, payload) {
+        (Instrument::Camera(camera), PayloadUse::StillsInterval(interval_s)) => {
+            let interval_s_min = camera.interval_s_min.max(*interval_s);
+            Instrument::Camera(CameraSetting { interval_s_min, ..camera })
+        }
+        (instrument, _) => instrument,
+    }
+}
+
 /// Rejects a direction of the nose in which a camera that does not pan cannot see what the path observes.
 ///
 /// # Errors
@@ -156,13 +169,13 @@ fn pace(name: &str, value: &Value) -> Result<SpeedProfile, String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+    #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed test should stop")]
 
     use super::super::vehicle::instrument_of;
-    use super::{SweptGround, manoeuvre_of_form};
+    use super::{SweptGround, at_interval, manoeuvre_of_form};
     use crate::vehicle::VehicleModel;
     use apex_model::value::Value;
-    use apex_observation::manoeuvres::{AttitudeMode, SpeedProfile};
+    use apex_observation::manoeuvres::{AttitudeMode, Instrument, PayloadUse, SpeedProfile};
 
     fn over(more: &[(&str, Value)]) -> Value {
         let fields =
@@ -190,6 +203,18 @@ mod tests {
         let half = why(&[(":height", 30.0), (":length", 80.0)]);
         assert!(half.starts_with("`:length` and `:width` of `sweep` are both positive"), "{half}");
         assert_eq!(why(&[(":height", 30.0), (":length", 80.0), (":width", 40.0)]), "");
+    }
+
+    #[test]
+    fn the_speed_of_an_overlap_is_that_of_the_stated_interval() {
+        let usual = instrument_of(&VehicleModel::named("quadrotor").unwrap(), None).unwrap();
+        let speed_mps = |payload: PayloadUse| at_interval(usual.clone(), &payload).overlap_speed_mps(60.0, 0.8);
+        let Instrument::Camera(camera) = &usual else { panic!("the quadrotor has a camera") };
+        let picture_m = camera.footprint_m(60.0).1;
+        assert!((speed_mps(PayloadUse::StillsInterval(2.0)) - 0.2 * picture_m / 2.0).abs() < 1e-9);
+        let fastest_mps = 0.2 * picture_m / camera.interval_s_min;
+        assert!((speed_mps(PayloadUse::StillsEvery(5.0)) - fastest_mps).abs() < 1e-9);
+        assert!((speed_mps(PayloadUse::StillsInterval(0.01)) - fastest_mps).abs() < 1e-9);
     }
 
     #[test]

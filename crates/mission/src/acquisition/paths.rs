@@ -3,7 +3,7 @@
 //!
 //! Its result depends only on its arguments and the mission's data, so a replay gets the same result. Bound: O(points).
 
-use super::modes::{Modes, check_sight, manoeuvre_of_form};
+use super::modes::{Modes, at_interval, check_sight, manoeuvre_of_form};
 use super::permitted::{PathRequirements, PlacedPath};
 use super::sweep_form::SweptGround;
 use super::vehicle::{craft_of, instrument_of, scene_of};
@@ -104,6 +104,12 @@ impl Places {
         let instrument = instrument_of(&self.model, name.as_deref())?;
         let ground = SweptGround { target: &target_name, corners: &corners, instrument: &instrument };
         let (path, modes) = manoeuvre_of_form(form, &ground)?;
+        if steps.is_some() && matches!(path, FlightPath::Pirouette(_)) {
+            return Err(format!(
+                "a pirouette takes one picture in each direction, at no distance or time from another: write `(look around {target} by \
+                 {form} with {camera})`"
+            ));
+        }
         let height_m = height_m(&path);
         let craft = craft_of(&self.model, elevation_m + height_m);
         let scene = scene_of((place, elevation_m), &self.wind, height_m, place, at_s);
@@ -112,6 +118,7 @@ impl Places {
         let manoeuvre = manoeuvre_of((path, modes), speed_mps, data, (craft.can_hover, scans));
         let payload = steps.and_then(payload_of).filter(|_| !scans).unwrap_or(manoeuvre.payload);
         let manoeuvre = Manoeuvre { payload, ..manoeuvre };
+        let instrument = at_interval(instrument, &manoeuvre.payload);
         let refused = |refusal: Refusal| refusal.to_string();
         check_sight(&manoeuvre, &craft, &instrument)?;
         let track = manoeuvre.track(&craft, &instrument, &scene).map_err(refused)?;

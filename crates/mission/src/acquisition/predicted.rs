@@ -1,6 +1,6 @@
 //! Predicted yield of a manoeuvre in PDL notation in a mission.
 
-use super::modes::{check_sight, manoeuvre_of_form};
+use super::modes::{at_interval, check_sight, manoeuvre_of_form};
 use super::paths::{height_m, manoeuvre_of};
 use super::sweep_form::SweptGround;
 use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_corners, target_of};
@@ -51,6 +51,7 @@ pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Fo
     let manoeuvre = manoeuvre_of((path, modes), wanted.speed_mps, data, (craft.can_hover, scans));
     let payload = if scans { manoeuvre.payload } else { wanted.payload };
     let manoeuvre = Manoeuvre { payload, ..manoeuvre };
+    let instrument = at_interval(instrument, &manoeuvre.payload);
     check_sight(&manoeuvre, &craft, &instrument)?;
     let TargetKind::Fire(fire) = &target.kind else {
         return Err(format!("the mission states no observation of `{}`: give it a value and a resolution", target.id));

@@ -169,7 +169,11 @@ impl Arc {
         elevation.at_most(self.from_elevation_deg, 85.0, "the arc would have almost no length", low)?;
         if !craft.can_hover {
             let because = format!("{} cannot turn in place and fly tail first", craft.name);
-            let nearest = "fly straight over in two passes, or orbit".to_string();
+            let nearest = match instrument {
+                Instrument::Camera(_) if !instrument.pans() => "fly straight over in two passes",
+                _ => "fly straight over in two passes, or orbit",
+            };
+            let nearest = nearest.to_string();
             return Err(limit("a slowest airspeed", "m/s").refusal(
                 craft.true_airspeed_mps_min,
                 0.0,

@@ -131,7 +131,7 @@ impl Manoeuvre {
                 path.track(airspeed_mps, craft, instrument, scene)
             }
             FlightPath::StandOff(path) => {
-                path.check(instrument)?;
+                path.check(craft, instrument)?;
                 path.track(airspeed_mps, craft, instrument, scene)
             }
             FlightPath::Spiral(path) => path.track(airspeed_mps, craft, instrument, scene),

@@ -186,7 +186,8 @@ impl SpeedProfile {
         // A fixed wing cannot fly slower than its least speed, whatever the profile requests.
         let slowest_mps = if craft.can_hover { 0.0 } else { at_airspeed(craft.true_airspeed_mps_min).unwrap_or(0.0) };
         let wanted_mps = wanted_mps.max(slowest_mps);
-        check_airspeed(manoeuvre, track_deg, wanted_mps, craft, wind)?;
+        let is_airspeed = matches!(self, SpeedProfile::Airspeed(_));
+        check_airspeed(manoeuvre, track_deg, (wanted_mps, is_airspeed), craft, wind)?;
         Ok(wanted_mps)
     }
 
@@ -199,17 +200,28 @@ impl SpeedProfile {
     }
 }
 
-/// Rejects a ground speed whose airspeed is outside of the vehicle's range.
-fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft, wind: Wind) -> Result<(), Refusal> {
+/// Rejects a ground speed whose airspeed is outside of the vehicle's range, with a speed that works in the terms of the request.
+fn check_airspeed(
+    manoeuvre: &str,
+    track_deg: f64,
+    (speed_mps, is_airspeed): (f64, bool),
+    craft: &Craft,
+    wind: Wind,
+) -> Result<(), Refusal> {
     let airspeed_mps = airspeed_of(track_deg, speed_mps, wind);
     let limit = Limit { manoeuvre, figure: "a true airspeed", unit: "m/s" };
     let (low, high) = (craft.true_airspeed_mps_min, craft.true_airspeed_mps_max);
-    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} cannot fly slower", craft.name), || {
-        format!("{} m/s works", rounded_up(low, 1))
-    })?;
-    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} cannot fly faster", craft.name), || {
-        format!("{} m/s works", rounded_down(high, 1))
-    })
+    // A ground speed that is possible in every direction: a path turns.
+    let wind_mps = if is_airspeed { 0.0 } else { libm::hypot(wind.east_mps, wind.north_mps) };
+    let (least, most) = (rounded_up(low + wind_mps, 1), rounded_down(high - wind_mps, 1));
+    let works = |speed: &str| match low + wind_mps < high - wind_mps - 0.2 {
+        true if is_airspeed => format!("{speed} m/s works"),
+        true => format!("a ground speed of {speed} m/s works in this wind"),
+        false => "wait for less wind".to_string(),
+    };
+    let slower = format!("{} cannot fly slower", craft.name);
+    limit.at_least(airspeed_mps + 1e-6, low, &slower, || works(&least))?;
+    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} cannot fly faster", craft.name), || works(&most))
 }
 
 /// Returns the true airspeed of a ground speed along a track.

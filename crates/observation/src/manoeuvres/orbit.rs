@@ -32,7 +32,7 @@ impl Orbit {
     /// Most circles of one orbit.
     const TURNS_MAX: f64 = 100.0;
     /// Rounding error of a tilt angle, and angle by which a mount reaches further down than its limit.
-    const TILT_SPARE_DEG: (f64, f64) = (1e-9, 1.0);
+    pub(super) const TILT_SPARE_DEG: (f64, f64) = (1e-9, 1.0);
     /// Steps of the integral over a circle.
     const STEPS: u32 = 720;
 

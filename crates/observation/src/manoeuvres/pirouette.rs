@@ -64,7 +64,7 @@ impl Pirouette {
         overlap.at_most(self.overlap, 0.9, "it would take too many pictures", || "0.9 works".to_string())?;
         if !craft.can_hover {
             let because = format!("{} cannot hover", craft.name);
-            let nearest = "orbit with a camera that looks outwards, or sweep".to_string();
+            let nearest = "sweep over the target".to_string();
             return Err(limit("a slowest airspeed", "m/s").refusal(
                 craft.true_airspeed_mps_min,
                 0.0,

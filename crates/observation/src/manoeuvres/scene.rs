@@ -100,7 +100,7 @@ impl Instrument {
     }
 
     /// Returns the greatest ground speed at which successive pictures straight down overlap by `overlap`.
-    pub(crate) fn overlap_speed_mps(&self, height_m: f64, overlap: f64) -> f64 {
+    pub fn overlap_speed_mps(&self, height_m: f64, overlap: f64) -> f64 {
         match self {
             Instrument::Scanner(scanner) => {
                 let mode = &scanner.setting.mode;

@@ -72,11 +72,22 @@ impl Spiral {
     pub(crate) fn check(&self, airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Result<(), Refusal> {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a spacing", "m", self.spacing_m)?;
-        positive(Self::NAME, "a width", "m", self.outer_radius_m - self.inner_radius_m)?;
+        let outer = Limit { manoeuvre: Self::NAME, figure: "an outer radius", unit: "m" };
+        if self.outer_radius_m.is_nan() || self.outer_radius_m <= self.inner_radius_m {
+            let nearest = format!("an outer radius of {} m works", rounded_up(self.inner_radius_m + self.spacing_m, 0));
+            let because = "the outer radius is greater than the inner one";
+            return Err(outer.refusal(self.outer_radius_m, self.inner_radius_m, because, nearest));
+        }
         let least_m = if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) };
         let limit = Limit { manoeuvre: Self::NAME, figure: "an inner radius", unit: "m" };
         let because = format!("{} cannot turn more tightly at {airspeed_mps:.0} m/s in this wind", craft.name);
-        limit.at_least(self.inner_radius_m, least_m, &because, || format!("{} m works", rounded_up(least_m, 0)))
+        limit.at_least(self.inner_radius_m, least_m, &because, || {
+            let inner = rounded_up(least_m, 0);
+            if self.outer_radius_m > inner.parse().unwrap_or(least_m) {
+                return format!("{inner} m works");
+            }
+            format!("{inner} m works with an outer radius of {} m", rounded_up(least_m + 1.0 + self.spacing_m, 0))
+        })
     }
 
     pub(crate) fn track(

@@ -1,6 +1,7 @@
 //! Stand-off: a line parallel to the target at the distance that gives the wanted look angle. For targets that must not be overflown.
 
-use super::refusal::{Limit, Refusal, positive, rounded_down};
+use super::orbit::Orbit;
+use super::refusal::{Limit, Refusal, positive, rounded_down, rounded_up};
 use super::scene::Scene;
 use super::straight_over::StraightOver;
 use super::track::{Sight, Track, lines_with_turns};
@@ -49,7 +50,7 @@ impl StandOff {
         pixel_rad * self.height_m / (cosine * cosine)
     }
 
-    pub(crate) fn check(&self, instrument: &Instrument) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a length", "m", self.length_m)?;
         positive(Self::NAME, "a look angle", "degrees", self.look_angle_deg)?;
@@ -66,6 +67,29 @@ impl StandOff {
             let nearest = rounded_down(most_deg, 0);
             let aside_m = self.height_m * libm::tan(nearest.parse().unwrap_or(most_deg) * RAD_PER_DEG);
             format!("{nearest} degrees works, {aside_m:.0} m aside")
+        })?;
+        self.check_sight(craft, instrument)
+    }
+
+    /// Rejects a line from which the mount of the camera cannot be pointed at the target.
+    fn check_sight(&self, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
+        let Instrument::Camera(camera) = instrument else { return Ok(()) };
+        if !craft.can_hover && !instrument.pans() {
+            let limit = Limit { manoeuvre: Self::NAME, figure: "a pan range", unit: "degrees" };
+            let because =
+                format!("{} passes with the target at its side, and `{}` does not pan", craft.name, camera.name);
+            return Err(limit.refusal(0.0, 90.0, &because, "fly straight over the target, or sweep".to_string()));
+        }
+        let (low_deg, high_deg) = camera.mount.tilt_deg;
+        let (above_deg, below_deg) = Orbit::TILT_SPARE_DEG;
+        let limit = Limit { manoeuvre: Self::NAME, figure: "a look angle", unit: "degrees" };
+        let because = format!("`{}` tilts from {low_deg} to {high_deg} degrees", camera.name);
+        limit.at_most(self.look_angle_deg, 90.0 + high_deg + above_deg, &because, || match 90.0 + high_deg {
+            most_deg if most_deg >= 1.0 => format!("{} degrees works", rounded_down(most_deg, 0)),
+            _ => "fly straight over the target, or sweep".to_string(),
+        })?;
+        limit.at_least(self.look_angle_deg, 90.0 + low_deg - below_deg, &because, || {
+            format!("{} degrees works", rounded_up(90.0 + low_deg, 0))
         })
     }
 

@@ -97,7 +97,7 @@ impl VantagePoint {
         }
     }
 
-    pub(crate) fn check(&self, craft: &Craft, scene: &Scene) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<(), Refusal> {
         let limit = |figure, unit| Limit { manoeuvre: Self::NAME, figure, unit };
         positive(Self::NAME, "a distance", "m", self.slant_m)?;
         let angle = limit("a look angle", "degrees");
@@ -110,7 +110,10 @@ impl VantagePoint {
         if !craft.can_hover {
             let because = format!("{} cannot hover", craft.name);
             let least_m = craft.circle_radius_m_min(craft.true_airspeed_mps, scene.wind_mps());
-            let nearest = format!("an orbit of {} m works", rounded_up(least_m, 0));
+            let nearest = match instrument {
+                Instrument::Camera(_) if !instrument.pans() => "fly straight over the target".to_string(),
+                _ => format!("an orbit of {} m works", rounded_up(least_m, 0)),
+            };
             return Err(limit("a slowest airspeed", "m/s").refusal(
                 craft.true_airspeed_mps_min,
                 0.0,
@@ -123,8 +126,14 @@ impl VantagePoint {
         limit("a wind", "m/s").at_most(scene.wind_mps(), most, &because, || "wait for less wind".to_string())
     }
 
-    pub(crate) fn track(&self, _: f64, craft: &Craft, _: &Instrument, scene: &Scene) -> Result<Track, Refusal> {
-        self.check(craft, scene)?;
+    pub(crate) fn track(
+        &self,
+        _: f64,
+        craft: &Craft,
+        instrument: &Instrument,
+        scene: &Scene,
+    ) -> Result<Track, Refusal> {
+        self.check(craft, instrument, scene)?;
         let point = along(self.azimuth_deg, self.distance_m());
         let hover = Element::Hover {
             at: TrackPoint::new(point, self.height_m()),

@@ -396,7 +396,10 @@ fn sensors_and_manoeuvres_that_do_not_fit_are_refused() {
     assert!(pointing.fly(&mapper(), &camera(true), &still()).is_ok());
     let slow = Manoeuvre { payload: PayloadUse::Video, speed: SpeedProfile::GroundSpeed(40.0), ..wrong.clone() };
     let refusal = slow.fly(&mapper(), &camera(false), &still()).unwrap_err();
-    assert_eq!((refusal.figure.as_str(), refusal.nearest.as_str()), ("a true airspeed", "30.0 m/s works"));
+    assert_eq!(
+        (refusal.figure.as_str(), refusal.nearest.as_str()),
+        ("a true airspeed", "a ground speed of 30.0 m/s works in this wind")
+    );
     let stream = DataHandling::Stream { picture_bit: 8e6, link_bit_s: 1e6 };
     let loud = Manoeuvre { data: stream, payload: PayloadUse::Video, ..wrong };
     assert_eq!(

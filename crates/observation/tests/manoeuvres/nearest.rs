@@ -113,6 +113,78 @@ fn an_orbit_whose_target_the_camera_cannot_see_is_refused_with_the_reason() {
     assert_eq!(refused(&helicopter(), &flat, 100.0), None);
 }
 
+/// Returns the refusal of a manoeuvre.
+#[track_caller]
+fn refused(manoeuvre: &Manoeuvre, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Refusal {
+    manoeuvre.fly(craft, instrument, scene).unwrap_err()
+}
+
+/// A ground speed of a path that turns is flown against the wind, too.
+#[test]
+fn a_ground_speed_that_is_called_possible_is_possible_in_every_direction() {
+    let around = |speed_mps: f64| {
+        let circle = FlightPath::Orbit(orbit(300.0, 100.0));
+        with(circle, AttitudeMode::Pointing, SpeedProfile::GroundSpeed(speed_mps), PayloadUse::Video)
+    };
+    let (craft, scene) = (helicopter(), windy(6.0, 0.0));
+    let why = refused(&around(18.0), &craft, &camera(false), &scene);
+    assert_eq!(why.nearest, "a ground speed of 14.6 m/s works in this wind");
+    assert!(around(14.6).fly(&craft, &camera(false), &scene).is_ok());
+    assert!(around(14.8).fly(&craft, &camera(false), &scene).is_err());
+    let weak = Craft { true_airspeed_mps_max: 5.0, ..craft };
+    assert_eq!(refused(&around(1.0), &weak, &camera(false), &scene).nearest, "wait for less wind");
+}
+
+/// A camera that does not pan sees nothing aside of a vehicle that flies along its course.
+#[test]
+fn what_is_advised_for_a_camera_without_pan_needs_no_pan() {
+    let line = StandOff { track_deg: 0.0, side: Side::Left, height_m: 100.0, look_angle_deg: 20.0, length_m: 80.0 };
+    let stand_off = flown(FlightPath::StandOff(line), 13.0);
+    let why = refused(&stand_off, &mapper(), &camera(false), &still());
+    assert_eq!((why.figure.as_str(), why.nearest.as_str()), ("a pan range", "fly straight over the target, or sweep"));
+    assert!(stand_off.fly(&mapper(), &camera(true), &still()).is_ok());
+    let place = VantagePoint { azimuth_deg: 0.0, look_angle_deg: 45.0, slant_m: 100.0, dwell_s: 5.0 };
+    let place = flown(FlightPath::VantagePoint(place), 13.0);
+    assert_eq!(refused(&place, &mapper(), &camera(false), &still()).nearest, "fly straight over the target");
+    let why = refused(&place, &mapper(), &camera(true), &still());
+    assert!(
+        holds(|radius_m| flown(FlightPath::Orbit(orbit(radius_m, 100.0)), 13.0), 3.0, &mapper(), &still()),
+        "{why}"
+    );
+    let radius_m = why.nearest.split(' ').find_map(|word| word.parse().ok()).unwrap();
+    assert!(flown(FlightPath::Orbit(orbit(radius_m, 100.0)), 13.0).fly(&mapper(), &camera(true), &still()).is_ok());
+    // A mount that tilts no higher than 45 degrees below the horizon.
+    let steep = mounted((-180.0, 180.0), (-90.0, -45.0));
+    let aside = |look_angle_deg: f64| flown(FlightPath::StandOff(StandOff { look_angle_deg, ..line }), 13.0);
+    assert_eq!(refused(&aside(60.0), &mapper(), &steep, &still()).nearest, "45 degrees works");
+    assert!(aside(45.0).fly(&mapper(), &steep, &still()).is_ok());
+}
+
+/// An inner radius that works may be greater than the outer one of the form: then both are stated.
+#[test]
+fn a_spiral_that_is_too_small_is_refused_with_both_radii() {
+    let spiral = |inner_radius_m: f64, outer_radius_m: f64| {
+        let path = Spiral {
+            inner_radius_m,
+            outer_radius_m,
+            spacing_m: 500.0,
+            height_m: 1_000.0,
+            from_deg: 0.0,
+            clockwise: true,
+            inward: false,
+        };
+        flown(FlightPath::Spiral(path), 95.0)
+    };
+    let numbers = |why: Refusal| -> Vec<f64> { why.nearest.split(' ').filter_map(|word| word.parse().ok()).collect() };
+    let [inner_m, outer_m] = numbers(refused(&spiral(800.0, 2_300.0), &predator(), &camera(true), &still()))[..] else {
+        panic!("two radii are expected");
+    };
+    assert!(spiral(inner_m, outer_m).fly(&predator(), &camera(true), &still()).is_ok());
+    let why = refused(&spiral(4_000.0, 3_000.0), &predator(), &camera(true), &still());
+    assert_eq!((why.figure.as_str(), why.nearest.as_str()), ("an outer radius", "an outer radius of 4500 m works"));
+    assert!(spiral(4_000.0, 4_500.0).fly(&predator(), &camera(true), &still()).is_ok());
+}
+
 #[test]
 fn limits_are_printed_on_their_possible_side() {
     assert_eq!(
