@@ -177,8 +177,7 @@ impl AcquisitionGoal {
             ..WantedLook::new("acquire", PERFECT_POINTS, resolution_m)
         };
         let (target, position) = observed(mission, named, look)?;
-        let settings = GridSettings { cells: PLANNING_CELLS / 4, ..GridSettings::default() };
-        let grid = TargetGrid::new(&target, settings).map_err(|error| error.to_string())?;
+        let grid = grid_of(&target)?;
         let radius_m = match &target.area {
             TargetArea::Point(_) => 0.0,
             _ => grid.positions().map(|cell| apex_geo::geodesy::distance_m(position, cell)).fold(0.0, f64::max),
@@ -202,6 +201,23 @@ impl AcquisitionGoal {
             handling,
         })
     }
+}
+
+impl AcquisitionGoal {
+    /// Returns the same goal with other pixels; `None` if the ground cannot be divided into cells for them.
+    pub(super) fn at_resolution(&self, resolution_m: f64) -> Option<AcquisitionGoal> {
+        let pixels = WantedLook::new("acquire", PERFECT_POINTS, resolution_m).resolution;
+        let mut target = self.target.clone();
+        target.looks.iter_mut().for_each(|look| look.resolution = pixels);
+        let grid = Arc::new(grid_of(&target).ok()?);
+        Some(AcquisitionGoal { target, grid, resolution_m, ..self.clone() })
+    }
+}
+
+/// Returns the cells of a target's ground.
+fn grid_of(target: &ObservedTarget) -> Result<TargetGrid, String> {
+    let settings = GridSettings { cells: PLANNING_CELLS / 4, ..GridSettings::default() };
+    TargetGrid::new(target, settings).map_err(|error| error.to_string())
 }
 
 /// Returns the ground of a target: that of the mission's data, or a point.

@@ -42,6 +42,14 @@ pub(crate) struct Start {
 struct Miss {
     by: f64,
     why: String,
+    /// Pixels with which the candidate may work, m: a miss of the height alone.
+    pixel_m: Option<f64>,
+}
+
+impl Miss {
+    fn new(by: f64, why: String) -> Miss {
+        Miss { by, why, pixel_m: None }
+    }
 }
 
 /// Result for a goal: the Pareto front, best first, and counts.
@@ -66,19 +74,30 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
     let (front, _) = predicted(mission, goal, candidates, start, &mut misses);
     misses.sort_by(|a, b| a.by.total_cmp(&b.by));
     misses.dedup_by(|next, before| next.why == before.why);
-    let mut misses: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
     misses.truncate(ANSWERS_MAX);
     let front = answer(front);
-    match front.is_empty() {
-        false => Ok(Synthesis { front, tried, misses }),
-        true => {
-            let nearest = misses.first().map_or("no manoeuvre fits the vehicle and its sensors", String::as_str);
-            Err(format!(
-                "none of {tried} manoeuvres acquires `{}` as wanted; the nearest miss: {nearest}",
-                goal.target.name
-            ))
-        }
+    if !front.is_empty() {
+        return Ok(Synthesis { front, tried, misses: misses.into_iter().map(|miss| miss.why).collect() });
     }
+    let nearest = match misses.into_iter().next() {
+        None => "no manoeuvre fits the vehicle and its sensors".to_string(),
+        Some(Miss { why, pixel_m, .. }) => match pixel_m.and_then(|least_m| works(mission, goal, least_m, start)) {
+            Some(pixel) => format!("{why}; {pixel} m works"),
+            None => why,
+        },
+    };
+    Err(format!("none of {tried} manoeuvres acquires `{}` as wanted; the nearest miss: {nearest}", goal.target.name))
+}
+
+/// Returns a size of pixels from `least_m` on for which a manoeuvre meets the rest of the goal, as text; `None` if none of a few sizes is
+/// one. Pixels at the edges of pictures and at look angles are larger than those straight below, so each size is tried.
+fn works(mission: &Mission, goal: &AcquisitionGoal, least_m: f64, start: Start) -> Option<String> {
+    const SHARES: [f64; 8] = [1.0, 1.05, 1.15, 1.35, 1.7, 2.2, 3.0, 4.5];
+    SHARES.iter().map(|share| rounded_up(share * least_m, 3)).find(|text| {
+        let Some(coarser) = text.parse().ok().and_then(|pixel_m| goal.at_resolution(pixel_m)) else { return false };
+        let candidates = all_candidates(mission, &coarser, start, &mut Vec::new()).unwrap_or_default();
+        !predicted(mission, &coarser, candidates, start, &mut Vec::new()).0.is_empty()
+    })
 }
 
 /// Returns the candidates of all sensors at all heights, at most [`CANDIDATES_MAX`]; adds the misses of heights.
@@ -150,13 +169,12 @@ fn height_miss(
     let highest_m = goal.resolution_m / instrument.pixel_rad();
     let lowest_m = lowest_m(mission, goal);
     if highest_m < lowest_m {
-        let works_m = rounded_up(lowest_m * instrument.pixel_rad(), 3);
         let why = format!(
-            "`{name}` needs {highest_m:.0} m above the target or less for pixels of {} m, `{}` flies no lower than {lowest_m:.0} m; \
-             {works_m} m works",
+            "`{name}` needs {highest_m:.0} m above the target or less for pixels of {} m, `{}` flies no lower than {lowest_m:.0} m",
             goal.resolution_m, mission.model.name
         );
-        misses.push(Miss { by: (lowest_m - highest_m) / lowest_m * 0.5, why });
+        let by = (lowest_m - highest_m) / lowest_m * 0.5;
+        misses.push(Miss { by, why, pixel_m: Some(lowest_m * instrument.pixel_rad()) });
     }
 }
 
@@ -225,52 +243,61 @@ fn judged(
     let altitude_m = goal.target.elevation_m + candidate.height_m;
     let conditions = (&craft, &candidate.instrument, &scene);
     let forecast = observe(mission, (&candidate.manoeuvre, timed), conditions, (&goal.target, &goal.grid), false);
-    // The distance of a candidate from the goal is that of its worst deficit.
-    let mut misses = Vec::new();
+    // The distance of a candidate from the goal is that of its worst deficit; the others are stated with it.
+    let mut misses: Vec<Miss> = Vec::new();
     if let Some(zone) = closed_by(mission, &forecast, &scene, Some(start.at_s + travel_s)) {
         let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
         let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
-        misses.push(Miss {
-            by,
-            why: format!(
-                "{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m",
-                zone.name
-            ),
-        });
+        let why = format!(
+            "{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m",
+            zone.name
+        );
+        misses.push(Miss::new(by, why));
     } else if let Err(refusal) =
         requirements_kept((mission, requirements), goal, &candidate, (&forecast, &scene), start.at_s + travel_s)
     {
-        misses.push(Miss { by: refusal.excess(), why: refusal.to_string() });
+        misses.push(Miss::new(refusal.excess(), refusal.to_string()));
     }
     if let Instrument::Camera(_) = &candidate.instrument
         && let Some((by, why)) = sun_miss(mission, &candidate.sensor, &forecast, &scene)
     {
-        misses.push(Miss { by, why: format!("{at} {why}") });
+        misses.push(Miss::new(by, format!("{at} {why}")));
     }
     if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
         let why = format!("{at} is predicted a {figure} of {}, {wanted:.2} is wanted", rounded_down(found, 2));
-        misses.push(Miss { by: (wanted - found) / wanted, why });
+        misses.push(Miss::new((wanted - found) / wanted, why));
     }
     let end_s = start.at_s + travel_s + forecast.time_s;
     if let Some(by_s) = goal.by_s.filter(|by_s| end_s > *by_s) {
         let why = format!("{at} ends at {} s, `:by` is {by_s:.0} s", rounded_up(end_s, 0));
-        misses.push(Miss { by: (end_s - by_s) / end_s, why });
+        misses.push(Miss::new((end_s - by_s) / end_s, why));
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
     let end_of_data_s = forecast.on_ground_s.map(|at_s| at_s - scene.from_s - forecast.time_s);
     misses.extend(late(mission, goal, &at, (end_of_data_s, home_s)));
+    let back_s = end_s + home_s;
+    let duration_s = mission.settings.duration.seconds();
+    if back_s > duration_s {
+        let why = format!(
+            "{at} ends at {end_s:.0} s, the vehicle would be at its start at {back_s:.0} s, and the mission ends at {duration_s:.0} s"
+        );
+        misses.push(Miss::new((back_s - duration_s) / back_s, why));
+    }
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
         let why = format!(
             "{at} takes {whole_s:.0} s with the way there and home, the energy lasts {:.0} s",
             start.endurance_s
         );
-        misses.push(Miss { by: (whole_s - start.endurance_s) / whole_s, why });
+        misses.push(Miss::new((whole_s - start.endurance_s) / whole_s, why));
     }
-    if let Some(worst) = misses.into_iter().max_by(|a, b| a.by.total_cmp(&b.by)) {
-        return Err(worst);
+    if misses.is_empty() {
+        return Ok(Predicted { candidate, scene, forecast, travel_s, risk });
     }
-    Ok(Predicted { candidate, scene, forecast, travel_s, risk })
+    misses.sort_by(|a, b| b.by.total_cmp(&a.by));
+    let worst = misses.first().map_or(0.0, |miss| miss.by);
+    let all: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
+    Err(Miss::new(worst, all.join("; moreover ")))
 }
 
 /// Returns the miss of a goal whose data would be on the ground too late: by the handling that the goal states (`sent_s` after the end, or
@@ -283,7 +310,7 @@ fn late(mission: &Mission, goal: &AcquisitionGoal, at: &str, (sent_s, home_s): (
     };
     let latency_s = goal.latency_s.filter(|latency_s| after_s > *latency_s)?;
     let why = format!("{at}: {how} {after_s:.0} s after the observation, `:latency` is {latency_s:.0} s");
-    Some(Miss { by: (after_s - latency_s) / after_s, why })
+    Some(Miss::new((after_s - latency_s) / after_s, why))
 }
 
 /// Checks a candidate that begins at `from_s` by the requirements of the flight on its positions.
@@ -305,6 +332,19 @@ fn requirements_kept(
         ground_m: ground_m(mission, goal),
         span_s: (from_s, from_s + forecast.time_s),
     })
+}
+
+/// Checks a manoeuvre by the requirement `terrain` along its path, as it is checked before it is flown.
+///
+/// # Errors
+/// The height that keeps the requirement.
+pub(crate) fn ground_kept(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    candidate: &ManoeuvreCandidate,
+    seen: (&Forecast, &Scene),
+) -> Result<(), Refusal> {
+    requirements_kept((mission, &PathRequirements::of_terrain(mission)), goal, candidate, seen, 0.0)
 }
 
 /// Returns the factor that falls short of the goal most.
@@ -387,7 +427,7 @@ fn by_time(
         let timed = candidate
             .manoeuvre
             .timed(&craft, &candidate.instrument, &scene)
-            .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
+            .map_err(|refusal| Miss::new(1.0 + refusal.excess(), refusal.to_string()))?;
         let travel_s = travel_s(timed.flown.poses.first(), &scene, goal, start, &craft);
         let risk = limits.risk(&timed.flown, &craft, &scene);
         let cost = cost(&timed.flown, travel_s, risk);

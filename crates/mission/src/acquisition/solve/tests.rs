@@ -143,3 +143,46 @@ fn candidates_after_a_full_answer_do_not_change_it() {
         "{ended_early} ended early, {changed_by_the_last} changed"
     );
 }
+
+/// Returns a goal at the plume with pixels, and with look angles in degrees unless both are 0.
+fn at_angles(mission: &Mission, resolution_m: f64, (low_deg, high_deg): (f64, f64)) -> AcquisitionGoal {
+    let word = Value::symbol;
+    let mut form = vec![word("acquire"), word("plume"), word(":resolution")];
+    form.push(Value::measured(resolution_m, Dimension::LENGTH));
+    if high_deg > 0.0 {
+        form.extend([word(":look-angle"), Value::list([low_deg, high_deg].map(Value::Real))]);
+    }
+    AcquisitionGoal::read(mission, &Value::list(form)).unwrap()
+}
+
+/// Pixels at a look angle are larger than those straight below, so the size that is said to work is tried before it is stated.
+#[test]
+fn pixels_that_are_said_to_work_do() {
+    let mission = stand_off();
+    let start = start_of(&mission, 3_000.0);
+    let mut stated = 0;
+    for angles_deg in [(0.0, 0.0), (0.0, 20.0), (30.0, 45.0), (40.0, 45.0), (50.0, 60.0)] {
+        for resolution_m in [0.002, 0.004, 0.008] {
+            let Err(why) = synthesise(&mission, &at_angles(&mission, resolution_m, angles_deg), start) else {
+                continue;
+            };
+            let Some((before, _)) = why.split_once(" m works") else { continue };
+            let pixel_m: f64 = before.rsplit(' ').next().unwrap().parse().unwrap();
+            let goal = at_angles(&mission, pixel_m, angles_deg);
+            assert!(synthesise(&mission, &goal, start).is_ok(), "{angles_deg:?} {resolution_m}: {why}");
+            stated += 1;
+        }
+    }
+    assert!(stated >= 10, "{stated}");
+}
+
+#[test]
+fn a_manoeuvre_for_which_the_mission_has_no_time_left_is_a_miss() {
+    let mission = stand_off();
+    let goal = at_angles(&mission, 0.1, (0.0, 0.0));
+    let duration_s = mission.settings.duration.seconds();
+    let at = |at_s: f64| synthesise(&mission, &goal, Start { at_s, ..start_of(&mission, 30_000.0) });
+    assert!(at(60.0).is_ok());
+    let why = at(duration_s - 30.0).unwrap_err();
+    assert!(why.contains(&format!("and the mission ends at {duration_s:.0} s")), "{why}");
+}
