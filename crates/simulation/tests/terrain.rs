@@ -170,3 +170,61 @@ fn terrain_and_places_must_agree() {
     let start = refused(":vehicle (sim :model predator-b :at (20.0 -117.0))", PLACES);
     assert!(start.contains("does not cover the start"), "{start}");
 }
+
+/// Hills of a helicopter's inspection: the ground rises and falls by 22 m within 220 m.
+fn hills() -> String {
+    let mut text =
+        String::from("ncols 100\nnrows 60\nxllcorner -121.14\nyllcorner 37.4\ncellsize 0.0005\nNODATA_value -9999\n");
+    for _ in 0..60 {
+        for column in 0..100_u32 {
+            let step = column % 10;
+            write!(text, "{:.1} ", 5.0 + 4.4 * f64::from(step.min(10 - step))).unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A plan holds only manoeuvres that keep the clearance along their paths: a path over higher ground than the target's was planned, and
+/// refused when it was to be flown.
+#[test]
+fn planned_manoeuvres_over_hills_are_flown() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    put("hills.asc", &hills());
+    let point = |id: &str, rest: &str, east_deg: f64, north_deg: f64| {
+        format!(
+            r#"{{"type": "Feature", "properties": {{"id": "{id}", {rest}}},
+               "geometry": {{"type": "Point", "coordinates": [{east_deg}, {north_deg}]}}}}"#
+        )
+    };
+    let look = r#""kind": "inspection", "value": 10, "resolution_m": 0.03"#;
+    let places = [
+        point("pad", r#""kind": "base""#, -121.123_75, 37.411_35),
+        point("p0", look, -121.117_13, 37.414_77),
+        point("p1", look, -121.115_34, 37.415_74),
+        point("p2", look, -121.111_87, 37.407_01),
+    ];
+    put("places.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, places.join(",")));
+    put(
+        "mission.pdl",
+        r#"(defapplication "Hills" :type native-sim
+  :libraries ("vehicle" "aerial-observation" "manoeuvres" "contingencies")
+  :vehicle (sim :model rmax :at pad) :start "2026-08-18T20:00:00Z" :duration 60min :end-margin 5min
+  :targets "places.geojson" :terrain "hills.asc" :agents ((agent a :initial-task (go all))))
+(solver auto (index (inspect the sites)) :budget 300ms)
+(procedure :sequential (index (go all))
+  (step up (take off to 80m))
+  (step survey (inspect the sites))
+  (step home (return to pad at 80m)))"#,
+    );
+    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
+    let mut recorder = apex_simulation::create_record(&folder.path().join("flight.apex"), &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let flown = apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
+    let observed = flown.report.visits.iter().filter(|visit| visit.end.is_some()).count();
+    assert_eq!((observed, &flown.report.left_out), (3, &Vec::new()), "{:#?}", flown.report.notes);
+    let MissionValue::Score(score) = &flown.report.value else { panic!("no score") };
+    assert!(score.benefits > 25.0, "{} of 30 points", score.benefits);
+}

@@ -52,11 +52,20 @@ impl PathRequirements {
     /// Returns the requirements of a mission.
     pub(super) fn of(mission: &Mission) -> PathRequirements {
         PathRequirements {
+            airspace: mission.requirements.airspace,
+            zones: mission.zones.clone(),
+            ..PathRequirements::of_terrain(mission)
+        }
+    }
+
+    /// Returns the requirement `terrain` of a mission alone: a plan does not know yet when it flies the path, and zones have times.
+    pub(super) fn of_terrain(mission: &Mission) -> PathRequirements {
+        PathRequirements {
             clearance_m: mission.requirements.terrain_clearance_m,
             terrain: mission.terrain.clone(),
             ground_reach_m: GROUND_S * mission.model.true_airspeed_m_s_cruise,
-            airspace: mission.requirements.airspace,
-            zones: mission.zones.clone(),
+            airspace: None,
+            zones: Vec::new(),
         }
     }
 

@@ -7,8 +7,8 @@ use super::scanner::quality;
 use super::wish::Wish;
 use crate::Mission;
 use crate::acquisition::{
-    AcquisitionGoal, ManoeuvreCandidate, ProductKind, at_height, closed_by, craft_of, forecast_of, form_of, heights_m,
-    scene_of, sun_miss,
+    AcquisitionGoal, ManoeuvreCandidate, ProductKind, at_height, closed_by, craft_of, forecast_of, form_of,
+    ground_kept, heights_m, scene_of, sun_miss,
 };
 use crate::ground::MissionGround;
 use apex_geo::geodesy;
@@ -136,6 +136,9 @@ fn way(
         let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
         let why = format!("`{name}` needs {altitude_m:.0} m, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name);
         return Err((by, why));
+    }
+    if let Err(refusal) = ground_kept(mission, goal, &candidate, (&forecast, &scene)) {
+        return Err((refusal.excess(), refusal.to_string()));
     }
     if let Some((by, why)) = sun_miss(mission, &camera.name, &forecast, &scene) {
         return Err((by, format!("`{name}` {why}")));
