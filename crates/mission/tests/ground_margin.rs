@@ -10,7 +10,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-fn mission(vehicle: &str) -> Mission {
+/// Returns a mission with a vehicle and further options.
+fn mission(vehicle: &str, options: &str) -> Mission {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
     let home = r#"{"type": "Feature", "properties": {"id": "home", "kind": "base"}, "geometry": {"type": "Point", "coordinates": [-115, 40]}}"#;
@@ -23,7 +24,7 @@ fn mission(vehicle: &str) -> Mission {
   :libraries ("vehicle")
   :vehicle (sim :model {vehicle} :at home)
   :duration 1h
-  :targets "places.geojson"
+  :targets "places.geojson" {options}
   :agents ((agent uav-1 :initial-task (go))))
 (procedure (index (go)) (step done (terminate)))"#
         ),
@@ -33,7 +34,11 @@ fn mission(vehicle: &str) -> Mission {
 
 /// Returns positions that count as too near to the ground, in level flight at this height.
 fn too_near(vehicle: &str, height_m: f64) -> u64 {
-    let mut check = FlightCheck::new(&mission(vehicle));
+    too_near_with(vehicle, "", height_m)
+}
+
+fn too_near_with(vehicle: &str, options: &str, height_m: f64) -> u64 {
+    let mut check = FlightCheck::new(&mission(vehicle, options));
     let measured = |attribute: &str, value: Value| {
         EventKind::Measurement(StateVariable::new(Symbol::new(attribute), Value::symbol("uav-1")), value)
     };
@@ -52,7 +57,16 @@ fn too_near(vehicle: &str, height_m: f64) -> u64 {
 
 #[test]
 fn a_small_aircraft_may_fly_lower_than_a_large_one() {
-    assert_eq!([too_near("fixed-wing-mapper", 120.0), too_near("fixed-wing-mapper", 29.0)], [0, 1]);
-    assert_eq!([too_near("predator-b", 301.0), too_near("predator-b", 299.0)], [0, 1]);
-    assert_eq!([too_near("rmax", 31.0), too_near("rmax", 29.0)], [0, 1]);
+    assert_eq!([too_near("fixed-wing-mapper", 40.0), too_near("fixed-wing-mapper", 38.0)], [0, 1]);
+    assert_eq!([too_near("predator-b", 286.0), too_near("predator-b", 285.0)], [0, 1]);
+    assert_eq!([too_near("rmax", 37.0), too_near("rmax", 35.0)], [0, 1]);
+}
+
+/// The height is the one that the mission requires: a flight that the mission forbids was verified, and a permitted one was not.
+#[test]
+fn the_clearance_of_the_mission_counts() {
+    let stated = ":requirements ((terrain :clearance 100m))";
+    assert_eq!([too_near_with("rmax", stated, 101.0), too_near_with("rmax", stated, 60.0)], [0, 1]);
+    let none = ":requirements ((terrain :off))";
+    assert_eq!([too_near_with("predator-b", none, 301.0), too_near_with("predator-b", none, 299.0)], [0, 1]);
 }

@@ -107,7 +107,7 @@ fn what_cannot_be_judged_is_stated_with_its_count() {
     assert_eq!((result.height_unknown, result.air_derived, result.repeats_unjudged), (2, 2, 1));
     let text = result.to_string();
     for part in [
-        "? under way below the height over ground",
+        "? under way below 36 m over ground",
         "2 of the positions have no `height-above-ground`",
         "2 of the positions count as in the air by commands",
         "1 of the positions repeat the one before",

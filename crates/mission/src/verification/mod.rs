@@ -26,8 +26,8 @@ use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
 use sphere::{is_around, lambert_distance_m};
 
-/// Least height over ground in cruise: for large fixed wings; for rotorcraft and small aircraft. It does not depend on the requirements
-/// of the mission, by which the flight itself was planned.
+/// Least height over ground in cruise of missions without the requirement `terrain`: for large fixed wings; for rotorcraft and small
+/// aircraft.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
 /// Greatest mass of a small unmanned aircraft (14 CFR 107.3: 55 lb), which operates at most 122 m above the ground (14 CFR 107.51).
 const SMALL_AIRCRAFT_KG: f64 = 25.0;
@@ -88,7 +88,8 @@ impl FlightCheck {
         let bases = mission.targets.iter().filter(is_place).map(|base| base.position);
         let fixed_wing = mission.model.airframe == Airframe::FixedWing;
         let is_large = fixed_wing && mission.model.mass_kg >= SMALL_AIRCRAFT_KG;
-        let ground_margin_m = if is_large { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
+        let usual_m = if is_large { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
+        let ground_margin_m = mission.requirements.terrain_clearance_m.unwrap_or(usual_m);
         FlightCheck {
             zones: mission.zones.clone(),
             landing_places: mission.airfields.iter().map(|field| field.position).chain(bases).collect(),
@@ -107,7 +108,7 @@ impl FlightCheck {
             reported: None,
             speed_m_s_max: mission.model.true_airspeed_m_s_max + WIND_M_S,
             now: Time::ZERO,
-            result: CheckResult::default(),
+            result: CheckResult { ground_margin_m, ..CheckResult::default() },
         }
     }
 

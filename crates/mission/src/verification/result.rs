@@ -88,7 +88,9 @@ pub struct CheckResult {
     pub inside_zones: u64,
     /// Number of these positions outside of the permitted area.
     pub outside_permitted: u64,
-    /// Number of these positions too near to the ground, without take-off, landing and climbs; a crash counts as one.
+    /// Height over ground that the mission requires under way: that of its requirement `terrain`, without one a usual height.
+    pub ground_margin_m: f64,
+    /// Number of these positions below that height, without take-off, landing and climbs; a crash counts as one.
     pub near_ground: u64,
     /// Number of these positions beyond the required landing distance.
     pub beyond_landing_distance: u64,
@@ -171,9 +173,16 @@ impl fmt::Display for CheckResult {
         writeln!(f, "  {:6} outside of the permitted area", self.outside_permitted)?;
         match self.height_unknown {
             unknown if unknown >= self.positions && self.near_ground == 0 => {
-                writeln!(f, "       ? under way below the height over ground: no position has a height over ground")?;
+                writeln!(
+                    f,
+                    "       ? under way below {:.0} m over ground: no position has a height over ground",
+                    self.ground_margin_m
+                )?;
             }
-            _ => writeln!(f, "  {:6} under way below the height over ground, or crashed", self.near_ground)?,
+            _ => {
+                let (count, required_m) = (self.near_ground, self.ground_margin_m);
+                writeln!(f, "  {count:6} under way below {required_m:.0} m over ground, or crashed")?;
+            }
         }
         write!(f, "  {:6} beyond the landing distance", self.beyond_landing_distance)?;
         for limit in self.limits() {
