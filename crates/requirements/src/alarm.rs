@@ -65,6 +65,11 @@ const ESCALATION_S: f64 = 3600.0;
 /// Number of alarms within [`ESCALATION_S`] above which the response is considered ineffective.
 pub const ALARMS_PER_HOUR_MAX: usize = 3;
 
+/// Time for which one alarm may last with the requirement violated, s, before the response is considered ineffective.
+pub const VIOLATED_S_MAX: f64 = 1200.0;
+/// Longest time between samples for which the earlier one counts, s.
+const SAMPLE_GAP_S: f64 = 60.0;
+
 /// Hysteresis of one requirement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Alarm {
@@ -75,6 +80,10 @@ pub struct Alarm {
     clear_since_s: Option<f64>,
     /// Instants at which alarms of the last hour were raised.
     raised_s: Vec<f64>,
+    /// Time for which the requirement has been violated during the present alarm, s.
+    violated_s: f64,
+    /// Instant of the last sample, if the requirement was violated there.
+    violated_at_s: Option<f64>,
 }
 
 /// One sample of a requirement.
@@ -109,6 +118,9 @@ impl Alarm {
                 self.raise(sample.at_s);
             }
             AlarmState::Raised => {
+                let since_s = self.violated_at_s.map_or(0.0, |before_s| sample.at_s - before_s);
+                self.violated_s += since_s.clamp(0.0, SAMPLE_GAP_S);
+                self.violated_at_s = (sample.margin < 0.0).then_some(sample.at_s);
                 if asks || sample.margin <= thresholds.clear() {
                     self.clear_since_s = None;
                     return None;
@@ -129,9 +141,10 @@ impl Alarm {
         (self.state, self.asked, self.clear_since_s) = (AlarmState::Raised, 0, None);
     }
 
-    /// Returns true if alarms were raised so often in the last hour that another response is needed.
+    /// Returns true if another response is needed: alarms were raised too often in the last hour, or the requirement has been violated for
+    /// [`VIOLATED_S_MAX`] during the present alarm.
     pub fn is_escalated(&self) -> bool {
-        self.raised_s.len() > ALARMS_PER_HOUR_MAX
+        self.raised_s.len() > ALARMS_PER_HOUR_MAX || self.violated_s >= VIOLATED_S_MAX
     }
 }
 
@@ -165,6 +178,21 @@ mod tests {
         take(&mut alarm, 11.0, 200.0, false);
         assert_eq!(take(&mut alarm, 20.0, 200.0, false), None);
         assert_eq!(take(&mut alarm, 26.0, 200.0, false), Some(AlarmState::Kept));
+    }
+
+    /// A circle around a landing place that is too small for the vehicle passes through the permitted area and is never clear.
+    #[test]
+    fn an_alarm_escalates_after_twenty_minutes_of_violation() {
+        let mut alarm = Alarm::default();
+        take(&mut alarm, 0.0, -1.0, false);
+        for at_s in (10..2_000).step_by(10) {
+            // A quarter of the time is within the requirement.
+            take(&mut alarm, f64::from(at_s), if at_s % 40 == 0 { 50.0 } else { -1.0 }, false);
+            assert_eq!(alarm.is_escalated(), at_s >= 1_610, "at {at_s} s");
+        }
+        take(&mut alarm, 2_000.0, 500.0, false);
+        assert_eq!(take(&mut alarm, 2_020.0, 500.0, false), Some(AlarmState::Kept));
+        assert!(!alarm.is_escalated());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::statement::{LandingReach, Requirements};
 use crate::error::{MissionError, MissionResult};
+use crate::vehicle::turn_radius_m;
 use apex_geo::landing;
 use apex_geo::plane::{Plane, inside};
 use apex_geo::wind;
@@ -42,7 +43,25 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
         let places = &mission.landing_places;
         let nearest = landing::nearest(places, mission.start);
         match nearest {
-            Some((_, distance_m)) if distance_m <= distance_m_max => {}
+            Some((place, distance_m)) if distance_m <= distance_m_max => {
+                // Turns that the vehicle flies around the landing place, without wind.
+                let circle_m = 2.0 * mission.model.turns.circle_width * turn_radius_m(mission.model);
+                if distance_m_max < circle_m {
+                    let why = format!(
+                        "the distance may be {:.2} km, and {} needs {:.1} km to circle at the landing place {}",
+                        distance_m_max / 1e3,
+                        mission.model.name,
+                        circle_m / 1e3,
+                        place.name
+                    );
+                    return Err(unmet(
+                        mission,
+                        "landing-distance",
+                        why,
+                        "raise the distance; a number without unit is in metres, such as `120nm` for nautical miles",
+                    ));
+                }
+            }
             Some((place, distance_m)) => {
                 let why = format!(
                     "the nearest landing place, {}, is {:.1} km from the start; the distance may be {:.1} km",

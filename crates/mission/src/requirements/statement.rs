@@ -316,20 +316,24 @@ impl Statement<'_> {
         match value.as_number() {
             Some((si, found)) if (found == unit || found == Dimension::NONE) && si > 0.0 && si <= most => Ok(si),
             _ => {
-                Err(self.wrong(format!("`{value}` is not a {} greater than zero and at most {most} (SI)", word(unit))))
+                let (word, example) = word(unit);
+                Err(self.wrong(format!(
+                    "`{value}` is not {word} greater than zero and at most {most:.4} (SI); write one such as {example}"
+                )))
             }
         }
     }
 }
 
-fn word(unit: Dimension) -> &'static str {
+/// Returns the word for a quantity with its article, and an example.
+fn word(unit: Dimension) -> (&'static str, &'static str) {
     match unit {
-        Dimension::LENGTH => "length",
-        Dimension::TIME => "duration",
-        Dimension::SPEED => "speed",
-        Dimension::ANGLE => "angle",
-        Dimension::TEMPERATURE => "temperature",
-        _ => "number",
+        Dimension::LENGTH => ("a length", "300m"),
+        Dimension::TIME => ("a duration", "5min"),
+        Dimension::SPEED => ("a speed", "10m/s"),
+        Dimension::ANGLE => ("an angle", "10deg"),
+        Dimension::TEMPERATURE => ("a temperature", "320K"),
+        _ => ("a number", "0.5"),
     }
 }
 
