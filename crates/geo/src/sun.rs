@@ -6,8 +6,8 @@
 use crate::geodesy::{Position, RAD_PER_DEG, wrap_180, wrap_360};
 use apex_model::problem::{Light, TimeWindow};
 
-/// Elevation of the sun's middle at sunrise: refraction and half a disc.
-pub const SUNRISE_ELEVATION_DEG: f64 = -0.833;
+/// Elevation of the sun's middle, without refraction, from which the light counts as day, as looks are judged.
+pub const DAY_ELEVATION_DEG: f64 = 0.0;
 /// Elevation at the beginning of civil night.
 pub const NIGHT_ELEVATION_DEG: f64 = -6.0;
 /// Step of the search for changes of light.
@@ -53,7 +53,7 @@ pub fn solar_azimuth_deg(position: Position, unix_s: f64) -> f64 {
 pub fn is_light(light: Light, position: Position, unix_s: f64) -> bool {
     match light {
         Light::Any => true,
-        Light::Day => solar_elevation_deg(position, unix_s) >= SUNRISE_ELEVATION_DEG,
+        Light::Day => solar_elevation_deg(position, unix_s) >= DAY_ELEVATION_DEG,
         Light::Night => solar_elevation_deg(position, unix_s) <= NIGHT_ELEVATION_DEG,
     }
 }
@@ -126,13 +126,13 @@ mod tests {
     }
 
     #[test]
-    fn edwards_has_sunset_when_the_hour_angle_says_so() {
-        // By hand: declination 5.9 deg, hour angle of sunset 95.16 deg, equation of time +2.2 min: sunset at 02:09.9 UTC,
-        // sunrise at 13:29.
+    fn the_day_at_edwards_ends_when_the_hour_angle_says_so() {
+        // By hand: declination 5.9 deg, hour angle of the elevation zero 94.14 deg, equation of time +2.2 min: the end at 02:05.8 UTC, the
+        // beginning at 13:33.
         let day = light_windows(Light::Day, EDWARDS, SEPTEMBER_UNIX_S, 0.0, 86_400.0);
         assert_eq!(day.len(), 2, "{day:?}");
-        assert!((day[0].until_s - 7_794.0).abs() < 60.0, "{day:?}");
-        assert!((day[1].from_s - 48_540.0).abs() < 60.0, "{day:?}");
+        assert!((day[0].until_s - 7_548.0).abs() < 60.0, "{day:?}");
+        assert!((day[1].from_s - 48_786.0).abs() < 60.0, "{day:?}");
         let night = light_windows(Light::Night, EDWARDS, SEPTEMBER_UNIX_S, 0.0, 86_400.0);
         assert_eq!(night.len(), 1, "{night:?}");
         assert!(night[0].from_s > day[0].until_s + 1200.0 && night[0].until_s < day[1].from_s - 1200.0);
