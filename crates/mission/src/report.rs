@@ -83,7 +83,7 @@ pub fn report(
         .flat_map(|target| names_of(target).into_iter().map(move |name| (target, name)))
         .filter(|(_, name)| !situation.observed().any(|visit| visit.target == *name))
         .map(|(target, name)| match is_seen_in_passing(target, &name, flown) {
-            true => (name, "seen completely in passing, while others were observed".to_string()),
+            true => (name, "seen completely, although no observation of it was completed".to_string()),
             false => (name.clone(), reason_left_out(mission, target, &name, situation)),
         })
         .collect();
@@ -145,6 +145,8 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
             None => match situation.ending().no_plan().filter(|_| situation.plan.is_none()) {
                 Some(NoPlanReason::Failed(reason)) => format!("there was no plan: {reason}"),
                 Some(NoPlanReason::WithoutVisits(summary)) => summary.clone(),
+                Some(NoPlanReason::NotAcquired { target, why }) if target == name => why.clone(),
+                Some(NoPlanReason::NotAcquired { .. }) => "no plan included it".to_string(),
                 None => "no plan included it".to_string(),
             },
         };

@@ -48,6 +48,13 @@ pub(crate) enum NoPlanReason {
     Failed(String),
     /// No further target can be visited: the summary of the procedure without visits that is flown instead.
     WithoutVisits(String),
+    /// A data-acquisition goal was not met.
+    NotAcquired {
+        /// Its target.
+        target: String,
+        /// Why its data were not acquired.
+        why: String,
+    },
 }
 
 /// Knowledge about the end of a flight.
@@ -65,6 +72,8 @@ pub(crate) struct Ending {
     failed_because: Option<String>,
     /// Goals of requests without an answer.
     goals: BTreeMap<SolveRequestId, String>,
+    /// Targets of the data-acquisition goals among the last requests.
+    acquired: BTreeMap<SolveRequestId, String>,
     /// Goals for which a plan was requested.
     solved: BTreeSet<String>,
     /// These goals, by the tasks that pursue them.
@@ -138,6 +147,12 @@ impl Ending {
                     self.solved.insert(goal.clone());
                 }
                 self.goals.insert(request.request, goal);
+                if let Some(target) = acquired_target(&request.goal) {
+                    self.acquired.insert(request.request, target);
+                    while self.acquired.len() > SOLVE_REQUESTS_MAX {
+                        self.acquired.pop_first();
+                    }
+                }
                 while self.goals.len() > SOLVE_REQUESTS_MAX {
                     self.goals.pop_first();
                 }
@@ -243,9 +258,16 @@ impl Ending {
         self.is_airborne
     }
 
-    /// Records that a planner had no plan.
-    pub(super) fn take_missing_plan(&mut self, reason: NoPlanReason) {
-        self.no_plan = Some(reason);
+    /// Records that a planner had no plan for a request, or one without visits.
+    pub(super) fn take_missing_plan(&mut self, request: SolveRequestId, reason: NoPlanReason) {
+        self.no_plan = Some(match (self.acquired.get(&request), reason) {
+            (Some(target), NoPlanReason::Failed(why)) => NoPlanReason::NotAcquired { target: target.clone(), why },
+            (Some(target), NoPlanReason::WithoutVisits(summary)) => NoPlanReason::NotAcquired {
+                target: target.clone(),
+                why: format!("planned {summary}, but no observation of it was completed"),
+            },
+            (_, reason) => reason,
+        });
     }
 
     /// Returns the reason of the last planner that had no plan; `None` if each request had one.
@@ -330,6 +352,17 @@ impl Ending {
 const MOVING_M_S: f64 = 3.0;
 /// Time in the air without a new position after which the place of the vehicle counts as unknown.
 const UNLOCATED_MIN: Duration = Duration(60_000_000_000);
+/// Returns the name of the target of a data-acquisition goal, `(acquire TARGET ..)`, or its printed place.
+fn acquired_target(goal: &Value) -> Option<String> {
+    let [head, target, ..] = goal.as_list()? else { return None };
+    head.as_symbol().filter(|head| head.is("acquire"))?;
+    Some(match target {
+        Value::Symbol(symbol) => symbol.folded().to_string(),
+        Value::Text(text) => text.to_lowercase(),
+        place => place.to_string(),
+    })
+}
+
 /// Distance from a landing place up to which a landing counts as one at the place: a fixed wing rolls out beyond it.
 const AWAY_M: f64 = 3_000.0;
 

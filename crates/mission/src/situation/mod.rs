@@ -361,7 +361,7 @@ impl Situation {
         match report {
             SolverReport::Failed(reason) => {
                 self.note(at, format!("no plan: {reason}"));
-                self.ending.take_missing_plan(NoPlanReason::Failed(reason.clone()));
+                self.ending.take_missing_plan(request, NoPlanReason::Failed(reason.clone()));
             }
             SolverReport::Plan(procedure) => {
                 let Some(plan) = &procedure.plan else { return };
@@ -404,7 +404,7 @@ impl Situation {
         let made = self.answers.remove(&request);
         self.ending.take_plan(now, request, made.as_ref().is_some_and(|made| !made.plan.targets().is_empty()));
         let Some(made) = made else {
-            self.ending.take_missing_plan(NoPlanReason::WithoutVisits(summary.to_string()));
+            self.ending.take_missing_plan(request, NoPlanReason::WithoutVisits(summary.to_string()));
             return;
         };
         let mut planned_targets = BTreeSet::new();
