@@ -116,6 +116,7 @@ fn tables_are_read_strictly() {
         &["m/winds.csv: missing columns: wind_speed_mps", "why: the first line names"],
     );
     watch(file, "south_deg", "south", &["m/winds.csv: unknown column `south`", "known are altitude_m_min"]);
+    watch(file, "south_deg", "edr", &["m/winds.csv: the column `edr` is named twice", "have this name"]);
     watch(file, "300,3,0.05", "300,fast,0.05", &["m/winds.csv:2: `wind_speed_mps` is `fast`, not a number"]);
     watch(file, "300,3,0.05", "300,,0.05", &["m/winds.csv:2: `wind_speed_mps` is empty"]);
     watch(file, "300,3,0.05", "300,NaN,0.05", &["m/winds.csv:2: `wind_speed_mps` is NaN", "between 0 and 150"]);
@@ -250,6 +251,34 @@ fn a_start_and_a_target_inside_an_obstacle_are_told() {
     desk.change("m/obstacles.geojson", mast, pad);
     desk.apex(&["plan", "m"])
         .complained(2, &["the requirement `airspace` cannot be met from the start", "restricted zone `Radio mast`"]);
+}
+
+/// A sign or an order of coordinates that is wrong moves a zone to the other side of the Earth: that is doubted, and shuts no way.
+#[test]
+fn a_zone_on_the_other_side_of_the_earth_is_doubted_and_shuts_no_way() {
+    let desk = Desk::with_mission("western-states");
+    let outline = "[-117.93, 35.68], [-117.45, 35.68], [-117.42, 36.14], [-117.88, 36.2], [-117.93, 35.68]";
+    desk.change("m/airspace.geojson", outline, &outline.replace("-117", "117"));
+    desk.apex(&["check", "m"]).well().told(&[
+        "zone R-2505 China Lake is",
+        "from the start and from every target",
+        "check the order and the signs of its coordinates",
+    ]);
+}
+
+/// A landing distance of 120 m, meant in nautical miles, kept an aircraft in the air for hours: it cannot circle within that.
+#[test]
+fn a_landing_distance_in_which_the_vehicle_cannot_circle_is_refused() {
+    let desk = Desk::with_mission("western-states");
+    desk.change("m/mission.pdl", ":landing-distance 220nm", ":landing-distance 120");
+    desk.apex(&["check", "m"]).complained(
+        2,
+        &[
+            "the requirement `landing-distance` cannot be met from the start",
+            "predator-b needs",
+            "to circle at the landing place",
+        ],
+    );
 }
 
 #[test]

@@ -3,11 +3,14 @@
 use crate::site_pictures::{self, Daylight};
 use crate::visit_altitude::sites;
 use crate::{Mission, Target, TargetKind};
-use apex_geo::wind;
+use apex_geo::{geodesy, wind};
+
+/// Distance from the start and from every target beyond which the coordinates of a zone are doubted.
+const ZONE_FAR_M: f64 = 2.0e6;
 
 impl Mission {
-    /// Returns sentences about sites of which visits give no valid picture, and about forecast air at cruise altitude that a requirement
-    /// does not permit; empty for most missions.
+    /// Returns sentences about sites of which visits give no valid picture, about forecast air at cruise altitude that a requirement does
+    /// not permit, and about zones far away; empty for most missions.
     pub fn doubts(&self) -> Vec<String> {
         let mut found: Vec<String> = Vec::new();
         let mut troubles: Vec<(String, Vec<&str>)> = Vec::new();
@@ -31,7 +34,25 @@ impl Mission {
         if has_fires {
             found.extend(self.rough_cruise());
         }
+        found.extend(self.distant_zones());
         found
+    }
+
+    /// Returns a sentence for each zone that is far from the start and from all targets: its coordinates are probably wrong.
+    fn distant_zones(&self) -> impl Iterator<Item = String> {
+        let places: Vec<_> =
+            std::iter::once(self.start).chain(self.targets.iter().map(|target| target.position)).collect();
+        self.zones.iter().filter_map(move |zone| {
+            let all = zone.corners.iter().flat_map(|corner| places.iter().map(move |place| (corner, place)));
+            let least_m = all.map(|(corner, place)| geodesy::distance_m(*corner, *place)).reduce(f64::min)?;
+            (least_m > ZONE_FAR_M).then(|| {
+                format!(
+                    "zone {} is {:.0} km from the start and from every target: check the order and the signs of its coordinates",
+                    zone.name,
+                    least_m / 1e3
+                )
+            })
+        })
     }
 
     /// Returns true if the quality of an observation depends on its instant: the forecast of winds, turbulence or clouds changes during the

@@ -77,7 +77,15 @@ pub(crate) fn rows(file: &DataFile) -> MissionResult<Rows> {
     };
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
-    let header = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
+    let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
+    for (number, name) in header.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+        if let Some(first) = header.iter().take(number).position(|other| other == name) {
+            return Err(MissionError::data(format!("the column `{name}` is named twice"))
+                .at(place)
+                .because(format!("the columns {} and {} have this name", first + 1, number + 1))
+                .help("give each column a name of its kind, or remove one of them"));
+        }
+    }
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(broken)?;

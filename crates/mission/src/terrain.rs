@@ -77,6 +77,12 @@ fn ascii_grid(place: &str, text: &str) -> MissionResult<TerrainGrid> {
     let longitude_deg = west + if at_corner { 0.5 * east_step } else { 0.0 };
     let (south, at_corner) = header.south.ok_or_else(|| missing("yllcorner"))?;
     let latitude_deg = south + if at_corner { 0.5 * north_step } else { 0.0 };
+    if south.abs() > 90.0 && west.abs() <= 90.0 && south.abs() <= 180.0 {
+        return Err(MissionError::data("the terrain file has its south-western corner at no latitude")
+            .at(place)
+            .because(format!("`yllcorner` is {south}, and latitudes are from -90 to 90; `xllcorner` is {west}"))
+            .help("the two are probably exchanged: `xllcorner` is the longitude, `yllcorner` the latitude"));
+    }
     if west.abs() > 360.0 || south.abs() > 90.0 {
         return Err(MissionError::data("the terrain file is not in degrees of latitude and longitude")
             .at(place)

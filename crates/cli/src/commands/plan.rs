@@ -23,7 +23,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Advice if there is no plan.
-const NO_PLAN_HELP: &str = "check the mission's data, or leave `--solver` out to let the mission's features choose";
+const NO_PLAN_HELP: &str = "check the mission's data: `apex check MISSION`";
+/// Advice if the planner of `--solver` has no plan.
+const NO_PLAN_OF_SOLVER_HELP: &str =
+    "check the mission's data, or leave `--solver` out to let the mission's features choose";
 /// Advice if an operator's visits are empty.
 const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
 
@@ -109,7 +112,11 @@ fn read(options: &PlanOptions, planners: &Registry) -> CliResult<PlanInput> {
 fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>) -> CliResult<Deliberation> {
     let by_hand = !options.visits.is_empty();
     let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
-    let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
+    let no_plan_help = match solver {
+        _ if by_hand => NO_PLAN_BY_HAND_HELP,
+        Some(_) => NO_PLAN_OF_SOLVER_HELP,
+        None => NO_PLAN_HELP,
+    };
     let (budget, seed) = (question.budget, question.seed);
     let mut means = PlanningResources::of(planners);
     if by_hand {

@@ -164,7 +164,16 @@ impl NamedFeature {
     /// Converts spans of hours of mission time, `[[from, until], ..]`, to seconds; empty if the property is absent.
     pub(crate) fn spans_s(&self, key: &str) -> MissionResult<Vec<TimeWindow>> {
         let mut spans = Vec::new();
-        for (from_h, until_h) in self.pairs(key)? {
+        let pairs = self.pairs(key)?;
+        if pairs.is_empty() && self.property(key).is_some() {
+            return Err(self
+                .trouble(format!("`{key}` is an empty list"))
+                .because("a list without spans would mean always")
+                .help(format!(
+                    "name a span such as [[2, 5]], hours since the mission's start, or leave `{key}` out for always"
+                )));
+        }
+        for (from_h, until_h) in pairs {
             if until_h <= from_h {
                 return Err(self.trouble(format!("`{key}`: the span [{from_h}, {until_h}] ends before it begins")));
             }

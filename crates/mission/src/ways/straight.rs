@@ -73,11 +73,18 @@ impl Leg {
         let meets = zone.altitude_m_min <= self.high_m
             && self.low_m < zone.altitude_m_max
             && zone.active.overlaps(self.span_s.0, self.span_s.1);
-        // Areas that cannot be drawn on one plane map are left to the network.
+        // A zone on the other side of the Earth is far from any leg; one that is partly within reach of the plane is left to the network.
         let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
             !plane::inside(a, &corners) && is_apart(plane::segment_to_edges(a, b, &corners), distance_m)
         };
-        !meets || self.flat(zone).is_some_and(clear)
+        !meets || self.is_beyond_reach(zone) || self.flat(zone).is_some_and(clear)
+    }
+
+    /// Returns true if the plane around the leg contains the leg, and no corner of the zone.
+    fn is_beyond_reach(&self, zone: &AirspaceZone) -> bool {
+        let plane = Plane::around(&[self.from, self.to]);
+        [self.from, self.to].into_iter().all(|end| plane.project(end).is_some())
+            && zone.corners.iter().all(|corner| plane.project(*corner).is_none())
     }
 
     fn keeps_in(&self, zone: &AirspaceZone, distance_m: f64) -> bool {
