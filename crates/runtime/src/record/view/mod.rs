@@ -13,6 +13,7 @@ pub(crate) mod decisions;
 mod early;
 mod effect_index;
 mod events;
+mod goals;
 mod holding_index;
 mod holdings;
 mod index;

@@ -1,7 +1,7 @@
 //! The observation targets and the history of each.
 
 use super::announcements::{Announcements, LOOK};
-use super::index::TargetNames;
+use super::goals::TargetNames;
 use super::{RecordView, for_writing};
 use crate::error::RecordError;
 use rusqlite::Connection;
