@@ -74,6 +74,7 @@ use signals::SampleIndex;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use targets::KnownTargets;
 use trouble_index::TroubleIndex; // english: allow
 
 /// A flight record opened for queries about one agent. It owns its connection, so it can move to another thread.
@@ -93,6 +94,8 @@ struct Indexes {
     commands: RwLock<CommandIndex>,
     /// Questions to operators.
     questions: RwLock<QuestionIndex>,
+    /// Identifiers of the targets.
+    targets: Mutex<KnownTargets>,
     /// Times at which late targets became known.
     announcements: RwLock<Announcements>,
     /// Places of times, kinds and texts in the log.
