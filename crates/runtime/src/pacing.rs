@@ -130,6 +130,11 @@ impl Pacer {
         self.clock.sleep(span);
     }
 
+    /// Returns the pace in mission seconds per second of wall time; `None` as fast as possible.
+    pub fn pace(&self) -> Option<f64> {
+        self.pace
+    }
+
     /// Returns true when steps wait for the wall clock.
     pub fn is_paced(&self) -> bool {
         self.pace.is_some()
