@@ -1,4 +1,4 @@
-/** Scrolls a panel so that one of its entries is in sight. The page around the panel keeps its place. */
+/** Scrolls a panel so that one of its entries is in sight. The page around it moves only if it shows a part of the panel at most. */
 
 /** Height of what stays at the top of a panel while it scrolls, and space for the next entry. */
 const [ABOVE_PX, BELOW_PX] = [96, 36];
