@@ -358,7 +358,7 @@ test('an event of the log is selected in the address, Back undoes it, and its li
   const recorded = trace(seconds, event.kind).filter(line => Math.round(line.t * 1e9) === event.t_ns);
   expect(recorded.length).toBeGreaterThan(0);
 
-  // An instant before the event: the page says so, and shows nothing of it.
+  // An instant before the event: the page reports it, and shows nothing of the event.
   await page.goto(`${server.url}/?t=0&sel=event:${number}`);
   await expect(page.getByTestId('selected-event')).toContainText(
     `Event ${number} comes later than this time.`,

@@ -53,8 +53,8 @@ pub(crate) struct Flight<'a, 'o> {
     until: Time,
     poll: Option<Duration>,
     hold_for_solvers: bool,
-    /// The pace that was told to the agents, at least 1.
-    told_pace: f64,
+    /// The pace that the agents know, at least 1.
+    known_pace: f64,
     /// True if a step is under way: the run pauses after the next instant with a visible effect.
     stepping: bool,
     pool: SolverPool,
@@ -124,7 +124,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             until: options.until,
             poll: options.poll,
             hold_for_solvers: options.hold_for_solvers,
-            told_pace: 1.0,
+            known_pace: 1.0,
             stepping: false,
             pool: SolverPool::new(queue),
             answered: AnswerBook::default(),

@@ -1,4 +1,4 @@
-/** Selected events and plans: look-ups in the record by their numbers. Pure but for the source. */
+/** Selected events and plans: look-ups in the record by their numbers. Pure except for the source. */
 
 import type { RecordSource } from '../record/source';
 import type { EventRow } from '../record/types';

@@ -96,8 +96,8 @@ fn patience(cycle: &Cycle<'_>, budget: Option<Duration>) -> Duration {
     let patience = budget.map_or(Duration(SOLVE_TIMEOUT_DEFAULT_S * NANOSECONDS_PER_SECOND), |budget| {
         budget + Duration(SOLVE_GRACE_S * NANOSECONDS_PER_SECOND)
     });
-    let told = cycle.agent.histories.get(&StateVariable::mission_pace()).and_then(|history| history.newest());
-    let pace = told.and_then(|sample| sample.value.as_number()).map_or(1.0, |(pace, _)| pace);
+    let newest = cycle.agent.histories.get(&StateVariable::mission_pace()).and_then(|history| history.newest());
+    let pace = newest.and_then(|sample| sample.value.as_number()).map_or(1.0, |(pace, _)| pace);
     if pace > 1.0 { Duration::from_seconds(patience.seconds() * pace) } else { patience }
 }
 

@@ -111,13 +111,13 @@ impl Flight<'_, '_> {
         Ok(None)
     }
 
-    /// Tells the agents a pace above that of the wall clock, because planners take wall time (decision 0268).
+    /// Reports to the agents a pace above that of the wall clock, because planners take wall time (decision 0268).
     pub(super) fn tell_pace(&mut self, now: Time) -> Result<(), RunError> {
         let pace = self.pacer.pace().map_or(1.0, |pace| pace.max(1.0));
-        if self.hold_for_solvers || pace.total_cmp(&self.told_pace).is_eq() {
+        if self.hold_for_solvers || pace.total_cmp(&self.known_pace).is_eq() {
             return Ok(());
         }
-        self.told_pace = pace;
+        self.known_pace = pace;
         let kind = EventKind::Measurement(StateVariable::mission_pace(), Value::Real(pace));
         self.group.deliver(Input::new(now, kind))
     }

@@ -186,7 +186,7 @@ it('the log names ends by their outcome, and errors by their colour', () => {
   expect(lines[0]?.tone).toBe('failed');
   expect(toneOf('refused', null, null)).toBe('interrupted');
   expect(toneOf('transition', 'terminated', 'invariant violated')).toBe('failed');
-  // A selected event that the filter leaves out is told in words; one that comes later is not.
+  // A selected event that the filter leaves out is described; one that comes later is not.
   expect(selectedWords(2, event(2, {}), 9e9)).toEqual({
     words: 'Event 2 is not among the lines below: T+0:00:02 T4 ongoing (take-off) — it needs no resources',
     atNs: 2e9,

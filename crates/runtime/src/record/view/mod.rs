@@ -17,6 +17,7 @@ mod goals;
 mod holding_index;
 mod holdings;
 mod index;
+mod known_targets;
 mod library;
 mod mission;
 mod plan;
@@ -68,13 +69,13 @@ use early::EarlyReading;
 use effect_index::EffectIndex;
 use holding_index::HoldingIndex;
 use index::TaskIndex;
+use known_targets::KnownTargets;
 use question_index::QuestionIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
-use targets::KnownTargets;
 use trouble_index::TroubleIndex; // english: allow
 
 /// A flight record opened for queries about one agent. It owns its connection, so it can move to another thread.

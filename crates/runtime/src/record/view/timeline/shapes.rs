@@ -42,23 +42,23 @@ pub struct Bar {
 }
 
 /// A row in its short form: a drawing may have tens of thousands of bars, whose times would be written twice with names.
-struct Row<'a>(&'a [Bar]);
+struct PackedRow<'a>(&'a [Bar]);
 
 /// Bars of one task without a gap between them.
-struct Run<'a>(&'a [Bar]);
+struct PackedRun<'a>(&'a [Bar]);
 
 fn as_runs<S: Serializer>(rows: &[Vec<Bar>], out: S) -> Result<S::Ok, S::Error> {
-    out.collect_seq(rows.iter().map(|row| Row(row)))
+    out.collect_seq(rows.iter().map(|row| PackedRow(row)))
 }
 
-impl Serialize for Row<'_> {
+impl Serialize for PackedRow<'_> {
     fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let follows = |bar: &Bar, next: &Bar| bar.task == next.task && bar.to_ns == next.from_ns;
-        out.collect_seq(self.0.chunk_by(follows).map(Run))
+        out.collect_seq(self.0.chunk_by(follows).map(PackedRun))
     }
 }
 
-impl Serialize for Run<'_> {
+impl Serialize for PackedRun<'_> {
     fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let Some(first) = self.0.first() else { return out.collect_seq([0; 0]) };
         let mut run = out.serialize_seq(Some(2 + 2 * self.0.len()))?;
