@@ -4,7 +4,16 @@ import { execFileSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
-import type { Holdings, Mission, Monitors, PlanInForce, ProgramContents, Tasks } from '../src/record/types';
+import type {
+  Events,
+  Holdings,
+  Mission,
+  Monitors,
+  PlanInForce,
+  Plans,
+  ProgramContents,
+  Tasks,
+} from '../src/record/types';
 import { expectNoFaults } from './axe';
 import { apexProgram, type Server, startServer } from './server';
 
@@ -316,4 +325,74 @@ test('two agents of one record: each has its own tasks, and both are on one time
   } finally {
     crew.stop();
   }
+});
+
+test('an event of the log is selected in the address, Back undoes it, and its link shows it again', async ({
+  page,
+}) => {
+  const seconds = await open(page, '&tab=log');
+  const [later, earlier] = [page.locator('[data-event]').nth(2), page.locator('[data-event]').nth(20)];
+  const number = await later.getAttribute('data-event');
+  await later.locator('button').first().click();
+  await expect(page).toHaveURL(new RegExp(`sel=event:${number}`));
+  const first = page.locator(`[data-event="${number}"]`);
+  await expect(first).toHaveAttribute('aria-current', 'true');
+  const url = page.url();
+  const second = await earlier.getAttribute('data-event');
+  await earlier.locator('button').first().click();
+  await expect(page).toHaveURL(new RegExp(`sel=event:${second}`));
+  await page.goBack();
+  await expect(page).toHaveURL(url);
+  await expect(first).toHaveAttribute('aria-current', 'true');
+  const [time, words] = [await page.getByTestId('time').textContent(), await first.innerText()];
+
+  // Without an instant the link leads to that of the event, as the record has it.
+  await page.goto(`${server.url}/?sel=event:${number}`);
+  await expect(page.getByTestId('time')).toHaveText(time ?? '');
+  await expect(first).toHaveAttribute('aria-current', 'true');
+  await expect(first).toBeInViewport();
+  expect(await first.innerText()).toBe(words);
+  const { events } = await ask<Events>(`events?before=${Number(number) + 1}&limit=1`);
+  const event = events[0];
+  if (!event) throw new Error('the event is not in the record');
+  const recorded = trace(seconds, event.kind).filter(line => Math.round(line.t * 1e9) === event.t_ns);
+  expect(recorded.length).toBeGreaterThan(0);
+
+  // An instant before the event: the page reports it, and shows nothing of the event.
+  await page.goto(`${server.url}/?t=0&sel=event:${number}`);
+  await expect(page.getByTestId('selected-event')).toContainText(
+    `Event ${number} comes later than this time.`,
+  );
+  await page.goto(`${server.url}/?sel=event:999999999`);
+  await expect(page.getByRole('alert')).toContainText(
+    'sel=event:999999999; the record has no event 999999999',
+  );
+  await expect(page.getByTestId('selected-event')).toHaveText('The record has no event 999999999.');
+  await expectNoFaults(page, 'a selected event that does not exist');
+});
+
+test('a plan is selected in the address, Back undoes it, and its link shows it again', async ({ page }) => {
+  const { plans } = await ask<Plans>(`plans?at=${mission.end_ns}`);
+  const [plan] = plans;
+  if (!plan) throw new Error('the flight has no plan');
+  await page.goto(`${server.url}/?t=${Math.round(mission.end_ns / 1e9)}&tab=plans`);
+  const shown = page.locator(`[data-plan="${plan.number}"]`);
+  await shown.getByRole('button', { name: `Plan ${plan.number}`, exact: true }).click();
+  await expect(page).toHaveURL(new RegExp(`sel=plan:${plan.number}`));
+  await expect(shown).toHaveAttribute('aria-current', 'true');
+  await page.goBack();
+  await expect(page).not.toHaveURL(/sel=/);
+  await expect(shown).toHaveAttribute('aria-current', 'false');
+
+  // The link alone opens the panel and the instant of the plan.
+  await page.goto(`${server.url}/?sel=plan:${plan.number}`);
+  await expect(shown).toHaveAttribute('aria-current', 'true');
+  await expect(shown).toBeInViewport();
+  const adopted = trace(Math.ceil(plan.adopted_ns / 1e9), 'plan');
+  expect(adopted.some(line => Math.round(line.t * 1e9) === plan.adopted_ns)).toBe(true);
+
+  await page.goto(`${server.url}/?t=0&sel=plan:999`);
+  await expect(page.getByRole('alert')).toContainText('sel=plan:999; the flight has no plan 999');
+  await expect(page.getByTestId('missing-plan')).toHaveText('No plan 999 was adopted by this time.');
+  await expectNoFaults(page, 'a selected plan that does not exist');
 });

@@ -8,6 +8,7 @@ import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
+import { unpackRows } from '../src/record/bands';
 import type { Mission, PlanInForce, ScoreSoFar, Targets, Timeline, Troubles } from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
@@ -112,7 +113,9 @@ test('the timeline counts what it merges, and zooming shows it', async ({ page }
   const near = await ask<Timeline>(
     `timeline?from=${Math.round((atS - 300) * 1e9)}&to=${Math.round((atS + 300) * 1e9)}&at=${Math.round((atS + 200) * 1e9)}&lanes=60`,
   );
-  expect(near.lanes.flatMap(lane => lane.rows.flat()).some(bar => bar.state === 'interrupted')).toBe(true);
+  expect(
+    near.lanes.flatMap(lane => unpackRows(lane.rows).flat()).some(bar => bar.state === 'interrupted'),
+  ).toBe(true);
   const timeline = page.getByTestId('timeline');
   await expect
     .poll(async () => (await countColours(page, timeline, [COLOURS.interrupted]))[COLOURS.interrupted] ?? 0)

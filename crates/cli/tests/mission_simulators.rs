@@ -52,7 +52,7 @@ fn an_outside_simulator_flies_a_mission() {
 #[test]
 fn a_mission_in_real_time_plans_for_the_vehicle_on_the_line() {
     let desk = structure_watch("realtime");
-    // At a pace of 10 the wall time for a request shrinks to a tenth: a small budget and a moderate pace leave a busy machine enough of it.
+    // The vehicle flies on for ten times the wall time that the planner takes: a small budget and a moderate pace keep that short.
     desk.change("m/mission.pdl", ":budget 500ms", ":budget 20ms");
     let flown = simulator(&desk, &["--pace", "10", "--until", "7min", "--record", "flight.apex"]);
     let (out, err) = (text(&flown.stdout), text(&flown.stderr));

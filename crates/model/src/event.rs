@@ -79,6 +79,10 @@ impl CommandProgress {
 /// `accepted`, `in-progress`, `done`, `failed`, `timed-out` or `withdrawn`.
 pub const COMMAND_STATE: &str = "command-state";
 
+/// Attribute of the state variable with the pace of a run by the wall clock, `(mission-pace)`: seconds of mission time that pass in one
+/// second of wall time. Only runs that are faster than the wall clock and do not wait for planners have it.
+pub const MISSION_PACE: &str = "mission-pace";
+
 /// Message from one agent to others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
@@ -129,6 +133,11 @@ impl StateVariable {
             other => other,
         };
         StateVariable { attribute, object }
+    }
+
+    /// Returns the variable `(mission-pace)`.
+    pub fn mission_pace() -> StateVariable {
+        StateVariable::new(Symbol::new(MISSION_PACE), Value::nil())
     }
 }
 

@@ -53,6 +53,8 @@ pub(crate) struct Flight<'a, 'o> {
     until: Time,
     poll: Option<Duration>,
     hold_for_solvers: bool,
+    /// The pace that the agents know, at least 1.
+    known_pace: f64,
     /// True if a step is under way: the run pauses after the next instant with a visible effect.
     stepping: bool,
     pool: SolverPool,
@@ -122,6 +124,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             until: options.until,
             poll: options.poll,
             hold_for_solvers: options.hold_for_solvers,
+            known_pace: 1.0,
             stepping: false,
             pool: SolverPool::new(queue),
             answered: AnswerBook::default(),
@@ -142,10 +145,11 @@ impl<'a, 'o> Flight<'a, 'o> {
 
     /// Runs the flight until it ends; returns the reason.
     pub(crate) fn run(&mut self) -> Result<EndReason, RunError> {
-        if std::mem::take(&mut self.is_new)
-            && let Some(reason) = self.live_instant(Time::ZERO, true)?
-        {
-            return Ok(reason);
+        if std::mem::take(&mut self.is_new) {
+            self.tell_pace(Time::ZERO)?;
+            if let Some(reason) = self.live_instant(Time::ZERO, true)? {
+                return Ok(reason);
+            }
         }
         loop {
             if let Some(reason) = self.group.finish() {

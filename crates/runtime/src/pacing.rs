@@ -1,7 +1,8 @@
 //! Pacing: lets mission time pass at a multiple of wall time, so that operators can watch.
 //!
 //! The pace decides only when a step is executed, never its result: without inputs from outside, and while no solver is late, a paced run
-//! and a fast run write the same record.
+//! and a fast run write the same record. A run that does not wait for planners and is faster than the wall clock also has a sample of
+//! `(mission-pace)`.
 
 use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
 use std::fmt;
@@ -128,6 +129,11 @@ impl Pacer {
     /// Waits by its clock.
     pub fn sleep(&self, span: Duration) {
         self.clock.sleep(span);
+    }
+
+    /// Returns the pace in mission seconds per second of wall time; `None` as fast as possible.
+    pub fn pace(&self) -> Option<f64> {
+        self.pace
     }
 
     /// Returns true when steps wait for the wall clock.

@@ -3,10 +3,11 @@
 //!
 //! This is the only list; `docs/reference/trace.md` shows it to users.
 
-use apex_model::event::EventKind;
+use apex_model::event::{EventKind, MISSION_PACE};
 
-/// Facts of the run and its record: the log of commands, authority, live sources, the recorder. A name that ends with `-` is a beginning.
-const OF_THE_RUN: [&str; 4] = ["operator-command", "authority", "live-source", "recording-"];
+/// Facts of the run and its record: the log of commands, authority, live sources, the recorder, the pace. A name that ends with `-` is a
+/// beginning.
+const OF_THE_RUN: [&str; 5] = ["operator-command", "authority", "live-source", "recording-", MISSION_PACE];
 /// Results that the mission computes. A scripted file may say them, to test what a program does then.
 const OF_THE_MISSION: [&str; 3] = ["requirement-", "segment-weighed", "plan-outdated"];
 
@@ -24,8 +25,12 @@ pub enum Entrance {
 /// # Errors
 /// The reason for which a message is refused.
 pub fn check(kind: &EventKind, entrance: Entrance) -> Result<(), String> {
-    let EventKind::Occurrence(form) = kind else { return Ok(()) };
-    let Some(head) = form.head().map(|head| head.folded()) else { return Ok(()) };
+    let head = match kind {
+        EventKind::Occurrence(form) => form.head(),
+        EventKind::Measurement(variable, _) => Some(&variable.attribute).filter(|attribute| attribute.is(MISSION_PACE)),
+        _ => None,
+    };
+    let Some(head) = head.map(|head| head.folded()) else { return Ok(()) };
     let is_of =
         |names: &[&str]| names.iter().any(|name| head == *name || name.ends_with('-') && head.starts_with(name));
     if is_of(&OF_THE_RUN) {
@@ -44,6 +49,8 @@ pub fn check(kind: &EventKind, entrance: Entrance) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use apex_model::event::StateVariable;
+    use apex_model::symbol::Symbol;
     use apex_model::value::Value;
 
     fn said(head: &str, entrance: Entrance) -> Result<(), String> {
@@ -52,11 +59,25 @@ mod tests {
 
     #[test]
     fn facts_of_the_run_come_from_no_entrance() {
-        for head in ["operator-command", "Authority", "live-source", "recording-lost", "recording-resumed"] {
+        for head in
+            ["operator-command", "Authority", "live-source", "recording-lost", "recording-resumed", "mission-pace"]
+        {
             for entrance in [Entrance::Script, Entrance::Outside] {
                 assert!(said(head, entrance).unwrap_err().contains("by Apex alone"), "{head}");
             }
         }
+    }
+
+    #[test]
+    fn the_pace_of_the_run_is_no_measurement_from_outside() {
+        let measured = |attribute: &str| {
+            let variable = StateVariable::new(Symbol::new(attribute), Value::nil());
+            check(&EventKind::Measurement(variable, Value::Real(1e9)), Entrance::Script)
+        };
+        assert!(measured("mission-pace").unwrap_err().contains("by Apex alone"));
+        assert_eq!(measured("altitude"), Ok(()));
+        // Of other names the list is about messages: `authority` may be measured.
+        assert_eq!(measured("authority"), Ok(()));
     }
 
     #[test]

@@ -6,12 +6,12 @@ use crate::explain::{
     Observation, PartValue, Subtask, TaskExplanation, TaskMonitor, Unmet, Why,
 };
 use crate::record::view::{
-    AskedQuestion, Band, Bar, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings,
-    LandingPlace, Lane, LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents,
-    ProgramFile, ProgramText, QuestionEnd, Questions, RecordStatus, RecordedCommand, RecordedCommands, Report,
-    ResourceRow, Section, Signal, SignalKind, SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord,
-    Statistics, StepRow, Surroundings, Target, TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble,
-    TroubleKind, Troubles, VisitNeed, Zone,
+    AskedQuestion, Band, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings, LandingPlace,
+    Lane, LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents, ProgramFile,
+    ProgramText, QuestionEnd, Questions, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section,
+    Signal, SignalKind, SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow,
+    Surroundings, Target, TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles,
+    VisitNeed, Zone,
 };
 use apex_typescript::{check, declaration};
 
@@ -26,7 +26,6 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<Track>(),
         declaration::<Task>(),
         declaration::<Tasks>(),
-        declaration::<Bar>(),
         declaration::<Band>(),
         declaration::<Lane>(),
         declaration::<More>(),

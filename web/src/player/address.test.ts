@@ -44,6 +44,22 @@ describe('the address', () => {
     });
   });
 
+  it('selects an event or a plan by its number', () => {
+    for (const selection of [{ event: 1234 }, { plan: 2 }]) {
+      const [[kind, number] = []] = Object.entries(selection);
+      const text = writeAddress('', { ...nothing, selection });
+      expect(text).toBe(`?sel=${kind}:${number}`);
+      expect(readAddress(text)).toEqual({ address: { ...nothing, selection }, faults: [] });
+    }
+    for (const wrong of ['event:first', 'plan:-1', 'event:', 'plan:99999999999999999999', 'pilot:1'])
+      expect(readAddress(`?sel=${wrong}`)).toEqual({
+        address: nothing,
+        faults: [
+          `The address has sel=${wrong}; expected task:NUMBER, target:NAME, event:NUMBER or plan:NUMBER.`,
+        ],
+      });
+  });
+
   it('leaves defaults out and keeps what it does not know', () => {
     expect(writeAddress('?t=5&colour=blue', nothing)).toBe('?colour=blue');
     expect(writeAddress('', nothing)).toBe('');

@@ -5,7 +5,7 @@ import type { Range } from './clock';
 import { layoutText, PANELS, type Panel, parseLayout } from './layout';
 
 /** The selection: one thing at a time. */
-export type Selection = { task: number } | { target: string } | null;
+export type Selection = { task: number } | { target: string } | { event: number } | { plan: number } | null;
 
 /** The contents of an address; null for absent ones. */
 export interface Address {
@@ -50,7 +50,7 @@ export function readAddress(search: string): { address: Address; faults: string[
   const address: Address = {
     atNs: read('t', parseInstant, 'seconds of mission time, or live'),
     window: read('w', parseWindow, 'two times in seconds, 3600-7200'),
-    selection: read('sel', parseSelection, 'task:NUMBER or target:NAME'),
+    selection: read('sel', parseSelection, 'task:NUMBER, target:NAME, event:NUMBER or plan:NUMBER'),
     strips: read('strips', text => text.split(',').filter(Boolean), 'names of signals'),
     span: read('range', parseWindow, 'two times in seconds, 3600-7200'),
     tab: read('tab', text => PANELS.find(panel => panel === text) ?? null, PANELS.join(', ')),
@@ -79,7 +79,7 @@ export function writeAddress(before: string, address: Address): string {
   const { atNs, window, selection } = address;
   set('t', atNs === null ? null : atNs === 'live' ? 'live' : seconds(atNs));
   set('w', window && `${seconds(window.fromNs)}-${seconds(window.toNs)}`);
-  set('sel', selection && ('task' in selection ? `task:${selection.task}` : `target:${selection.target}`));
+  set('sel', selectionText(selection));
   set('tab', address.tab);
   set('left', address.left);
   set('layout', address.layout || null);
@@ -92,6 +92,12 @@ export function writeAddress(before: string, address: Address): string {
   // Colons are legal in a query and stay readable.
   const text = parameters.toString().replaceAll('%3A', ':').replaceAll('%2C', ',');
   return text === '' ? '' : `?${text}`;
+}
+
+/** `task:12`; null without a selection. */
+export function selectionText(selection: Selection): string | null {
+  const [kind, name] = Object.entries(selection ?? {})[0] ?? [];
+  return kind === undefined ? null : `${kind}:${name}`;
 }
 
 export function sameSelection(a: Selection, b: Selection): boolean {
@@ -121,7 +127,11 @@ function parseWindow(text: string): Range | null {
 }
 
 function parseSelection(text: string): Selection {
-  const [, kind, name] = /^(task|target):(.+)$/.exec(text) ?? [];
-  if (kind === 'target' && name) return { target: name };
-  return kind === 'task' && name && /^\d+$/.test(name) ? { task: Number(name) } : null;
+  const [, kind, name = ''] = /^(task|target|event|plan):(.+)$/.exec(text) ?? [];
+  if (kind === 'target') return { target: name };
+  const number = parseNumber(name);
+  if (number === null || !Number.isSafeInteger(number)) return null;
+  if (kind === 'task') return { task: number };
+  if (kind === 'event') return { event: number };
+  return kind === 'plan' ? { plan: number } : null;
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { DEFAULT_LAYOUT, layoutText, moved, PANELS, parseLayout, slotOf } from './layout';
+import { DEFAULT_LAYOUT, layoutText, moved, PANELS, parseLayout, slotOf, usualPanel } from './layout';
 
 describe('the layout', () => {
   it('holds each panel once', () => {
@@ -26,4 +26,12 @@ describe('the layout', () => {
     expect(short?.left[0]).toBe('agenda');
     expect([...(short?.left ?? []), ...(short?.right ?? [])].sort()).toEqual([...PANELS].sort());
   });
+});
+
+it('the usual panel on the right shows what is selected', () => {
+  expect(usualPanel(null)).toBe('log');
+  expect(usualPanel({ target: 'barn' })).toBe('log');
+  expect(usualPanel({ event: 12 })).toBe('log');
+  expect(usualPanel({ task: 12 })).toBe('why');
+  expect(usualPanel({ plan: 2 })).toBe('plans');
 });

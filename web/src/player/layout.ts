@@ -1,5 +1,7 @@
 /** The place of each panel: two slots with panels as tabs, and the widths of the columns; pure. */
 
+import type { Selection } from './address';
+
 /** All panels of the slots. */
 export const PANELS = [
   'agenda',
@@ -84,4 +86,10 @@ export function parseLayout(text: string): Layout | null {
     right: [...b, ...missing(DEFAULT_LAYOUT.right)],
     widths: pair ? [pair[0] as number, pair[1] as number] : null,
   };
+}
+
+/** The panel that is on top of the right slot until the user chooses another one. */
+export function usualPanel(selection: Selection): Panel {
+  if (selection && 'task' in selection) return 'why';
+  return selection && 'plan' in selection ? 'plans' : 'log';
 }

@@ -32,7 +32,7 @@ import type {
 } from '../record/types';
 import { missionTime } from '../time/format';
 import { signalWords, subjectWords } from '../words/subject';
-import type { Address, Rows, Selection } from './address';
+import { type Address, type Rows, type Selection, selectionText } from './address';
 import { Alarms } from './alarms.svelte';
 import {
   advance,
@@ -51,6 +51,7 @@ import { type Failure, Freshness } from './freshness.svelte';
 import type { Panel } from './layout';
 import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
+import { foundSelection } from './selected';
 
 /** A growing record is read again at most this often, because drawing all of it takes long. */
 const REREAD_MS = 1500;
@@ -221,6 +222,14 @@ export class Player {
     return this.selection && 'target' in this.selection ? this.selection.target : null;
   }
 
+  get selectedEvent(): number | null {
+    return this.selection && 'event' in this.selection ? this.selection.event : null;
+  }
+
+  get selectedPlan(): number | null {
+    return this.selection && 'plan' in this.selection ? this.selection.plan : null;
+  }
+
   /** Opens the record in the state of an address, and begins to watch its growth. */
   async open(address: Address | null = null): Promise<void> {
     try {
@@ -250,7 +259,10 @@ export class Player {
         `The address has sel=target:${target}; no such target is known by this time.`,
       ];
     const readNs = this.atNs;
-    if (address) this.take(address);
+    if (address) {
+      this.take(address);
+      await this.goToSelection(address);
+    }
     this.speed = speedFor(this.range);
     // The facts of this instant have just been read.
     if (this.atNs !== readNs) this.momentQuestions.put(this.atNs);
@@ -263,6 +275,22 @@ export class Player {
           this.connected = connected;
         },
       );
+    }
+  }
+
+  /** Moves the cursor to the event or the plan of an address without an instant; a number that the record does not have is a fault. */
+  private async goToSelection({ selection, atNs }: Address): Promise<void> {
+    try {
+      const found = await foundSelection(this.source, selection, this.range.toNs);
+      if ('missing' in found)
+        this.faults = [...this.faults, `The address has sel=${selectionText(selection)}; ${found.missing}.`];
+      else if (atNs === null && found.atNs !== null) {
+        this.moveTo(clamp(found.atNs, this.range));
+        this.following = false;
+      }
+      this.freshness.succeed('selection');
+    } catch (error) {
+      this.showError('selection', error);
     }
   }
 
@@ -452,6 +480,27 @@ export class Player {
     this.choose(target === null ? null : { target });
   }
 
+  /** Selects an event of the log, and moves the cursor to its instant. */
+  selectEvent(event: number, atNs: number): void {
+    this.desk.show('log');
+    this.goTo({ event }, atNs);
+  }
+
+  /** Selects a plan, and leaves the cursor where it is. */
+  selectPlan(plan: number): void {
+    this.desk.show('plans');
+    this.choose({ plan });
+  }
+
+  private goTo(selection: Selection, atNs: number): void {
+    this.pause();
+    this.selection = selection;
+    this.why = null;
+    this.whyTrouble = null;
+    this.seek(atNs);
+    this.reveal();
+  }
+
   /** Compares with the record of this number; null compares no longer. */
   compareWith(id: number | null): void {
     const missing = (reason: string) => {
@@ -490,13 +539,8 @@ export class Player {
 
   /** Moves the cursor to a failure or fault and selects its subject. */
   showTrouble(trouble: Pick<Trouble, 't_ns' | 'task' | 'target'>): void {
-    this.pause();
-    this.selection =
-      trouble.task !== null ? { task: trouble.task } : trouble.target ? { target: trouble.target } : null;
-    this.why = null;
-    this.whyTrouble = null;
-    this.seek(trouble.t_ns);
-    this.reveal();
+    const { task, target } = trouble;
+    this.goTo(task !== null ? { task } : target ? { target } : null, trouble.t_ns);
   }
 
   /** Moves to the next failure or fault. Only here the page asks for failures after the cursor's instant, because the user wants to go

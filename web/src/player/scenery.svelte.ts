@@ -13,6 +13,8 @@ const LINK_PIXELS = 800;
 
 export class Scenery {
   plans = $state.raw<Plans>({ plans: [], left_out: 0 });
+  /** True once the plans were read. */
+  knowsPlans = $state(false);
   footprints = $state.raw<Footprints | null>(null);
   wind = $state.raw<SignalWindow[]>([]);
   links = $state.raw<SignalWindow[]>([]);
@@ -46,6 +48,7 @@ export class Scenery {
       atNs => source.plans(atNs),
       (plans, atNs) => {
         this.plans = plans;
+        this.knowsPlans = true;
         onPlans(atNs);
       },
       fail,

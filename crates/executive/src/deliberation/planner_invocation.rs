@@ -16,6 +16,7 @@ use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
+use apex_model::event::StateVariable;
 use apex_model::limits::{SOLVE_GRACE_S, SOLVE_TIMEOUT_DEFAULT_S};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
@@ -72,9 +73,7 @@ fn ask(
     let request = SolveRequestId(cycle.agent.next.request);
     cycle.agent.next.request += 1;
     cycle.agent.requests.insert(request, id);
-    let patience = budget.map_or(Duration(SOLVE_TIMEOUT_DEFAULT_S * NANOSECONDS_PER_SECOND), |budget| {
-        budget + Duration(SOLVE_GRACE_S * NANOSECONDS_PER_SECOND)
-    });
+    let patience = patience(cycle, budget);
     let wake = Some(cycle.agent.wakes.schedule(cycle.now + patience, Wake::SolveTimeout(request)));
     let fresh =
         PlanningController { request, goal: goal.clone(), meanwhile: None, pursue, patience, wake, arrived: None };
@@ -89,6 +88,17 @@ fn ask(
         meanwhile(cycle, id, solver);
     }
     Ok(())
+}
+
+/// Returns the mission time for which an answer is awaited. A solver needs wall time: in a run that is faster than the wall clock it is
+/// awaited as many times longer (decision 0268).
+fn patience(cycle: &Cycle<'_>, budget: Option<Duration>) -> Duration {
+    let patience = budget.map_or(Duration(SOLVE_TIMEOUT_DEFAULT_S * NANOSECONDS_PER_SECOND), |budget| {
+        budget + Duration(SOLVE_GRACE_S * NANOSECONDS_PER_SECOND)
+    });
+    let newest = cycle.agent.histories.get(&StateVariable::mission_pace()).and_then(|history| history.newest());
+    let pace = newest.and_then(|sample| sample.value.as_number()).map_or(1.0, |(pace, _)| pace);
+    if pace > 1.0 { Duration::from_seconds(patience.seconds() * pace) } else { patience }
 }
 
 fn declared_budget(

@@ -47,6 +47,7 @@ impl Flight<'_, '_> {
             Order::Pace(pace) => {
                 self.stepping = false;
                 self.pacer.set(*pace, at).map_err(RunError::Options)?;
+                self.tell_pace(at)?;
             }
             Order::Step => {
                 self.stepping = true;

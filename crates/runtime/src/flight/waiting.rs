@@ -7,7 +7,9 @@ use crate::live::LiveInput;
 use crate::pacing::Wait;
 use crate::ports::Input;
 use crate::terms::Control;
+use apex_model::event::{EventKind, StateVariable};
 use apex_model::time::Time;
+use apex_model::value::Value;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -98,6 +100,7 @@ impl Flight<'_, '_> {
             Control::Pace(pace) => {
                 let now = self.pacer.now(self.now, instant);
                 self.pacer.set(pace, now).map_err(RunError::Options)?;
+                self.tell_pace(now)?;
             }
             Control::Command(command) => return self.obey(&command, instant),
             Control::Input(kind) => self.take_in(Input::new(instant, kind))?,
@@ -106,6 +109,17 @@ impl Flight<'_, '_> {
             }
         }
         Ok(None)
+    }
+
+    /// Reports to the agents a pace above that of the wall clock, because planners take wall time (decision 0268).
+    pub(super) fn tell_pace(&mut self, now: Time) -> Result<(), RunError> {
+        let pace = self.pacer.pace().map_or(1.0, |pace| pace.max(1.0));
+        if self.hold_for_solvers || pace.total_cmp(&self.known_pace).is_eq() {
+            return Ok(());
+        }
+        self.known_pace = pace;
+        let kind = EventKind::Measurement(StateVariable::mission_pace(), Value::Real(pace));
+        self.group.deliver(Input::new(now, kind))
     }
 
     /// Takes an input that arrives while the run waits: its instant is the present one.

@@ -130,6 +130,7 @@ struct Patron {
     answered: Arc<AtomicBool>,
     answer_comes: bool,
     gate: Arc<AtomicBool>,
+    pace: f64,
 }
 
 impl Clock for Patron {
@@ -138,7 +139,8 @@ impl Clock for Patron {
     }
     fn sleep(&self, span: std::time::Duration) {
         self.clock.sleep(span);
-        let elapsed_s = self.elapsed().as_secs_f64();
+        // Of mission time.
+        let elapsed_s = self.elapsed().as_secs_f64() * self.pace;
         if self.answer_comes && elapsed_s > 20.0 && !self.answered.load(Ordering::SeqCst) {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
@@ -156,7 +158,9 @@ impl Observer for Listener {
         if batch.events.iter().any(|event| matches!(event.kind, EventKind::SolverReported(..))) {
             self.0.store(true, Ordering::SeqCst);
         }
-        let samples = batch.events.iter().filter(|event| matches!(event.kind, EventKind::Measurement(..)));
+        let is_altitude =
+            |kind: &EventKind| matches!(kind, EventKind::Measurement(variable, _) if variable.attribute.is("altitude"));
+        let samples = batch.events.iter().filter(|event| is_altitude(&event.kind));
         for sample in samples {
             assert_eq!(sample.at, batch.now);
             self.1 += 1;
@@ -168,9 +172,13 @@ impl Observer for Listener {
     }
 }
 
-/// Returns the effects and notes of the record after 100 s with this solver.
+/// Returns the effects and notes of the record after 100 s with this solver, at the pace of the wall clock.
 fn fly(name: &'static str, answer_comes: bool) -> String {
-    let patron = Patron { answer_comes, ..Patron::default() };
+    fly_at(1.0, name, answer_comes)
+}
+
+fn fly_at(pace: f64, name: &'static str, answer_comes: bool) -> String {
+    let patron = Patron { answer_comes, pace, ..Patron::default() };
     let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));
     let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
     let timeout = std::time::Duration::from_secs(120);
@@ -179,7 +187,7 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
     let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);
-    let options = FlyOptions { until, pace: Some(1.0), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
+    let options = FlyOptions { until, pace: Some(pace), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
     let mut listener = Listener(answered, 0);
     let flight = record_with(TOUR, &mut deliberator, &mut [&mut listener], options);
     gate.store(true, Ordering::SeqCst);
@@ -233,6 +241,15 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
     assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
     assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
     assert!(told.contains("the answer of bad to request 0"), "the outcome of its answer is reported\n{told}");
+}
+
+#[test]
+fn a_solver_has_the_same_wall_time_at_every_pace() {
+    // 100 s of mission time are 1.6 s of wall time, in which no planner is late.
+    let told = fly_at(64.0, "hangs", false);
+    assert!(!told.contains("SolverTimedOut") && !told.contains("no-plan"), "{told}");
+    // Slower than the wall clock a planner has its mission time, which is more wall time than it needs.
+    assert!(fly_at(0.5, "hangs", false).contains("0:01:05 CancelSolve"));
 }
 
 #[test]

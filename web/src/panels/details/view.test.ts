@@ -7,6 +7,7 @@ import {
   logLines,
   observeTask,
   reportView,
+  selectedWords,
   snippetLines,
   toneOf,
   whyView,
@@ -185,6 +186,16 @@ it('the log names ends by their outcome, and errors by their colour', () => {
   expect(lines[0]?.tone).toBe('failed');
   expect(toneOf('refused', null, null)).toBe('interrupted');
   expect(toneOf('transition', 'terminated', 'invariant violated')).toBe('failed');
+  // A selected event that the filter leaves out is described; one that comes later is not.
+  expect(selectedWords(2, event(2, {}), 9e9)).toEqual({
+    words: 'Event 2 is not among the lines below: T+0:00:02 T4 ongoing (take-off) — it needs no resources',
+    atNs: 2e9,
+  });
+  expect(selectedWords(2, event(2, {}), 1e9)).toEqual({
+    words: 'Event 2 comes later than this time.',
+    atNs: 2e9,
+  });
+  expect(selectedWords(3, null, 1e9)).toEqual({ words: 'The record has no event 3.', atNs: null });
 });
 
 it('a report of any JSON can be drawn', () => {

@@ -136,6 +136,20 @@ export function logLines(events: readonly EventRow[]): LogLine[] {
     .reverse();
 }
 
+/** Words for a selected event that is not among the lines of the log, and its instant if the cursor is not there. */
+export function selectedWords(
+  id: number,
+  event: EventRow | null,
+  atNs: number,
+): { words: string; atNs: number | null } {
+  if (!event) return { words: `The record has no event ${id}.`, atNs: null };
+  if (event.t_ns > atNs) return { words: `Event ${id} comes later than this time.`, atNs: event.t_ns };
+  const [line] = logLines([event]);
+  const task = line?.task == null ? '' : ` T${line.task}`;
+  const words = `Event ${id} is not among the lines below: ${line?.time}${task} ${line?.what} ${line?.text}`;
+  return { words, atNs: event.t_ns };
+}
+
 /** A section of the report in a form that can be drawn, for any JSON. */
 export type SectionView =
   | { title: string; kind: 'text'; text: string }

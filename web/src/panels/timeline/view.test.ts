@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { axisOf } from '../../player/clock';
-import { unpackBands } from '../../record/bands';
-import type { Band, Bar, Target, Timeline, Track, Trouble } from '../../record/types';
+import { type Bar, unpackBands, unpackRows } from '../../record/bands';
+import type { Band, Target, Timeline, Track, Trouble } from '../../record/types';
 import {
   barAt,
   blocksOf,
@@ -54,8 +54,18 @@ describe('lanes', () => {
     pixel_ns: 1,
     more: { lanes: 0, tasks: 0, bands: [] },
     lanes: [
-      { ...lane, tasks: 1, rows: [[bar(1, 0, 500)]] },
-      { ...lane, tasks: 2, rows: [[bar(2, 0, 100)], [bar(3, 50, 150), bar(4, 300, 300)]] },
+      { ...lane, tasks: 1, rows: [[[1, 0, 2, 500]]] },
+      {
+        ...lane,
+        tasks: 2,
+        rows: [
+          [[2, 0, 2, 100]],
+          [
+            [3, 50, 2, 100],
+            [4, 300, 2, 0],
+          ],
+        ],
+      },
     ],
   };
   const { lanes, height } = layLanes(timeline);
@@ -88,6 +98,26 @@ describe('lanes', () => {
     expect(scrollTo(far, 0, 100)).toBe(300 + 2 * ROW_PX - 100);
     expect(scrollTo(far, 400, 100)).toBe(300 - ROW_PX);
     expect(scrollTo(far, 250, 100)).toBe(250);
+  });
+
+  it('unpack runs of bars: each bar begins where the one before it ends', () => {
+    expect(
+      unpackRows([
+        [
+          [7, 1000, 0, 5, 2, 10, 3, 1],
+          [7, 2000, 1, 0],
+        ],
+        [],
+      ]),
+    ).toEqual([
+      [
+        { task: 7, state: 'pending', from_ns: 1000, to_ns: 1005 },
+        { task: 7, state: 'ongoing', from_ns: 1005, to_ns: 1015 },
+        { task: 7, state: 'interrupted', from_ns: 1015, to_ns: 1016 },
+        { task: 7, state: 'enabled', from_ns: 2000, to_ns: 2000 },
+      ],
+      [],
+    ]);
   });
 
   it('draw bars under a pixel as one block', () => {
@@ -123,7 +153,7 @@ describe('lanes', () => {
       ...timeline,
       lanes: [
         { ...lane, tasks: 15, rows: [], bands },
-        { ...lane, tasks: 20, rows: [[bar(1, 0, 500)]], bands },
+        { ...lane, tasks: 20, rows: [[[1, 0, 2, 500]]], bands },
       ],
       more: { lanes: 312, tasks: 400, bands },
     });

@@ -2,10 +2,10 @@
 
 import type { Range } from '../../player/clock';
 import type { Alarm } from '../../record/alarms';
-import { type DenseBand, unpackBands } from '../../record/bands';
+import { type Bar, type DenseBand, unpackBands, unpackRows } from '../../record/bands';
 import { failures } from '../../record/failures';
 import { columnUntil } from '../../record/measured';
-import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import type { TaskState, Timeline, Track, Trouble } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
 import { subjectWords } from '../../words/subject';
@@ -82,7 +82,13 @@ export function layLanes(
   };
   if (!timeline) return { lanes: [], height: 0 };
   const lanes = timeline.lanes.map(lane =>
-    place(laneName(lane, names), lane.depth, lane.tasks, lane.rows, unpackBands(lane.bands, timeline)),
+    place(
+      laneName(lane, names),
+      lane.depth,
+      lane.tasks,
+      unpackRows(lane.rows),
+      unpackBands(lane.bands, timeline),
+    ),
   );
   const more = timeline.more;
   if (more.lanes > 0) {

@@ -228,27 +228,6 @@ counts: { [key in TaskState]?: number },
 left_out: number, };
 
 /**
- * A span of time that a task spent in one state.
- */
-export type Bar = { 
-/**
- * The task's number.
- */
-task: number, 
-/**
- * Its state.
- */
-state: TaskState, 
-/**
- * Start, nanoseconds of mission time.
- */
-from_ns: number, 
-/**
- * End, nanoseconds of mission time.
- */
-to_ns: number, };
-
-/**
  * A span of time, about a pixel wide, with more intervals than can be drawn. Its JSON is the list of its first pixel, its number of
  * pixels, its count, and its ongoing share in thousandths.
  */
@@ -279,9 +258,11 @@ tasks: number,
  */
 active_ns: number, 
 /**
- * Bars that do not overlap, row by row.
+ * Bars that do not overlap, row by row and by time. In JSON each row is a list of runs, which are bars of one task without a gap
+ * between them: `[task, from_ns, state, length, state, length, ..]`, lengths in nanoseconds. States are numbers: 0 pending,
+ * 1 enabled, 2 ongoing, 3 interrupted.
  */
-rows: Array<Array<Bar>>, 
+rows: number[][][], 
 /**
  * Intervals that are too dense for bars, by time.
  */

@@ -13,9 +13,11 @@ pub(crate) mod decisions;
 mod early;
 mod effect_index;
 mod events;
+mod goals;
 mod holding_index;
 mod holdings;
 mod index;
+mod known_targets;
 mod library;
 mod mission;
 mod plan;
@@ -67,6 +69,7 @@ use early::EarlyReading;
 use effect_index::EffectIndex;
 use holding_index::HoldingIndex;
 use index::TaskIndex;
+use known_targets::KnownTargets;
 use question_index::QuestionIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
@@ -92,6 +95,8 @@ struct Indexes {
     commands: RwLock<CommandIndex>,
     /// Questions to operators.
     questions: RwLock<QuestionIndex>,
+    /// Identifiers of the targets.
+    targets: Mutex<KnownTargets>,
     /// Times at which late targets became known.
     announcements: RwLock<Announcements>,
     /// Places of times, kinds and texts in the log.

@@ -18,6 +18,17 @@ impl StateWord {
         self.0 != TaskState::Terminated
     }
 
+    /// Returns the state's place in the order in which a task usually passes them, from 0.
+    pub(super) fn number(self) -> u8 {
+        match self.0 {
+            TaskState::Pending => 0,
+            TaskState::Enabled => 1,
+            TaskState::Ongoing => 2,
+            TaskState::Interrupted => 3,
+            TaskState::Terminated => 4,
+        }
+    }
+
     /// Returns the state with this word.
     fn parse(word: &str) -> Option<StateWord> {
         ALL.into_iter().find(|state| state.word() == word).map(StateWord)
@@ -70,6 +81,7 @@ mod tests {
     fn every_state_is_read_back_from_its_word() {
         for state in ALL {
             assert_eq!(StateWord::parse(state.word()), Some(StateWord(state)));
+            assert_eq!(ALL.get(usize::from(StateWord(state).number())), Some(&state));
         }
         assert_eq!(StateWord::parse("Ongoing"), None);
     }

@@ -1,13 +1,14 @@
 //! The observation targets and the history of each.
 
 use super::announcements::{Announcements, LOOK};
-use super::index::TargetNames;
+use super::goals::TargetNames;
 use super::{RecordView, for_writing};
 use crate::error::RecordError;
 use rusqlite::Connection;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError};
 
 /// Maximum number of changes in one target's history; the oldest are left out. A target that is watched in cycles has many.
 const HISTORY_MAX: usize = 500;
@@ -67,14 +68,10 @@ pub struct TargetChange {
 
 impl RecordView {
     /// Returns the identifiers of all targets of the record, by their text in lower case.
-    pub(super) fn target_names(&self) -> Result<TargetNames, RecordError> {
-        let read = |connection: &Connection| {
-            let mut statement =
-                connection.prepare_cached("SELECT id FROM target UNION SELECT target FROM target_state")?;
-            let ids = statement.query_map([], |row| row.get(0))?;
-            ids.map(|id| id.map(|id: String| (id.to_lowercase(), id))).collect::<rusqlite::Result<_>>()
-        };
-        self.query("the targets", read)
+    pub(super) fn target_names(&self) -> Result<Arc<TargetNames>, RecordError> {
+        let mut known = self.indexes.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        self.query("the targets", |connection| known.refresh(connection))?;
+        Ok(known.names())
     }
 
     /// Returns the targets known at mission time `at_ns` (nanoseconds; `None`: the record's end), with their states at that time.

@@ -1,7 +1,8 @@
 //! The task tree at an instant.
 
 use super::RecordView;
-use super::index::{IndexedGoal, IndexedTask, TargetNames, TaskIndex};
+use super::goals::{IndexedGoal, TargetNames};
+use super::index::{IndexedTask, TaskIndex};
 use super::state::StateWord;
 use crate::error::RecordError;
 use crate::method_detail::MethodDetail;

@@ -12,7 +12,7 @@ const SHARE_STEP: f64 = 0.02;
 /// Intervals gathered by pixel.
 pub(super) struct Bands {
     window: Window,
-    /// The pixels up to the last one that has an interval.
+    /// All pixels of the window; `None` for a pixel without an interval.
     pixels: Vec<Option<Pixel>>,
 }
 
@@ -24,7 +24,7 @@ struct Pixel {
 
 impl Bands {
     pub(super) fn new(window: Window) -> Bands {
-        Bands { window, pixels: Vec::new() }
+        Bands { window, pixels: vec![None; window.pixels] }
     }
 
     /// Adds an interval, which must lie in the window; it is counted in the pixel of its start. Bound: one entry for each pixel that it
@@ -39,9 +39,6 @@ impl Bands {
             if at > first && inside_ns <= 0 {
                 continue;
             }
-            if self.pixels.len() <= at {
-                self.pixels.resize(at + 1, None);
-            }
             let Some(pixel) = self.pixels.get_mut(at) else { continue };
             let pixel = pixel.get_or_insert_default();
             pixel.count += usize::from(at == first);
@@ -53,9 +50,6 @@ impl Bands {
 
     /// Adds short intervals by their sums.
     pub(super) fn add_sum(&mut self, sum: PixelSum) {
-        if self.pixels.len() <= sum.pixel {
-            self.pixels.resize(sum.pixel + 1, None);
-        }
         let Some(pixel) = self.pixels.get_mut(sum.pixel) else { return };
         let pixel = pixel.get_or_insert_default();
         pixel.count += sum.count;

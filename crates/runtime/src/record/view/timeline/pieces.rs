@@ -1,11 +1,15 @@
 //! The intervals of a task in a window: one by one where they may be bars, as sums for each pixel where all are shorter than a pixel.
 //!
-//! Bound: one step for each pixel and each block of changes; one step for each interval near one that is as long as a pixel.
+//! Bound: one step for each pixel and each block of changes; one step for each interval near one that is as long as a pixel, and for each
+//! interval of a task with few changes for each pixel.
 
 use super::super::index::{BLOCK_CHANGES, IndexedTask, Interval};
 use super::window::Window;
 use apex_model::task::TaskState;
 use std::ops::RangeInclusive;
+
+/// Number of changes for each pixel up to which intervals are taken one by one: that takes less time than the look-up of a pixel's sum.
+const FEW_CHANGES: usize = 4;
 
 /// The intervals of a task in a window.
 #[derive(Default)]
@@ -34,18 +38,18 @@ impl Pieces {
 
     /// Returns the intervals of a task.
     pub(super) fn of(task: &IndexedTask, window: Window) -> Pieces {
-        let changes = &task.changes;
+        let changed_ns = task.changed_ns();
         let known_ns = window.known_ns();
         // Intervals that begin in the window and end in it: the others are cut.
-        let begin = changes.partition_point(|change| change.at_ns < window.from_ns);
-        let inside = changes.partition_point(|change| change.at_ns <= known_ns).saturating_sub(1);
-        if inside < begin + 2 * BLOCK_CHANGES {
+        let begin = changed_ns.partition_point(|at_ns| *at_ns < window.from_ns);
+        let inside = changed_ns.partition_point(|at_ns| *at_ns <= known_ns).saturating_sub(1);
+        if inside < begin + (FEW_CHANGES * window.pixels).max(2 * BLOCK_CHANGES) {
             return Pieces::expanded(task, window);
         }
         let mut pieces = Pieces::default();
         let single = |place: usize| {
-            let (change, next) = (changes.get(place)?, changes.get(place + 1));
-            let end_ns = next.map_or(i64::MAX, |next| next.at_ns).min(known_ns);
+            let change = task.change_at(place)?;
+            let end_ns = changed_ns.get(place + 1).map_or(known_ns, |next_ns| known_ns.min(*next_ns));
             let interval = Interval { state: change.state, from_ns: change.at_ns.max(window.from_ns), to_ns: end_ns };
             let is_inside = change.state.is_alive() && interval.from_ns <= interval.to_ns;
             (is_inside && interval.is_drawn()).then_some(interval)
@@ -72,8 +76,9 @@ impl Pieces {
 
     /// Adds the intervals that begin with the changes in `begin..end`; all end within the window.
     fn add_short(&mut self, task: &IndexedTask, (begin, end): (usize, usize), window: Window) {
-        let at_ns = |place: usize| task.changes.get(place).map_or(i64::MAX, |change| change.at_ns);
+        let at_ns = |place: usize| task.changed_ns().get(place).copied().unwrap_or(i64::MAX);
         let pixels = window.pixel(at_ns(begin))..=window.pixel(at_ns(end - 1));
+        self.sums.reserve(pixels.end() - pixels.start() + 2);
         let mut place = begin;
         for (pixel, next) in pixels.clone().zip(ends_of(task, (begin, end), pixels, window)) {
             if next == place {
@@ -84,8 +89,8 @@ impl Pieces {
             let (count, ongoing_ns) = (after.drawn - before.drawn, after.ongoing_ns - before.ongoing_ns);
             // The last of them may end in the next pixel.
             let beyond_ns = at_ns(next).saturating_sub(edge_ns).max(0);
-            let last = task.changes.get(next - 1).filter(|last| beyond_ns > 0 && last.state.is_alive());
-            let carried_ns = last.map_or(0, |last| if last.state.0 == TaskState::Ongoing { beyond_ns } else { 0 });
+            let last = task.state_from(next - 1).filter(|last| beyond_ns > 0 && last.is_alive());
+            let carried_ns = last.map_or(0, |last| if last.0 == TaskState::Ongoing { beyond_ns } else { 0 });
             if count > 0 {
                 self.add_sum(PixelSum { pixel, count: count as usize, ongoing_ns: ongoing_ns - carried_ns });
             }
@@ -118,15 +123,15 @@ fn ends_of(
     window: Window,
 ) -> Vec<usize> {
     let mut block = begin / BLOCK_CHANGES;
-    let blocks = task.block_ns();
+    let (blocks, changed_ns) = (task.block_ns(), task.changed_ns());
     let ends = pixels.map(|pixel| {
         let edge_ns = window.end_ns(pixel);
         while blocks.get(block + 1).is_some_and(|first_ns| *first_ns < edge_ns) {
             block += 1;
         }
         let first = block * BLOCK_CHANGES;
-        let inside = task.changes.get(first..(first + BLOCK_CHANGES).min(task.changes.len())).unwrap_or_default();
-        let before = inside.iter().filter(|change| change.at_ns < edge_ns).count();
+        let inside = changed_ns.get(first..(first + BLOCK_CHANGES).min(changed_ns.len())).unwrap_or_default();
+        let before = inside.iter().filter(|at_ns| **at_ns < edge_ns).count();
         (first + before).clamp(begin, end)
     });
     ends.collect()
