@@ -1,6 +1,6 @@
 //! The JSON of problems and plans against their schemas: output is valid, and the reader is as strict as the schemas.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 

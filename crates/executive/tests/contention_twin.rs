@@ -2,7 +2,7 @@
 //! are mixed at random. A second run compares all claimants at each hand-off: it has one more claimant, which comes after all others and
 //! whose priority must be computed.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod support;
 

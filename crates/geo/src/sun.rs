@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn edwards_has_sunset_when_the_hour_angle_says_so() {
+    fn edwards_has_sunset_at_the_computed_hour_angle() {
         // By hand: declination 5.9 deg, hour angle of sunset 95.16 deg, equation of time +2.2 min: sunset at 02:09.9 UTC,
         // sunrise at 13:29.
         let day = light_windows(Light::Day, EDWARDS, SEPTEMBER_UNIX_S, 0.0, 86_400.0);

@@ -13,7 +13,7 @@ use crate::agent_group::{AgentGroup, Numbering};
 use crate::authority::AuthorityBoard;
 use crate::error::RunError;
 use crate::input_stream::InputStream;
-use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::limits::{LATENESS_REPORTED_MIN, STEPS_PER_INSTANT_MAX};
 use crate::live::LiveSources;
 use crate::outbox;
 use crate::pacing::Pacer;
@@ -187,7 +187,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Records that the instant is stepped later than its wall time; reports it when the delay grows.
     fn watch_lateness(&mut self, at: Time) -> Result<(), RunError> {
         let late = self.pacer.lateness(at);
-        if late < LATENESS_TOLD_MIN {
+        if late < LATENESS_REPORTED_MIN {
             return Ok(());
         }
         self.end.late.steps += 1;

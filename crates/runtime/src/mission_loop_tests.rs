@@ -209,7 +209,7 @@ fn pace_changes_the_clock_on_the_wall_and_nothing_else() {
 }
 
 #[test]
-fn people_are_heard_while_a_paced_run_sleeps() {
+fn operators_are_served_while_a_paced_run_sleeps() {
     let (people, controls) = channel();
     let speaker = std::thread::spawn(move || {
         let pause = || std::thread::sleep(std::time::Duration::from_millis(30));
@@ -231,7 +231,7 @@ fn people_are_heard_while_a_paced_run_sleeps() {
 }
 
 #[test]
-fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
+fn stop_ends_cleanly_and_a_paced_run_waits_for_operators() {
     let (people, controls) = channel();
     let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
     let speaker = std::thread::spawn(move || {
@@ -286,7 +286,7 @@ fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<St
 }
 
 #[test]
-fn a_paced_flight_whose_solver_is_quick_is_the_fast_flight() {
+fn a_paced_flight_whose_solver_is_fast_is_the_fast_flight() {
     let inputs = || vec![said(12.0, "go"), said(3.0, "plan")];
     let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
     for takes_s in [0.0, 1.0, 32.9] {
@@ -296,7 +296,7 @@ fn a_paced_flight_whose_solver_is_quick_is_the_fast_flight() {
 }
 
 #[test]
-fn a_paced_flight_goes_on_while_a_plan_is_late_and_takes_it_when_it_comes() {
+fn a_paced_flight_continues_while_a_plan_is_late_and_takes_it_when_it_comes() {
     let inputs = vec![said(3.0, "plan")];
     let (end, lines, _) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
     let before = ["30s altitude 3", "40s altitude 4", "50s altitude 5"];
@@ -315,7 +315,7 @@ fn a_paced_flight_waits_for_nothing_but_the_plan_when_nothing_else_comes() {
 }
 
 #[test]
-fn a_late_answer_to_a_cancelled_request_is_told_and_not_used() {
+fn a_late_answer_to_a_cancelled_request_is_reported_and_not_used() {
     let inputs = vec![said(3.0, "plan"), said(20.0, "forget")];
     let (_, lines, withdrawn) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
     assert!(withdrawn, "the solver is cancelled");

@@ -152,7 +152,7 @@ pub struct RunEnd {
 /// Delay of a paced run against wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lateness {
-    /// Number of steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
+    /// Number of steps that came later than [`crate::limits::LATENESS_REPORTED_MIN`].
     pub steps: u64,
     /// The greatest delay, in wall time.
     pub worst: std::time::Duration,

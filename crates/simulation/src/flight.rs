@@ -42,7 +42,7 @@ pub fn create_record_with(
     Ok(recorder)
 }
 
-/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished. `None`: as fast as possible.
+/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another one is requested. `None`: as fast as possible.
 ///
 /// # Errors
 /// The clock of the mission belongs to an external simulator.

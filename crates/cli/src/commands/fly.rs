@@ -111,7 +111,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, (first, path): (&Path, &Pa
     output::print_line(format_args!("Flight record: {}{continued}", path.display()))?;
     let path = shell_word(&path.display().to_string());
     output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
-    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow // english: allow
+    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow
     match &flight.end.reason {
         EndReason::Application { failed: true, .. } => output::print_line(format_args!("      apex why {path} T0")),
         _ => output::print_line(format_args!("      apex replay {path}")),

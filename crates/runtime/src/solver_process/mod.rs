@@ -12,7 +12,7 @@ mod serve;
 pub use child::ProcessLimits;
 pub use serve::serve;
 
-use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_PATIENCE, SOLVER_TIMEOUT};
+use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_TIMEOUT, SOLVER_TIMEOUT};
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Environment, Solver};
 use child::{Heard, Running};
@@ -101,7 +101,7 @@ impl Solver for SolverProgram {
                 running.ask_to_stop();
             }
             if environment.budget.is_stopped()
-                && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_PATIENCE
+                && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_TIMEOUT
             {
                 // The program is killed when `running` is dropped.
                 return Err("it was stopped".to_string());

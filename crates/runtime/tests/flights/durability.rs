@@ -191,7 +191,7 @@ impl Write for Told {
 }
 
 #[test]
-fn an_outside_simulator_is_told_what_is_committed() {
+fn an_outside_simulator_receives_what_is_committed() {
     let (_folder, path) = place();
     let (mut recorder, agent) = recorder(&path, COMMANDS);
     let mut input: &[u8] = b"{\"advance\": 1}\n{\"advance\": 2, \"inputs\": [{\"t\": 2, \"event\": \"(go)\"}]}\n";

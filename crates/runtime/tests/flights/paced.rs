@@ -228,7 +228,7 @@ fn a_good_plan_is_flown_as_soon_as_it_is_there() {
 }
 
 #[test]
-fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
+fn a_solver_that_hangs_does_not_stop_the_executive() {
     let told = fly("hangs", false);
     assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
     assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
@@ -236,7 +236,7 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
 }
 
 #[test]
-fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
+fn a_solver_whose_plan_is_no_longer_needed_is_asked_to_stop() {
     // It never ends, because its budget is endless.
     let told = fly("obeys", false);
     assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");

@@ -71,7 +71,7 @@ struct Flown {
     closed: Result<(), String>,
 }
 
-/// Returns a flight of 60 s with 10 samples a second.
+/// Returns a flight of 60 s with 10 samples per second.
 fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize, has_thread: bool) -> Flown {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");
@@ -135,7 +135,7 @@ fn has_no_gap(flown: Flown) {
 }
 
 #[test]
-fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
+fn memory_that_is_too_small_leaves_a_gap_that_every_reader_is_shown() {
     for has_thread in [false, true] {
         has_a_told_gap(fly_with_a_full_disk((20.0, 40.0), 4_000, has_thread));
     }
@@ -163,7 +163,7 @@ fn has_a_told_gap(flown: Flown) {
 }
 
 #[test]
-fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
+fn a_record_that_never_resumes_reports_it_at_the_end_and_holds_what_came_before() {
     for has_thread in [false, true] {
         holds_what_came_before(fly_with_a_full_disk((20.0, 1e6), 64 << 20, has_thread));
     }

@@ -71,7 +71,7 @@ struct Flown {
     news: Vec<String>,
 }
 
-/// Flies for 60 s with 10 samples a second; the disk is full from 20 s on.
+/// Flies for 60 s with 10 samples per second; the disk is full from 20 s on.
 fn fly_on_a_full_disk(kept_bytes_max: Option<usize>) -> Flown {
     let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     let first = folder.path().join("flight.apex");

@@ -51,7 +51,7 @@ fn questions_are_open_from_their_effect_until_they_are_answered_or_withdrawn() {
 }
 
 #[test]
-fn a_question_states_who_answered_it_and_why_others_were_withdrawn() {
+fn a_question_states_its_answerer_and_why_others_were_withdrawn() {
     let asking = r#"
 (procedure (index (do-domain))
   (step first (ask operator "Continue?" :options (yes no)))
