@@ -99,7 +99,9 @@ fn why_goes_back_to_what_came_from_outside() {
     let desk = Desk::with_flight();
     let why = |what: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", what], more].concat());
     why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) was received as an input"]);
-    why("camera-1", &["--at", "50"]).well().told(&["camera-1 is held by T4 (calibrate camera-1) at 50s", "Tasks that wait"]);
+    why("camera-1", &["--at", "50"])
+        .well()
+        .told(&["camera-1 is held by T4 (calibrate camera-1) at 50s", "Tasks that wait"]);
     why("command 0", &[]).well().told(&["(take-off 40m)", "because a form of its on-start caused", "vehicle.pdl:"]);
     let deep = why("command 0", &["--depth", "20", "--json"]).well();
     let deep: serde_json::Value = serde_json::from_str(&deep.out).unwrap();

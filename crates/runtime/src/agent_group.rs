@@ -8,7 +8,7 @@ use crate::error::RunError;
 use crate::inbox::Inbox;
 use crate::limits::MESSAGE_ROUNDS_MAX;
 use crate::ports::Input;
-use crate::terms::EndReason;
+use crate::run_settings::EndReason;
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
 use apex_model::event::{Batch, EventKind, Message};

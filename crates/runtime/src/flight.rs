@@ -19,7 +19,7 @@ use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
 use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
-use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
+use crate::run_settings::{Control, EndReason, Lateness, RunEnd, RunSettings, ScriptedAnswer};
 use answers::AnswerBook;
 use apex_executive::Agent;
 use apex_model::effect::{Effect, SolveRequest};
@@ -91,7 +91,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         deliberator: &'a mut dyn Deliberator,
         observers: &'a mut [&'o mut dyn Observer],
         queue: Box<dyn SolverQueue>,
-        options: FlyOptions,
+        options: RunSettings,
     ) -> Result<Flight<'a, 'o>, RunError> {
         let pacer = Pacer::new(options.pace, Time::ZERO, options.clock).map_err(RunError::Options)?;
         let mut scheduled = options.inputs;

@@ -2,7 +2,7 @@
 
 use crate::input_lines::{ReadValue, read_arriving};
 use crate::reserved::{self, Entrance};
-use crate::terms::Control;
+use crate::run_settings::Control;
 use apex_executive::Agent;
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;

@@ -62,7 +62,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         serve_beside(&path, door.clone(), options.port, planners)
     });
     let mut watch = door.as_ref().map(FlightDoor::watch);
-    let terms = apex_runtime::FlyOptions {
+    let terms = apex_runtime::RunSettings {
         pace: begin,
         controls: Some(controls),
         authority: door.as_ref().map(FlightDoor::authority).unwrap_or_default(),

@@ -9,12 +9,12 @@
     reason = "a mistake of the generator fails its test"
 )]
 
-mod chance;
 mod corpus;
 mod mistake;
 mod parts;
 mod plan;
 mod program;
+mod rng;
 mod roles;
 mod score;
 mod shapes;

@@ -6,7 +6,7 @@ use crate::limits::{FLUSH_INTERVAL, SOLVER_LOOK};
 use crate::live::LiveInput;
 use crate::pacing::Wait;
 use crate::ports::Input;
-use crate::terms::Control;
+use crate::run_settings::Control;
 use apex_model::time::Time;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};

@@ -94,7 +94,7 @@ impl Solver for SolverProgram {
                 Heard::End => break_down(running.end()),
                 Heard::Nothing => {}
             }
-            if let Some(what) = running.misconduct() {
+            if let Some(what) = running.violation() {
                 break_down(what);
             }
             if environment.budget.exhausted() && !std::mem::replace(&mut asked_to_stop, true) {

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use apex_planning::solver::{Environment, Solver, time_of};
 use apex_runtime::invocation::{Invocations, SolverLimits};
 use apex_runtime::limits::STEPS_PER_INSTANT_MAX;
-use apex_runtime::mission_loop::{Control, EndReason, FlyOptions};
+use apex_runtime::mission_loop::{Control, EndReason, RunSettings};
 use apex_runtime::pacing::{Clock, ManualClock};
 use apex_runtime::ports::{Deliberator, Observer, Posed, SolverAnswer};
 use apex_runtime::program::NoDeliberator;
@@ -125,14 +125,14 @@ fn one_site(goal: &Value) -> PlannedProcedure {
 
 /// A clock that gives solvers real time where the test requires an answer, and opens the gate for solvers that hang.
 #[derive(Debug, Default)]
-struct Patron {
+struct GateClock {
     clock: ManualClock,
     answered: Arc<AtomicBool>,
     answer_comes: bool,
     gate: Arc<AtomicBool>,
 }
 
-impl Clock for Patron {
+impl Clock for GateClock {
     fn elapsed(&self) -> std::time::Duration {
         self.clock.elapsed()
     }
@@ -170,8 +170,8 @@ impl Observer for Listener {
 
 /// Returns the effects and notes of the record after 100 s with this solver.
 fn fly(name: &'static str, answer_comes: bool) -> String {
-    let patron = Patron { answer_comes, ..Patron::default() };
-    let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));
+    let clock = GateClock { answer_comes, ..GateClock::default() };
+    let (answered, gate) = (Arc::clone(&clock.answered), Arc::clone(&clock.gate));
     let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
     let timeout = std::time::Duration::from_secs(120);
     let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
@@ -179,7 +179,7 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
     let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);
-    let options = FlyOptions { until, pace: Some(1.0), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
+    let options = RunSettings { until, pace: Some(1.0), clock: Arc::new(clock), inputs, ..RunSettings::default() };
     let mut listener = Listener(answered, 0);
     let flight = record_with(TOUR, &mut deliberator, &mut [&mut listener], options);
     gate.store(true, Ordering::SeqCst);
@@ -251,7 +251,7 @@ fn any_number_of_messages_reaches_a_paused_flight() {
         people.send(Control::Input(event(0.0, "(hello)").kind)).unwrap();
     }
     people.send(Control::Stop).unwrap();
-    let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(1.0), controls: Some(controls), ..RunSettings::default() };
     let flight = record_with(CAMERA, &mut NoDeliberator, &mut [], options);
     assert_eq!(flight.end.reason, EndReason::Stopped);
     assert!(flight.end.at < Time::from_seconds(1.0) && flight.end.steps > count, "{:?}", flight.end);

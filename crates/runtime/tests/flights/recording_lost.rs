@@ -5,7 +5,7 @@ use apex_executive::Agent;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
-use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly};
+use apex_runtime::mission_loop::{EndReason, RunEnd, RunSettings, fly};
 use apex_runtime::ports::{Deliberator, News, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RECORDING_LOST, RecordOptions, RecordReader, Recorder};
@@ -86,7 +86,7 @@ fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize, has_thread: boo
     recorder.program(&library).unwrap();
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
-    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let options = RunSettings { inputs, until: Time::from_seconds(60.0), ..RunSettings::default() };
     let (full_from, full_until) = (Time::from_seconds(full.0), Time::from_seconds(full.1));
     let mut disk = Disk { recorder: &mut recorder, full_from, full_until, news: Vec::new() };
     let mut vehicle = NoVehicle::default();
