@@ -6,7 +6,7 @@ export default defineConfig({
   testMatch: '**/*.spec.ts',
   outputDir: 'test-results',
   globalSetup: './tests/served.ts',
-  // Tests run two at a time. Those of one file may, too, so that no long file is left at the end; files with a flight of their tests may not.
+  // Tests run two at a time. Tests of one file may run in parallel, too, so that no long file is left at the end, except in files whose tests share a flight.
   workers: 2,
   fullyParallel: true,
   timeout: 120_000,

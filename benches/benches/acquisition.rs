@@ -1,7 +1,7 @@
 //! Synthesis of manoeuvres from data-acquisition goals: one target (bar: 50 ms), and forty (bar: 1 s of processor time), for points, lines
 //! and fields of several vehicles.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
-#![allow(clippy::panic, reason = "a measurement stops where it is surprised")]
+#![allow(clippy::panic, reason = "a measurement stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::acquisition::synthesised;

@@ -2,7 +2,7 @@
 //!
 //! Every case alternates the outcome of one test, so each iteration diagnoses two changes; `Throughput` halves the figures.
 
-#![allow(clippy::panic, clippy::indexing_slicing, reason = "a measurement stops where it is surprised")]
+#![allow(clippy::panic, clippy::indexing_slicing, reason = "a measurement stops at an unexpected result")]
 
 use apex_diagnosis::{Diagnoser, Model, Outcome};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

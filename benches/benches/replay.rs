@@ -9,7 +9,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
-use apex_runtime::{FlyOptions, program, replay};
+use apex_runtime::{RunSettings, program, replay};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn inputs() -> Vec<Input> {
 }
 
 fn fly(observers: &mut [&mut dyn Observer]) -> apex_runtime::RunEnd {
-    let options = FlyOptions { inputs: inputs(), ..FlyOptions::default() };
+    let options = RunSettings { inputs: inputs(), ..RunSettings::default() };
     program::run(&mut agent(&library(PATROL)), observers, options).expect("the program runs")
 }
 

@@ -16,7 +16,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::{Control, FlyOptions, fly};
+use apex_runtime::{Control, RunSettings, fly};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -81,7 +81,7 @@ fn main() {
     let (outlet, commands) = sync_channel(1024);
     let executive = std::thread::spawn(move || {
         let mut vehicle = Outlet(outlet);
-        let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+        let options = RunSettings { pace: Some(1.0), controls: Some(controls), ..RunSettings::default() };
         fly(&mut agent(&library(PROGRAM)), &mut vehicle, &mut NoDeliberator, &mut [], options)
             .expect("the run ends well")
     });

@@ -138,7 +138,7 @@ pub fn moved(effects: &[Effect], from: TaskState, to: TaskState) -> bool {
     })
 }
 
-/// Returns a sample of `(level number)`.
+/// Returns per sample of `(level number)`.
 pub fn level(number: i64, value: i64) -> EventKind {
     EventKind::Measurement(StateVariable::new(Symbol::new("level"), Value::Integer(number)), Value::Integer(value))
 }

@@ -10,7 +10,7 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::ports::Observer;
-use apex_runtime::{Control, FlyOptions};
+use apex_runtime::{Control, RunSettings};
 use pyo3::prelude::*;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ pub(crate) fn fly_json(
             // The only later command is a stop, so the flight does not wait for inputs from operators.
             let _ = watch.stop.send(Control::Quiet);
         }
-        let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+        let terms = RunSettings { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
         let flown = apex_simulation::fly(mission, means, seed, terms, &mut recorder, &mut [&mut watch]);
         drop(recorder);
         recording::release(&record);

@@ -161,7 +161,7 @@ fn waits(told: &mut Vec<String>, unmet: &Value, line: &str) {
 }
 
 fn holders(told: &mut Vec<String>, data: &Value, sections: &[Section<'_>]) {
-    for (member, title) in [("holders", "Who holds it:"), ("waiting", "Who waits for it:")] {
+    for (member, title) in [("holders", "Tasks that hold it:"), ("waiting", "Tasks that wait for it:")] {
         let mut lines = section(sections, title).iter();
         for each in list(data, member) {
             let number = |member: &str| each.get(member).and_then(Value::as_f64).unwrap_or_default().to_string();

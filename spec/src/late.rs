@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_a_line_is_told_with_its_number() {
+    fn what_is_wrong_with_a_line_is_reported_with_its_number() {
         let early = "\n{\"t\": 2, \"event\": \"(a)\", \"came\": 1}";
         assert_eq!(read(early).unwrap_err(), "inputs:2: it cannot come at 1s, before it happens");
         assert!(read("\n\n{\"t\": 2, \"evnt\": \"(a)\", \"came\": 3}").unwrap_err().starts_with("inputs:3: expected"));

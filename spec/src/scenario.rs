@@ -9,7 +9,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText, Unresolved};
 use apex_runtime::error::RunError;
-use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly_all};
+use apex_runtime::mission_loop::{EndReason, RunEnd, RunSettings, fly_all};
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RestoredProgram;
 use std::path::Path;
@@ -96,7 +96,7 @@ pub fn run_observed(
     let crew = library.crew();
     let mut agents =
         crew.iter().map(|each| load(Arc::clone(&library), each, host.clone())).collect::<Result<Vec<_>, _>>()?;
-    let options = FlyOptions { until, inputs, ..FlyOptions::default() };
+    let options = RunSettings { until, inputs, ..RunSettings::default() };
     let (mut vehicle, mut planner) = (PageVehicle::new(vehicle, late), PagePlanner(planner));
     Ok(fly_all(&mut agents, &mut vehicle, &mut planner, observers, options))
 }

@@ -1,6 +1,6 @@
 //! The text of an explanation and its data agree in every name, instant and cause, over the runs of all pages.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Question};

@@ -1,7 +1,7 @@
 //! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x {behaviour} is
 //! on a page of `interruption/`, and the program there has the properties of the cell.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_executive::state::clause::Clause;
 use apex_model::effect::{DecisionKind, Effect};

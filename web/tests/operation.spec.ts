@@ -159,7 +159,7 @@ test('a command to a silent server shows its age, and expires', async ({ page })
     await expect(page.getByTestId('last-command')).toHaveCount(0);
     await expect(sent).toHaveText(/^pause: expired after 10 s: the server does not answer/);
     silent.process.kill('SIGCONT');
-    // The server finds the command when it continues: its time is over, and the flight flies on.
+    // The server reads the command when it continues: the command has expired, and the flight continues.
     await lastCommand(page, 'pause: expired');
     await expect(sent).toHaveCount(0);
     await expect(page.getByTestId('run-state')).not.toHaveText('paused');

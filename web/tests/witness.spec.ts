@@ -36,7 +36,7 @@ function made(name: string, args: (record: string, folder: string) => string[]):
   return record;
 }
 
-/** A run with a question that is answered, one whose time is over, an interrupted task, and an initial task that fails. */
+/** A run with a question that is answered, one that expires, an interrupted task, and an initial task that fails. */
 const FAILING = `
 (procedure (index (do-domain))
   (step low (hold low) (priority 1))
@@ -189,7 +189,7 @@ const RECORDS: [string, () => string, number][] = [
 ];
 
 for (const [name, recordOf, targets] of RECORDS) {
-  test(`random instants of ${name} are as the trace tells them`, async ({ page }) => {
+  test(`random instants of ${name} agree with the trace`, async ({ page }) => {
     test.setTimeout(240_000);
     const record = recordOf();
     const lines = traceOf(record);

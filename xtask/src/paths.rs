@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_path_of_the_repository_is_left_alone() {
+    fn what_is_not_a_path_of_the_repository_is_left_alone() {
         let document = "`m/s` `a / b` `planners/<name>` `*.rs` `flight.ulg` `/api/x` `target/x/` `text/html` [a](https://x.org/a.md)\n```\nmoon.rs\n```\n";
         assert!(found(document).is_empty(), "{:?}", found(document));
     }

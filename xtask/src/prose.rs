@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn code_is_no_prose() {
+    fn code_is_not_prose() {
         let rust = found("a.rs", "let told = 1; // one\n/* two\nthree */ told();\nf(\"four\", '5');\n");
         assert_eq!(rust.iter().map(|(line, _)| *line).collect::<Vec<_>>(), [1, 2, 3, 4]);
         assert!(rust.iter().all(|(_, prose)| !prose.contains("told")), "{rust:?}");

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn long_files_need_an_excuse_and_short_ones_none() {
+    fn long_files_need_an_excuse_and_short_ones_do_not() {
         let long = Text::sample("a.rs", &"//! x\n".repeat(451));
         assert!(check_file(&long, &[]).is_some());
         assert!(check_file(&long, &[("a.rs", "a table")]).is_none());

@@ -96,7 +96,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Returns a sampler for a log.
+    /// Returns per sampler for a log.
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
         let wanted = vec![true; mapping.entries.len()];

@@ -121,7 +121,7 @@ mod tests {
 
     /// The bytes are written by hand from protobuf.dev, "Encoding".
     #[test]
-    fn fields_are_read_and_missing_ones_told_from_zero() {
+    fn fields_are_read_and_missing_ones_distinguished_from_zero() {
         let whole = descriptor("pack.Whole", &set()).unwrap();
         let mut bytes = vec![0x09];
         bytes.extend(1.5_f64.to_le_bytes());

@@ -101,7 +101,7 @@ fn dataflash_numbers_are_scaled_as_their_letters_say() {
 }
 
 #[test]
-fn instances_of_dataflash_messages_are_told_apart() {
+fn instances_of_dataflash_messages_are_distinguished() {
     for (log, extension) in
         [(builders::dataflash_with_units(4, false), "bin"), (builders::dataflash_text_with_units(), "log")]
     {
@@ -150,7 +150,7 @@ fn rows_without_a_time_are_spread_between_those_of_the_gps() {
 }
 
 #[test]
-fn other_systems_on_the_air_are_told_apart() {
+fn other_systems_on_the_air_are_distinguished() {
     let log = builders::tlog(4);
     assert_eq!(values(&log, "tlog", "HEARTBEAT@255.190", "type").len(), 4);
     // Fields that were not sent are zero.
@@ -255,7 +255,7 @@ fn words_scales_and_numbers_for_not_known() {
 }
 
 #[test]
-fn coordinates_that_do_not_exist_are_no_samples_and_are_noted_once() {
+fn coordinates_that_do_not_exist_are_not_samples_and_are_noted_once() {
     // The log counts 0 to 10: latitudes of 0 to 300 degrees, longitudes of 0 to 600 degrees.
     let of = |attribute: &str, scale: f64| Entry { scale, ..entry("roll", attribute, Take::Value) };
     let (log, entries) = (builders::csv(11), vec![of("latitude", 30.0), of("longitude", 60.0)]);
@@ -274,7 +274,7 @@ fn coordinates_that_do_not_exist_are_no_samples_and_are_noted_once() {
 
 /// Arbitrary bytes can look like a text that the vehicle's software logged.
 #[test]
-fn texts_alone_are_no_log_without_its_beginning() {
+fn texts_alone_are_not_a_log_without_its_beginning() {
     let mut text = vec![12, 0, b'L', b'6'];
     text.extend(1_000_000_u64.to_le_bytes());
     text.extend(b"hey");

@@ -49,7 +49,7 @@ fn a_hole_costs_only_what_was_in_it() {
         assert!(count + 6 >= whole, "{format:?}: {count} of {whole}");
         // In a table or a text, a gap looks like short rows, which readers accept.
         if !matches!(format, Format::Csv | Format::DataFlashText) {
-            assert!(damages > flaws, "{format:?}: nothing is said of the hole");
+            assert!(damages > flaws, "{format:?}: no damage is reported for the hole");
         }
     }
 }

@@ -94,7 +94,7 @@ fn separators_and_decimal_commas_are_understood() {
 }
 
 #[test]
-fn rows_of_one_instant_are_told() {
+fn rows_of_one_instant_are_reported() {
     let (found, damages) = rows("t,roll\n1,5\n1,6\n1,7\n2,8\n");
     assert_eq!(found.len(), 4);
     assert_eq!(damages.count, 2);
@@ -121,7 +121,7 @@ fn rows_of_other_lengths_and_equal_names_are_noted() {
 }
 
 #[test]
-fn times_that_are_none_are_told_with_their_text() {
+fn times_that_are_invalid_are_reported_with_their_text() {
     for (text, expected) in [
         ("t,roll\n1,5\nlater,6\n", "line 3: `later` is not a time"),
         ("t,roll\n1,5\n,6\n", "line 3: the row has no time"),

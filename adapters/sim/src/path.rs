@@ -99,7 +99,7 @@ impl Line {
     }
 }
 
-/// Steepest approach to a line, and seconds of flight over which an offset is worked off.
+/// Steepest approach to a line, and seconds of flight within which an offset is corrected.
 const INTERCEPT_RAD_MAX: f64 = 0.8;
 const INTERCEPT_S: f64 = 6.0;
 
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_beside_the_aircraft_is_inside_its_turn() {
+    fn a_point_next_to_the_aircraft_is_inside_its_turn() {
         assert!(inside_turn(1.5, 1000.0, 2000.0));
         assert!(!inside_turn(1.5, 4500.0, 2000.0));
         assert!(!inside_turn(0.01, 100.0, 2000.0));

@@ -211,7 +211,7 @@ fn a_joined_line_is_flown_on_without_a_second_turn() {
 /// The re-flight of the paper: the line's command is withdrawn, a part of the line is joined and flown again, then the whole line is
 /// commanded again, at once or after some seconds.
 #[test]
-fn after_a_refly_the_line_goes_on_without_a_circle() {
+fn after_a_refly_the_line_continues_without_a_circle() {
     let (from, to) = (Position::new(40.3, -119.8), Position::new(40.3, -120.4));
     let ends = || [location(40.3, -119.8), location(40.3, -120.4)];
     let length_m = geodesy::distance_m(from, to);

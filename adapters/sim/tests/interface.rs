@@ -1,6 +1,6 @@
 //! The commands of the simulator equal the declarations in `library/interface.pdl`, argument by argument.
 
-#![allow(clippy::expect_used, reason = "a test stops where it is surprised")]
+#![allow(clippy::expect_used, reason = "a test stops at an unexpected result")]
 
 use apex_model::interface::InterfaceDeclaration;
 use apex_pdl::{CheckOptions, SourceText, check};

@@ -15,13 +15,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Random numbers from a stream that the simulator does not use.
-struct Dice(ChaCha8Rng);
+struct TestRng(ChaCha8Rng);
 
-impl Dice {
-    fn new(seed: u64) -> Dice {
+impl TestRng {
+    fn new(seed: u64) -> TestRng {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(u64::MAX);
-        Dice(generator)
+        TestRng(generator)
     }
 
     fn unit(&mut self) -> f64 {
@@ -37,35 +37,35 @@ impl Dice {
     }
 }
 
-fn somewhere(dice: &mut Dice, centre: Position, radius_m: f64) -> Value {
-    let place = geodesy::destination(centre, dice.between(0.0, 360.0), dice.between(0.0, radius_m));
+fn somewhere(rng: &mut TestRng, centre: Position, radius_m: f64) -> Value {
+    let place = geodesy::destination(centre, rng.between(0.0, 360.0), rng.between(0.0, radius_m));
     location(place.latitude_deg, place.longitude_deg)
 }
 
 fn random_command(
-    dice: &mut Dice,
+    rng: &mut TestRng,
     centre: Position,
     radius_m: f64,
     altitude_m: (f64, f64),
     speed: (f64, f64),
 ) -> Value {
-    let span = Value::Duration(Duration::from_seconds(dice.between(0.0, 300.0)));
-    let height = Value::Real(dice.between(altitude_m.0, altitude_m.1));
-    match dice.pick(17) {
-        0 | 1 => form("fly-to", [somewhere(dice, centre, radius_m)]),
-        2 => form("fly-to", [somewhere(dice, centre, radius_m), word(":altitude"), height]),
-        3 | 4 => form("fly-line", [somewhere(dice, centre, radius_m), somewhere(dice, centre, radius_m)]),
-        5 => form("join-line", [somewhere(dice, centre, radius_m), somewhere(dice, centre, radius_m)]),
-        6 => form("loiter", [somewhere(dice, centre, radius_m), word(":duration"), span]),
+    let span = Value::Duration(Duration::from_seconds(rng.between(0.0, 300.0)));
+    let height = Value::Real(rng.between(altitude_m.0, altitude_m.1));
+    match rng.pick(17) {
+        0 | 1 => form("fly-to", [somewhere(rng, centre, radius_m)]),
+        2 => form("fly-to", [somewhere(rng, centre, radius_m), word(":altitude"), height]),
+        3 | 4 => form("fly-line", [somewhere(rng, centre, radius_m), somewhere(rng, centre, radius_m)]),
+        5 => form("join-line", [somewhere(rng, centre, radius_m), somewhere(rng, centre, radius_m)]),
+        6 => form("loiter", [somewhere(rng, centre, radius_m), word(":duration"), span]),
         7 => form("hover", [word(":duration"), span]),
         8 => form("set-altitude", [height]),
-        9 => form("set-speed", [Value::Real(dice.between(speed.0, speed.1))]),
-        10 => form("scanner", [word(if dice.unit() < 0.5 { "on" } else { "off" })]),
+        9 => form("set-speed", [Value::Real(rng.between(speed.0, speed.1))]),
+        10 => form("scanner", [word(if rng.unit() < 0.5 { "on" } else { "off" })]),
         11 => form("wait", [span]),
-        12 => form("camera", [word("camera-1"), word(if dice.unit() < 0.7 { "power-up" } else { "power-off" })]),
-        13 => form("point-camera", [word("camera-1"), somewhere(dice, centre, radius_m)]),
+        12 => form("camera", [word("camera-1"), word(if rng.unit() < 0.7 { "power-up" } else { "power-off" })]),
+        13 => form("point-camera", [word("camera-1"), somewhere(rng, centre, radius_m)]),
         14 => form("take-picture", [word("camera-1")]),
-        15 => form("land", [somewhere(dice, centre, radius_m)]),
+        15 => form("land", [somewhere(rng, centre, radius_m)]),
         _ => form("take-off", [height]),
     }
 }
@@ -73,18 +73,18 @@ fn random_command(
 fn storm(config: WorldConfig, seed: u64, radius_m: f64, altitude_m: (f64, f64), speed: (f64, f64)) {
     let centre = config.start.position;
     let mut run = Run::new(config);
-    let mut dice = Dice::new(seed);
+    let mut rng = TestRng::new(seed);
     let mut sent = Vec::new();
     let mut withdrawn = Vec::new();
     for _ in 0..100 {
-        let command = random_command(&mut dice, centre, radius_m, altitude_m, speed);
+        let command = random_command(&mut rng, centre, radius_m, altitude_m, speed);
         sent.push((run.send(command.clone()), command));
-        if dice.unit() < 0.1 {
-            let (id, _) = sent[dice.pick(sent.len())];
+        if rng.unit() < 0.1 {
+            let (id, _) = sent[rng.pick(sent.len())];
             run.world.withdraw(id, run.now);
             withdrawn.push(id);
         }
-        let wait_s = dice.between(0.0, 400.0);
+        let wait_s = rng.between(0.0, 400.0);
         run.wait_watchfully_s(wait_s);
     }
     run.wait_s(9_000.0);
@@ -135,15 +135,15 @@ fn a_helicopter_survives_random_commands() {
 /// From anywhere, in any wind: a line is joined in reasonable time and flown level and straight.
 #[test]
 fn lines_are_joined_from_everywhere() {
-    let mut dice = Dice::new(99);
+    let mut rng = TestRng::new(99);
     for case in 0..60 {
-        let mut config = predator(Start::in_flight(44.0, -115.0, 7_000.0, dice.between(0.0, 360.0)));
-        let (east, north) = (dice.between(-35.0, 35.0), dice.between(-35.0, 35.0));
+        let mut config = predator(Start::in_flight(44.0, -115.0, 7_000.0, rng.between(0.0, 360.0)));
+        let (east, north) = (rng.between(-35.0, 35.0), rng.between(-35.0, 35.0));
         config.wind = wind(east, north, 0.0);
         let mut run = Run::new(config);
         let from =
-            geodesy::destination(Position::new(44.0, -115.0), dice.between(0.0, 360.0), dice.between(0.0, 25_000.0));
-        let to = geodesy::destination(from, dice.between(0.0, 360.0), dice.between(4_000.0, 30_000.0));
+            geodesy::destination(Position::new(44.0, -115.0), rng.between(0.0, 360.0), rng.between(0.0, 25_000.0));
+        let to = geodesy::destination(from, rng.between(0.0, 360.0), rng.between(4_000.0, 30_000.0));
         let ends = [location(from.latitude_deg, from.longitude_deg), location(to.latitude_deg, to.longitude_deg)];
         let share = run.carry_out(form("fly-line", ends), 8_000.0).unwrap().as_number().unwrap().0;
         assert!(share > 0.97, "case {case}: level share {share}, wind {east} {north}");

@@ -63,7 +63,8 @@ fn measure(csv: &std::path::Path) {
     for count in VISITED {
         for number in 0..MISSIONS {
             let text = generate::oplib(count + 1, 0.5, number + 1);
-            let problem = Problem::SingleVisit(formats::read("op", &text).expect("our own text").problem);
+            let problem =
+                Problem::SingleVisit(formats::read("op", &text).expect("a generated problem can be read").problem);
             planners(&mut out, "orienteering", (count, number), &problem);
         }
         done(&out, &format!("{count} targets visited"));

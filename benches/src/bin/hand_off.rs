@@ -20,7 +20,7 @@ use std::fmt::Write as _;
 
 /// A run ends after this many hand-offs, or after this processor time in nanoseconds.
 const LONGEST: usize = 20_000;
-const PATIENCE_NS: f64 = 20e9;
+const TIMEOUT_NS: f64 = 20e9;
 
 /// Durations of tasks: not stated, one of three, or a separate duration for each task.
 const DURATIONS: [&str; 3] = ["unknown", "known", "separate"];
@@ -193,7 +193,7 @@ fn measure(text: &str) -> Vec<f64> {
     let effects = step(&mut run.agent, &Batch { now: Time::ZERO, events: Vec::new() });
     run.take(&effects);
     let (mut all, mut spent) = (Vec::new(), 0.0);
-    while all.len() < LONGEST && spent < PATIENCE_NS {
+    while all.len() < LONGEST && spent < TIMEOUT_NS {
         let Some(batch) = run.next() else { break };
         let start = worked_ns();
         let effects = step(&mut run.agent, &batch);

@@ -1,7 +1,7 @@
 //! Measures the wait of an operator's messages while other sources flood the live port of `apex run --listen`, and the lateness of
 //! deadlines: `cargo run --release -p apex-benches --bin live_door -- target/release/apex [SECONDS]`.
 //!
-//! There are two floods of 150,000 lines a second each: valid measurements of ten variables, and lines that cannot be parsed. An operator
+//! There are two floods of 150,000 lines per second each: valid measurements of ten variables, and lines that cannot be parsed. An operator
 //! sends twenty messages a second on a separate connection; the program prints each one, and prints every 100 ms. A latency extends from
 //! the message's last byte to the printed line on the pipe.
 

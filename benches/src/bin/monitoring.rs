@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         ["traces", folder] => write_traces(Path::new(folder)),
         ["report"] => report(None),
         ["soak", samples] => soak(samples.parse().unwrap()),
-        ["look-back", kept] => println!("{:.1} ns a sample", look_back(kept.parse().unwrap())),
+        ["look-back", kept] => println!("{:.1} ns per sample", look_back(kept.parse().unwrap())),
         ["report", peer] => {
             report(std::fs::read_to_string(peer).ok().and_then(|text| serde_json::from_str(&text).ok()))
         }

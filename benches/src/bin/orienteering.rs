@@ -45,7 +45,11 @@ fn suite() -> Vec<(String, SingleVisitProblem)> {
     let every = std::env::var("APEX_BENCH_EVERY").ok().and_then(|text| text.parse().ok()).filter(|every| *every > 0);
     let windows = generate::windows_suite().into_iter().step_by(every.unwrap_or(EVERY));
     let texts = windows.chain([("op1000".to_string(), generate::oplib(1_001, 0.5, 1))]);
-    texts.map(|(name, text)| (name.clone(), formats::read(&name, &text).expect("our own text").problem)).collect()
+    texts
+        .map(|(name, text)| {
+            (name.clone(), formats::read(&name, &text).expect("a generated problem can be read").problem)
+        })
+        .collect()
 }
 
 fn problems(folder: &Path) {
@@ -135,7 +139,8 @@ fn ours(spans: &[&str]) -> Value {
 
 /// Returns a problem of a thousand targets after a change: one target has become worthless, and the flight must end 2 % earlier.
 fn replan() -> Value {
-    let mut problem = formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("our own text").problem;
+    let mut problem =
+        formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("a generated problem can be read").problem;
     let (before, _, _) = planned(&SingleVisit, &problem, 10_000_000);
     let gone = before.visits.get(100).map(|visit| visit.target.clone());
     for target in problem.targets.iter_mut().filter(|target| Some(&target.name) == gone.as_ref()) {
@@ -213,7 +218,7 @@ fn proven(spans: &[&str]) {
             let units = UNITS_PER_S * seconds.parse::<u64>().expect("whole seconds");
             let (mut solved, mut all, mut gap, mut cpu_s) = (0, 0, 0.0_f64, 0.0);
             for (name, text) in generate::windows_suite().into_iter().step_by(EVERY_OF_FEW) {
-                let problem = cut(formats::read(&name, &text).expect("our own text").problem, count);
+                let problem = cut(formats::read(&name, &text).expect("a generated problem can be read").problem, count);
                 let (plan, took_s, _) = planned(&SingleVisit, &problem, units);
                 let bound = plan.benefits_bound.unwrap_or(f64::INFINITY);
                 all += 1;

@@ -202,7 +202,7 @@ fn report(peer: &serde_json::Value) {
     println!("| {PLACES} places, {ZONES} zones, processor time | s | bar |\n|---|---|---|");
     println!("| extremitypathfinder, no wind, half of the matrix | {peer_s:.2} | |");
     println!("| Apex, the same world, whole matrix | {ours_s:.4} (1/{:.0}) | |", peer_s / ours_s);
-    println!("| greatest difference of {compared} lengths, in shares | {apart:.1e} | 1e-9 |");
+    println!("| greatest relative difference of {compared} lengths | {apart:.1e} | 1e-9 |");
     let still = earth(&bar, false);
     let (wind_s, (pairs, bends)) = timed(9, || flown(&still, 20_000.0));
     println!(

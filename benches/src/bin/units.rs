@@ -21,7 +21,11 @@ fn main() {
         let cell = format!("medium-uniform-uniform-{count}-uniform").parse::<apex_portfolio::cell::Cell>();
         measure(count, &Problem::Surveillance(cell.expect("a cell").mission(0)), units);
         let text = generate::oplib(count + 1, 0.5, 1);
-        measure(count, &Problem::SingleVisit(formats::read("op", &text).expect("our own text").problem), units);
+        measure(
+            count,
+            &Problem::SingleVisit(formats::read("op", &text).expect("a generated problem can be read").problem),
+            units,
+        );
     }
 }
 

@@ -57,7 +57,7 @@ fn impossible_coordinates_are_named_with_file_and_feature() {
 }
 
 #[test]
-fn targets_that_are_no_targets_are_named() {
+fn targets_that_are_not_targets_are_named() {
     let name = "targets.geojson: feature 1 `hangar-1`: ";
     let height = "\"height_m\": 60";
     picture("targets.geojson", height, "\"height_m\": \"tall\"", &[name, "`height_m` is \"tall\", not a number"]);
@@ -93,7 +93,7 @@ fn targets_that_are_no_targets_are_named() {
 }
 
 #[test]
-fn missing_data_are_told_with_who_names_them_and_what_is_there() {
+fn missing_data_are_reported_with_the_text_that_names_them_and_near_names() {
     let desk = Desk::with_mission("first-picture");
     desk.change("m/mission.pdl", "\"targets.geojson\"", "\"target.geojson\"");
     refused(
@@ -163,7 +163,7 @@ fn scripted_events_are_checked_before_the_flight() {
 }
 
 #[test]
-fn options_of_the_application_are_told_with_their_place() {
+fn options_of_the_application_are_reported_with_their_place() {
     let (vehicle, duration, targets) = ("m/mission.pdl:6:3: ", "m/mission.pdl:7:3: ", "m/mission.pdl:8:3: ");
     let change = |from: &str, to: &str, phrases: &[&str]| picture("mission.pdl", from, to, phrases);
     change(
@@ -219,7 +219,7 @@ fn mast(outline: &str, phrases: &[&str]) {
 }
 
 #[test]
-fn outlines_of_airspace_that_make_no_sense_are_told_with_their_corners() {
+fn outlines_of_airspace_that_are_impossible_are_reported_with_their_corners() {
     mast(
         "[[[-121.1005, 37.4095], [-121.0982, 37.4113], [-121.0982, 37.4095], [-121.1005, 37.4113], [-121.1005, 37.4095]]]",
         &["a ring crosses itself: the edges after its positions 1 and 3 cross", "in order"],
@@ -238,7 +238,7 @@ fn outlines_of_airspace_that_make_no_sense_are_told_with_their_corners() {
 }
 
 #[test]
-fn a_start_and_a_target_inside_an_obstacle_are_told() {
+fn a_start_and_a_target_inside_an_obstacle_are_reported() {
     let desk = Desk::with_mission("plain-watch");
     let mast =
         "[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4113], [-121.1005, 37.4095]";
@@ -282,7 +282,7 @@ fn a_landing_distance_in_which_the_vehicle_cannot_circle_is_refused() {
 }
 
 #[test]
-fn what_is_no_mission_is_told_apart() {
+fn what_is_not_a_mission_is_distinguished() {
     let desk = Desk::with_greetings();
     for command in ["fly", "plan"] {
         desk.apex(&[command, "greetings.pdl"]).complained(2, &["no (defapplication ..)", "apex run"]);

@@ -46,7 +46,7 @@ fn a_time_limit_of_zero_is_a_flight_of_one_instant() {
 }
 
 #[test]
-fn a_port_in_use_is_told_before_the_flight() {
+fn a_port_in_use_is_reported_before_the_flight() {
     let desk = Desk::with_flight();
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();

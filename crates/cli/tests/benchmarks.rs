@@ -1,6 +1,6 @@
 //! `apex plan` on benchmark files: input, output, and messages about mistakes.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -10,7 +10,7 @@ const TOPTW: &str = "1 4 3 1\n0 200\n0 10 10 0 0 0 0 0 100\n1 13 13 5 20 1 2 1 2
 const TSP: &str = "NAME: four\nTYPE: TSP\nDIMENSION: 4\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 10 10\n3 0 10\n4 10 0\nEOF\n";
 
 #[test]
-fn orienteering_with_windows_is_planned_and_told() {
+fn orienteering_with_windows_is_planned_and_reported() {
     let desk = Desk::new();
     desk.write("small.txt", TOPTW);
     let table = desk.apex(&["plan", "small.txt", "--budget", "5ms"]).well();
@@ -31,7 +31,7 @@ fn orienteering_with_windows_is_planned_and_told() {
 }
 
 #[test]
-fn a_tour_is_told_by_its_length() {
+fn a_tour_is_described_by_its_length() {
     let desk = Desk::new();
     desk.write("four.tsp", TSP);
     desk.apex(&["plan", "four.tsp", "--budget", "5ms"]).well().told(&[
@@ -49,7 +49,7 @@ fn a_tour_is_told_by_its_length() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_line_and_what_to_do() {
+fn mistakes_are_reported_with_their_line_and_what_to_do() {
     let desk = Desk::new();
     desk.write("bad.txt", &TOPTW.replace("20 1 2", "x 1 2"));
     desk.apex(&["plan", "bad.txt"]).complained(

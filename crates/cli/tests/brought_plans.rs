@@ -1,6 +1,6 @@
 //! `apex plan --plan FILE`: plans drawn or edited by hand, read back, checked and scored.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -62,7 +62,7 @@ fn body(answer: &Value) -> &Value {
 }
 
 #[test]
-fn what_a_plan_says_of_itself_is_worked_out_anew() {
+fn what_a_plan_states_about_itself_is_computed_again() {
     let desk = Desk::new();
     for what in [&mission("structure-watch"), &mission("western-states")] {
         let planned = answer(&plan(&desk, what, &["--json"]).well());
@@ -90,7 +90,7 @@ fn what_a_plan_says_of_itself_is_worked_out_anew() {
 }
 
 #[test]
-fn a_cycle_stays_one_when_its_times_are_made_anew() {
+fn a_cycle_stays_one_when_its_times_are_computed_again() {
     let desk = Desk::new();
     let mut planned = answer(&plan(&desk, CELL, &["--json", "--solver", "two-opt"]).well());
     let visits = body(&planned)["visits"].as_array().unwrap().len();
@@ -142,7 +142,7 @@ fn edited(desk: &Desk, change: impl FnOnce(&mut Value)) {
 }
 
 #[test]
-fn every_broken_rule_is_named_and_times_can_be_made_anew() {
+fn every_broken_rule_is_named_and_times_can_be_computed_again() {
     let desk = Desk::new();
     edited(&desk, |body| {
         let visits = body["visits"].as_array_mut().unwrap();
@@ -198,7 +198,7 @@ fn a_plan_of_endless_visits_is_not_looked_at() {
 }
 
 #[test]
-fn what_is_no_plan_for_the_problem_is_told() {
+fn what_is_not_a_plan_for_the_problem_is_reported() {
     let desk = Desk::new();
     let refused = |text: &str, phrases: &[&str]| {
         desk.write("p.json", text);

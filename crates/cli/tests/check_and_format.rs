@@ -48,13 +48,13 @@ fn json_names_every_part_of_a_diagnostic() {
 }
 
 #[test]
-fn memory_is_told_in_samples_and_clauses_without_bound_are_named() {
+fn memory_is_reported_in_samples_and_clauses_without_bound_are_named() {
     let desk = Desk::new();
     let text = "(state-variable (roll ?a) :unit deg :rate 50)\n(procedure (index (do-domain))\n  (step a (print (mean-over 'roll 'uav P10S) (value-at 'pitch 'uav ?when)) (waitfor (asked ?when))))\n";
     desk.write("a.pdl", text);
     let said = desk.apex(&["check", "--memory", "a.pdl"]).well();
     said.told(&[
-        "roll: the last P10S at 50 a second; at most 502 samples",
+        "roll: the last P10S at 50 per second; at most 502 samples",
         "without bound, up to the limit of 360000: a.pdl:3:46: (value-at pitch uav ?when)",
         "write instead: a window such as `P10M`",
     ]);
@@ -92,7 +92,7 @@ fn unbalanced_parentheses_are_found_where_they_are() {
 }
 
 #[test]
-fn a_missing_file_is_told_with_its_neighbours() {
+fn a_missing_file_is_reported_with_its_neighbours() {
     let desk = Desk::with_greetings();
     let phrases = ["cannot read greeting.pdl", "why: ", "help: this folder holds greetings.pdl"];
     desk.apex(&["check", "greeting.pdl"]).complained(2, &phrases);
@@ -162,5 +162,5 @@ fn a_code_is_explained_and_all_are_listed() {
     desk.apex(&["explain", "E9999"])
         .complained(2, &["`E9999` is neither a code of the checker nor a word of PDL", "lists all codes"]);
     desk.write("a.pdl", UNKNOWN_GOAL);
-    desk.apex(&["check", "a.pdl"]).complained(2, &[]).told(&["`apex explain E0208` tells more"]);
+    desk.apex(&["check", "a.pdl"]).complained(2, &[]).told(&["`apex explain E0208` explains"]);
 }

@@ -1,6 +1,6 @@
 //! A mission of a fixed wing: it circles around its sites, in the plan and in flight.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 

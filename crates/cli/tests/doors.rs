@@ -1,6 +1,6 @@
 //! The doors of a run refuse what only Apex says and what they cannot read, and records that were changed are not confirmed.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -47,8 +47,8 @@ fn a_line_of_a_simulator_is_refused_as_a_whole() {
     for (answer, part) in told.iter().zip([
         "longer than 1048576 bytes",
         "not UTF-8",
-        "is said by Apex alone",
-        "is said by Apex alone",
+        "only Apex sends the message",
+        "only Apex sends the message",
         "the line is empty",
         "\"t\":4",
     ]) {
@@ -82,7 +82,7 @@ fn scripts_may_not_forge_the_log_of_commands() {
     let desk = Desk::with_greetings();
     for event in ["(operator-command 5 \\\"stop\\\" accepted)", "(live-source nav gone)", "(recording-lost fake)"] {
         desk.write("in.jsonl", &format!("{{\"t\": 1, \"event\": \"{event}\"}}\n"));
-        desk.apex(&["run", "greetings.pdl", "--inputs", "in.jsonl"]).complained(2, &["in.jsonl:1", "by Apex alone"]);
+        desk.apex(&["run", "greetings.pdl", "--inputs", "in.jsonl"]).complained(2, &["in.jsonl:1", "only Apex sends"]);
     }
 }
 

@@ -10,7 +10,7 @@ const MENDED: &str =
     "; Grüße an alle\n(primitive (index (greet ?who))\n  (on-start (print \"hello\" ?who))) ; bleibt\n";
 
 #[test]
-fn safe_fixes_are_made_pass_after_pass_and_told() {
+fn safe_fixes_are_made_pass_after_pass_and_reported() {
     let desk = Desk::new();
     desk.write("a.pdl", MISSPELT);
     desk.apex(&["check", "--fix", "a.pdl"]).well().told(&[
@@ -24,7 +24,7 @@ fn safe_fixes_are_made_pass_after_pass_and_told() {
 }
 
 #[test]
-fn what_is_left_is_told_and_decides_how_it_ends() {
+fn what_is_left_is_reported_and_decides_how_it_ends() {
     let desk = Desk::new();
     desk.write(
         "a.pdl",
@@ -35,7 +35,7 @@ fn what_is_left_is_told_and_decides_how_it_ends() {
 }
 
 #[test]
-fn words_behind_a_missing_parenthesis_are_mended_in_the_same_run() {
+fn words_behind_a_missing_parenthesis_are_fixed_in_the_same_run() {
     let desk = Desk::new();
     let right = "(procedure :sequential (index (do-domain))\n  (step greet (greet you))\n  (step wait (greet me) (waitfor (end ?greet)))\n  (step stop (terminate)))\n\n(primitive (index (greet ?who))\n  (duration 5s)\n  (on-start (print \"hello\" ?who)))\n";
     let wrong = right

@@ -8,7 +8,7 @@ use std::net::TcpStream;
 use std::process::Stdio;
 
 #[test]
-fn two_agents_fly_one_aircraft_and_their_record_tells_them_apart() {
+fn two_agents_fly_one_aircraft_and_their_record_distinguishes_them() {
     let desk = Desk::new();
     let arguments = ["fly", &mission("two-crew"), "--record", "f.apex", "--no-progress"];
     let said = desk.apex(&arguments).well();
@@ -68,7 +68,7 @@ fn the_record_is_called_after_the_mission_and_the_report_is_json_on_request() {
 }
 
 #[test]
-fn lines_for_people_are_aligned_and_narrow() {
+fn lines_for_operators_are_aligned_and_narrow() {
     let desk = Desk::new();
     let said = desk.apex(&["fly", &mission("structure-watch"), "--until", "20min", "--no-progress"]).well();
     let said = said.told(&["Expected cost of ignorance", "  ranger-station  ", "20 min of flight"]);
@@ -99,7 +99,9 @@ fn why_goes_back_to_what_came_from_outside() {
     let desk = Desk::with_flight();
     let why = |what: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", what], more].concat());
     why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) was received as an input"]);
-    why("camera-1", &["--at", "50"]).well().told(&["camera-1 is held by T4 (calibrate camera-1) at 50s", "Who waits"]);
+    why("camera-1", &["--at", "50"])
+        .well()
+        .told(&["camera-1 is held by T4 (calibrate camera-1) at 50s", "Tasks that wait"]);
     why("command 0", &[]).well().told(&["(take-off 40m)", "because a form of its on-start caused", "vehicle.pdl:"]);
     let deep = why("command 0", &["--depth", "20", "--json"]).well();
     let deep: serde_json::Value = serde_json::from_str(&deep.out).unwrap();
@@ -168,7 +170,7 @@ fn the_trace_is_filtered() {
 }
 
 #[test]
-fn filters_that_admit_nothing_are_told() {
+fn filters_that_admit_nothing_are_reported() {
     let desk = Desk::with_flight();
     let trace = |more: &[&str]| desk.apex(&[&["trace", "flight.apex"], more].concat());
     trace(&["--type", "transitions"]).complained(2, &["no trace lines of type `transitions`", "transition,", "note"]);
@@ -179,7 +181,7 @@ fn filters_that_admit_nothing_are_told() {
 }
 
 #[test]
-fn a_reader_that_has_seen_enough_is_no_failure() {
+fn a_reader_that_has_seen_enough_is_not_a_failure() {
     let desk = Desk::with_flight();
     let mut child =
         desk.command(&["trace", "flight.apex"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -207,7 +209,7 @@ fn sherpa_answers_on_a_port_of_its_own() {
 }
 
 #[test]
-fn plans_are_printed_for_people_for_programs_and_as_pdl() {
+fn plans_are_printed_for_operators_for_programs_and_as_pdl() {
     let desk = Desk::new();
     let mission = mission("structure-watch");
     let plan = |more: &[&str]| desk.apex(&[&["plan", &mission, "--solver", "two-opt"], more].concat());
@@ -250,7 +252,7 @@ fn problems_are_printed_read_and_planned_alike() {
 }
 
 #[test]
-fn a_mission_with_nothing_to_plan_says_so() {
+fn a_mission_with_nothing_to_plan_is_reported_as_such() {
     let said = Desk::new().apex(&["plan", &mission("first-picture")]);
     said.complained(2, &["no plan was found", "there is no target to watch", "help: "]);
 }

@@ -51,14 +51,14 @@ fn questions_of_a_real_time_run_are_answered_on_its_input() {
     let mut input = run.stdin.take().unwrap();
     input.write_all(b"maybe\nyes\n").unwrap();
     let refused = lines.next().unwrap();
-    assert!(refused.contains("the answer \"maybe\" to question 0 is none of yes, no"), "{refused}");
+    assert!(refused.contains("the answer \"maybe\" to question 0 is not one of yes, no"), "{refused}");
     let output = run.wait_with_output().unwrap();
     assert!(output.status.success());
     assert!(String::from_utf8_lossy(&output.stdout).contains("the operator says yes"));
 }
 
 #[test]
-fn a_real_time_run_takes_inputs_and_ends_when_it_is_told_to() {
+fn a_real_time_run_takes_inputs_and_ends_when_it_is_asked_to() {
     let desk = Desk::new();
     desk.write(
         "live.pdl",
@@ -77,7 +77,7 @@ fn a_real_time_run_takes_inputs_and_ends_when_it_is_told_to() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_ends_a_real_time_run_in_good_order() {
+fn ctrl_c_ends_a_real_time_run_cleanly() {
     let desk = asking("realtime");
     let (mut run, mut lines) = started(&desk, &["run", "ask.pdl", "--text", "--record", "r.apex"]);
     assert!(lines.next().unwrap().contains("Ready?"));

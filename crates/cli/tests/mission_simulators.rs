@@ -1,6 +1,6 @@
 //! Missions flown by `apex run`: by the clock of the example simulator, and with a vehicle in real time.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 

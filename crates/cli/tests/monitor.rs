@@ -43,7 +43,7 @@ fn results(said: &Said, condition: u64) -> usize {
 }
 
 #[test]
-fn results_and_verdicts_are_told_with_their_reasons() {
+fn results_and_verdicts_are_reported_with_their_reasons() {
     let said =
         desk().apex(&["monitor", STEEP, "(:in-order (roll-angle ?who > 20) (go ?n))", "--inputs", "i.jsonl"]).well();
     assert!(said.out.contains("2: 3.4s to 4s (0.600 s), recognised at 4s, ?who = uav, ?n = 1\n"), "{}", said.out);
@@ -53,7 +53,7 @@ fn results_and_verdicts_are_told_with_their_reasons() {
 }
 
 #[test]
-fn the_largest_sampling_gap_of_a_result_is_told() {
+fn the_largest_sampling_gap_of_a_result_is_reported() {
     let desk = Desk::new();
     let sample = |t: u32| format!("{{\"t\": {t}, \"measurement\": \"(roll-angle uav)\", \"value\": 20}}\n");
     desk.write("i.jsonl", &[1, 2, 3, 4, 5, 6, 20, 21].map(sample).concat());
@@ -70,7 +70,7 @@ fn the_largest_sampling_gap_of_a_result_is_told() {
 }
 
 #[test]
-fn standard_input_is_told_as_it_comes_and_json_tells_the_same() {
+fn standard_input_is_reported_as_it_comes_and_json_reports_the_same() {
     let said = desk().apex_hearing(&["monitor", "(go ?n)"], GAPPED);
     assert_eq!(said.out, "at 4s, ?n = 1\n  because (go 1) at 4s\nsatisfied up to 4s, 1 result\n");
     let said = desk().apex(&["monitor", "(go ?n)", "--json", "--inputs", "i.jsonl"]).well();
@@ -386,7 +386,7 @@ fn fields_of_a_mapping_that_are_not_read_and_units_that_differ_are_named() {
 }
 
 #[test]
-fn civil_time_is_told_where_the_input_knows_it() {
+fn civil_time_is_reported_where_the_input_knows_it() {
     let desk = Desk::new();
     desk.write("a.csv", "time_ms,roll\n1700000000000,0\n1700000001500,20\n1700000002000,0\n");
     let said = desk.apex(&["monitor", "(roll aircraft-1 > 15)", "--inputs", "a.csv", "--utc"]).well();

@@ -1,6 +1,6 @@
 //! Missions whose structures have user-defined costs: points of a table, or a function of the program.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -61,14 +61,14 @@ fn a_likelihood_that_changes_is_planned_with() {
 }
 
 #[test]
-fn tables_that_are_none_are_told() {
+fn tables_that_are_invalid_are_reported() {
     let told = |points: &str, phrases: &[&str]| -> Said {
         let name = ["sites.geojson: feature 2 `farmhouse`: "];
         let phrases: Vec<&str> = name.iter().chain(phrases).copied().collect();
         with_points(points).apex(&["plan", "m"]).complained(2, &phrases)
     };
-    told("", &["`cost` is table and `cost_points` are 0", "help: write ages in seconds with their costs"]);
-    told(", \"cost_points\": []", &["`cost_points` are 0"]);
+    told("", &["`cost` is table and `cost_points` has 0 points", "help: write ages in seconds with their costs"]);
+    told(", \"cost_points\": []", &["`cost_points` has 0 points"]);
     told(", \"cost_points\": [[0, 1, 2]]", &["not a list of pairs of numbers"]);
     told(", \"cost_points\": [[0, -1]]", &["has [0, -1]; ages and costs are between"]);
     told(", \"cost_points\": [[0, 5], [60, 4]]", &["has [60, 4] after [0, 5]", "cost never falls with age"]);
@@ -79,7 +79,7 @@ fn tables_that_are_none_are_told() {
         told(&format!(", \"cost_points\": [[0, 1]], \"{idle}\": 3"), &phrases.each_ref().map(String::as_str));
     }
     let many: Vec<String> = (0..1_001).map(|age| format!("[{age}, 1]")).collect();
-    told(&format!(", \"cost_points\": [{}]", many.join(",")), &["`cost_points` are 1001; they may be 1 to 1000"]);
+    told(&format!(", \"cost_points\": [{}]", many.join(",")), &["`cost_points` has 1001 points; expected 1 to 1000"]);
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/sites.geojson", "\"cost\": \"saturating\"", "\"cost\": \"linear\", \"cost_points\": [[0, 1]]");
     desk.apex(&["plan", "m"]).complained(2, &["`cost_points` have no meaning where `cost` is linear"]);
@@ -114,7 +114,7 @@ fn a_mission_with_a_function_as_cost_flies_and_is_replayed() {
 }
 
 #[test]
-fn functions_that_are_no_costs_are_told() {
+fn functions_that_are_not_costs_are_reported() {
     let told = |costs: &str, functions: &str, phrases: &[&str]| {
         with_program(costs, functions).apex(&["plan", "m"]).complained(2, phrases);
     };

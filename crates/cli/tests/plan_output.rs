@@ -1,6 +1,6 @@
 //! `apex plan --format`: one plan in the formats for operators, the executive, maps and ground stations.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -206,7 +206,7 @@ fn a_printed_procedure_is_checked_and_flown() {
     desk.change("m/mission.pdl", ":duration 1h", ":duration 1h :files (\"plan.pdl\")");
     desk.apex(&["fly", "m", "--record", "flown.apex", "--no-progress"]).well().told(&["of flight"]);
     let why = desk.apex(&["why", "flown.apex", "patrol", "--at", "20min"]).well();
-    why.told(&["pursued by procedure", "plan.pdl"]);
+    why.told(&["Its method: procedure", "plan.pdl"]);
     // The flown order is the planned one.
     let planned: Vec<String> = desk
         .read("m/plan.pdl")
@@ -233,7 +233,7 @@ fn printed_fires_are_checked() {
 }
 
 #[test]
-fn what_cannot_be_printed_is_told_with_what_to_do() {
+fn what_cannot_be_printed_is_reported_with_what_to_do() {
     let desk = Desk::new();
     let plan = |arguments: &[&str]| desk.apex(&[&["plan"], arguments].concat());
     desk.write("two.json", TWO);
@@ -241,8 +241,7 @@ fn what_cannot_be_printed_is_told_with_what_to_do() {
     plan(&[test, "--format", "svg"]).complained(2, &["'svg'", "geojson", "kml", "qgc"]);
     plan(&[test, "--format", "kml", "--json"]).complained(2, &["cannot be used with"]);
     plan(&[test, "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
-    plan(&[test, "--format", "qgc", "--budget", "1ms"])
-        .complained(2, &["nothing is known of its altitudes", "--height 60m"]);
+    plan(&[test, "--format", "qgc", "--budget", "1ms"]).complained(2, &["its altitudes are unknown", "--height 60m"]);
     plan(&[test, "--format", "qgc", "--height", "-3m"]).complained(2, &["`--height -3m` is not a length", "60m"]);
     plan(&[test, "--format", "qgc", "--height", "3s"]).complained(2, &["is not a length above 0"]);
     plan(&[test, "--height", "60m"]).complained(2, &["--format qgc"]);
@@ -295,7 +294,7 @@ fn a_surveillance_plan_is_drawn_around_obstacles() {
 }
 
 #[test]
-fn names_that_nothing_has_are_told_with_the_nearest() {
+fn names_that_nothing_has_are_reported_with_the_nearest() {
     let desk = Desk::with_mission("plain-watch");
     let plan = |name: &str, phrases: &[&str]| {
         desk.apex(&["plan", name]).complained(2, phrases);
@@ -314,13 +313,13 @@ fn names_that_nothing_has_are_told_with_the_nearest() {
 }
 
 #[test]
-fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
+fn the_visits_of_an_operator_are_scored_like_any_other_plan_and_can_be_flown() {
     let desk = Desk::with_mission("plain-watch");
     let by_hand = ["plan", "m", "--visits", "barn,winery,farmhouse", "--repeat"];
     let table = desk.apex(&by_hand).well();
     table.told(&["planned by human", "no plan that never waits can cost less"]);
     desk.apex(&["plan", "m", "--visits", "barn,wineri"])
-        .complained(2, &["there is no target `wineri`", "winery", "write what `--visits` names as the mission does"]);
+        .complained(2, &["there is no target `wineri`", "winery", "write the names of targets as in the mission"]);
     desk.apex(&["plan", "m", "--visits", "barn", "--solver", "wam"]).complained(2, &["cannot be used with"]);
     let printed = [by_hand.as_slice(), &["--out", "m/plan.pdl"]].concat();
     desk.apex(&printed).well();

@@ -1,6 +1,6 @@
 //! `apex profile`: measuring, completing, showing, comparing, and messages about mistakes.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -131,7 +131,7 @@ fn regret_is_measured_on_other_counts() {
 }
 
 #[test]
-fn mistakes_are_told_before_anything_is_measured() {
+fn mistakes_are_reported_before_anything_is_measured() {
     let desk = Desk::new();
     let build = |more: &[&str]| desk.apex(&[&["profile", "build", "new.txt"], more].concat());
     build(&["--planners", "three-opt"])

@@ -46,7 +46,7 @@ fn the_rotorcraft_goes_back_to_where_it_was_heard() {
 }
 
 #[test]
-fn fades_are_no_violation() {
+fn fades_are_not_violations() {
     let (story, _) = flown("regain-communication.pdl", "regain-communication-fades.jsonl", &["home", "--at", "200"]);
     assert!(!story.contains("communication-violation") && story.contains("end: the initial task is done"), "{story}");
 }

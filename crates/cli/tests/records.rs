@@ -43,7 +43,7 @@ fn devices_and_pipes_are_refused_and_stay() {
 }
 
 #[test]
-fn what_is_no_record_is_told_by_every_command() {
+fn what_is_not_a_record_is_reported_by_every_command() {
     let desk = Desk::with_flight();
     desk.write("notes.apex", "not a record");
     desk.write("empty.apex", "");
@@ -120,7 +120,7 @@ fn what_can_be_trusted_is_recovered_into_a_new_record() {
 }
 
 #[test]
-fn names_that_are_no_files_are_refused() {
+fn names_that_are_not_files_are_refused() {
     let desk = Desk::new();
     let mission = mission("first-picture");
     for name in [":memory:", "file:flight.apex", "file::memory:?cache=shared"] {
@@ -130,7 +130,7 @@ fn names_that_are_no_files_are_refused() {
 }
 
 #[test]
-fn a_record_of_another_version_says_so() {
+fn a_record_of_another_version_is_reported_as_such() {
     let desk = Desk::with_flight();
     let path = desk.path("flight.apex");
     let bytes = fs::read(&path).unwrap();
@@ -258,17 +258,17 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     let fly = ["fly", &mission("first-picture"), "--until", "20", "--no-progress", "--record", "f.apex"];
     desk.apex(&[&fly[..], &["--sign", "flight.key"]].concat()).well();
     let said = desk.apex(&["verify", "f.apex"]).well();
-    let key = said.out.split("the record is as ").nth(1).unwrap().split(' ').next().unwrap().to_string();
+    let key = said.out.split("valid, by key ").nth(1).unwrap().split_whitespace().next().unwrap().to_string();
     assert_eq!(key.len(), 64, "{}", said.out);
     desk.apex(&["verify", "f.apex", "--signer", &key]).well();
     desk.apex(&["verify", "f.apex", "--signer", &"0".repeat(64)]).complained(1, &["is not signed by", &key]);
     // Without its signature file, the record names the key whose signature is missing.
     fs::rename(desk.path("f.apex.sig"), desk.path("elsewhere")).unwrap();
-    desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex does not hold", "f.apex.sig"]);
+    desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex is invalid", "f.apex.sig"]);
     for reader in ["score", "trace", "replay"] {
-        desk.apex(&[reader, "f.apex"]).complained(0, &["The signature of the flight record f.apex does not hold"]);
+        desk.apex(&[reader, "f.apex"]).complained(0, &["The signature of the flight record f.apex is invalid"]);
     }
-    // The signature of another flight does not hold for this record.
+    // The signature of another flight is invalid for this record.
     desk.apex(&[&fly[..], &["--sign", "flight.key", "--seed", "9"]].concat()).well();
     fs::rename(desk.path("elsewhere"), desk.path("f.apex.sig")).unwrap();
     desk.apex(&["verify", "f.apex"]).complained(1, &["the record is not as it was signed"]);
@@ -279,7 +279,7 @@ fn a_signed_record_names_its_key_and_forgeries_are_found() {
     bytes[99] ^= 1; // the version of SQLite in the header
     fs::write(desk.path("f.apex"), bytes).unwrap();
     desk.apex(&["verify", "f.apex"])
-        .complained(1, &["the signature of f.apex does not hold", "changed after it was closed"]);
+        .complained(1, &["the signature of f.apex is invalid", "changed after it was closed"]);
     desk.apex(&fly).well();
     desk.apex(&["verify", "f.apex"]).well().told(&["Signature: none"]);
     desk.apex(&["verify", "f.apex", "--signer", &key]).complained(1, &["it is not signed"]);

@@ -1,6 +1,6 @@
 //! Planning again in flight: after updates, by the clock, and by operators (library `replanning`, docs/guides/replanning.md).
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -34,7 +34,7 @@ fn after<'r>(report: &'r str, what: &str) -> &'r str {
 }
 
 #[test]
-fn news_and_the_clock_have_the_mission_planned_again() {
+fn updates_and_the_clock_have_the_mission_planned_again() {
     let desk = watched("(step again (keep planning (patrol the structures) every 7min))");
     let scenario = [
         r#"{"t": 100, "event": "(new-likelihood barn 50)"}"#,
@@ -47,7 +47,7 @@ fn news_and_the_clock_have_the_mission_planned_again() {
     desk.write("m/scenario.jsonl", &scenario.join("\n"));
     let report = flown(&desk, &[]);
     for told in [
-        "barn: 50 events an hour from now on",
+        "barn: 50 events per hour from now on",
         "no longer a target: winery",
         "castle is not a target of this mission",
         "(new-value barn ..) has no number from 0 to 1000000000, and is ignored",
@@ -67,12 +67,12 @@ const PEOPLE: &str = "cell,budget_units,best,verdict,next,effect_percent\n\
                       large-uniform-uniform-16-uniform,1000,human,better,two-opt,4.2\n";
 
 #[test]
-fn where_people_plan_better_they_are_asked_and_their_plan_is_flown() {
+fn where_operators_plan_better_they_are_asked_and_their_plan_is_flown() {
     let desk = watched("(step people (let people plan (patrol the structures) within 5min))"); // english: allow
     desk.write("people.csv", PEOPLE);
     desk.write("m/scenario.jsonl", r#"{"t": 100, "answer": 0, "value": ["repeat", "barn", "school"]}"#);
     let report = flown(&desk, &["--table", "people.csv"]);
-    assert!(report.contains("planned by people: barn, school, again and again"), "{report}");
+    assert!(report.contains("planned by an operator: barn, school, again and again"), "{report}");
     let plans = desk.apex(&["trace", "flown.apex", "--type", "plan"]).well().out;
     assert_eq!(plans.lines().count(), 2, "{plans}");
     assert!(plans.contains("because two-opt answered") && plans.contains("because human answered"), "{plans}");
@@ -90,7 +90,7 @@ fn without_an_answer_or_with_one_that_cannot_be_flown_the_planners_plan_stays() 
     desk.write("people.csv", PEOPLE);
     desk.write("m/scenario.jsonl", "");
     let report = flown(&desk, &["--table", "people.csv"]);
-    assert!(!report.contains("planned by people"), "{report}"); // english: allow
+    assert!(!report.contains("planned by an operator"), "{report}"); // english: allow
     assert_eq!(report.matches("new plan: ").count(), 1, "{report}");
     desk.write("m/scenario.jsonl", r#"{"t": 60, "answer": 0, "value": ["barn", "castle"]}"#);
     let report = flown(&desk, &["--table", "people.csv"]);

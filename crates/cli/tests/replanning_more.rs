@@ -1,6 +1,6 @@
 //! Planning again in flight: each kind of update alone, several times by the clock, and adopted plans.
 
-#![allow(clippy::unwrap_used, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, reason = "a test stops at an unexpected result")]
 
 mod common;
 

@@ -45,14 +45,14 @@ fn the_same_run_gives_the_same_bytes() {
 }
 
 #[test]
-fn text_is_for_people() {
+fn text_is_for_operators() {
     let desk = Desk::with_greetings();
     let said = desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl", "--text"]).well();
     said.told(&["          7s  T2 (greet moon): pending -> enabled because ", "end: the initial task is done"]);
 }
 
 #[test]
-fn the_time_limit_and_the_lack_of_anything_to_do_are_told() {
+fn the_time_limit_and_the_lack_of_anything_to_do_are_reported() {
     let desk = Desk::with_greetings();
     let early = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--until", "3s"];
     let said = desk.apex(&early).complained(0, &["note: the run ended at 3s because the time limit was reached"]);

@@ -1,6 +1,6 @@
 //! The JSON of problems and plans against their schemas: output is valid, and the reader is as strict as the schemas.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -130,8 +130,8 @@ fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
 }
 
 /// Makes one random change: a value of another kind or size, a member removed, added or misspelt, a list shortened or extended.
-fn mutate(value: &mut Value, dice: &mut Generator) -> String {
-    let mut below = |count: usize| dice.below(count);
+fn mutate(value: &mut Value, rng: &mut Generator) -> String {
+    let mut below = |count: usize| rng.below(count);
     let mut places = Vec::new();
     pointers(value, "", &mut places);
     let place = places[below(places.len())].clone();
@@ -169,14 +169,14 @@ fn mutate(value: &mut Value, dice: &mut Generator) -> String {
 fn what_the_schema_refuses_the_reader_refuses() {
     let problems = schema("planning-problem.schema.json");
     let desk = Desk::new();
-    let mut dice = Generator::new(20_060_312);
+    let mut rng = Generator::new(20_060_312);
     let (mut both, mut neither, mut senseless) = (0, 0, 0);
     for round in 0..400 {
         let mut examples = examples_once().clone();
         let number = round % examples.len();
         let problem = &mut examples[number];
         obeys(&problems, &problem.to_string());
-        let change = mutate(problem, &mut dice);
+        let change = mutate(problem, &mut rng);
         desk.write("changed.json", &problem.to_string());
         let read = desk.apex(&["plan", "changed.json", "--problem"]);
         let allowed = problems.is_valid(problem);

@@ -39,7 +39,7 @@ fn a_server_that_is_stopped_closes_the_records_of_its_flights() {
 }
 
 #[test]
-fn folders_that_do_not_exist_are_told_before_a_port_is_taken() {
+fn folders_that_do_not_exist_are_reported_before_a_port_is_taken() {
     let desk = Desk::new();
     desk.apex(&["serve"]).complained(2, &["needs a flight record", "--missions"]);
     desk.apex(&["serve", "--missions", "nowhere"]).complained(2, &["`--missions nowhere` is not a folder", "help: "]);

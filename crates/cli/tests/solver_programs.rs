@@ -1,6 +1,6 @@
 //! Solver programs: they plan and fly like other planners, and their faults stay in a separate process.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -48,7 +48,7 @@ fn the_planners_that_ship_are_programs_too() {
 }
 
 #[test]
-fn whatever_a_program_does_is_an_outcome_with_a_cause_and_the_flight_goes_on() {
+fn whatever_a_program_does_is_an_outcome_with_a_cause_and_the_flight_continues() {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, "(solver mine (index (patrol the structures)) :budget 1ms)");
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";

@@ -39,7 +39,7 @@ fn the_first_event_alone_costs_less_the_likelier_it_is() {
 }
 
 #[test]
-fn what_has_no_such_cost_is_told() {
+fn what_has_no_such_cost_is_reported() {
     let desk = Desk::new();
     desk.write("p.json", &watched(1_000.0).to_string());
     desk.apex(&["plan", "p.json", "--survival", "--format", "geojson"])

@@ -1,7 +1,7 @@
 //! Good and bad planners of third parties in flight: the plans of the good one are flown; faults of bad ones are named in the record, and
 //! the flight continues.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -171,7 +171,7 @@ fn fly_with(name: &'static str, more: &[&str]) -> Desk {
 }
 
 #[test]
-fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
+fn misconduct_is_named_in_the_record_and_the_flight_continues() {
     for (name, named) in [
         ("panics", "the solver panics failed: no idea left"),
         ("loops", "the solver loops continued after its 1000 units of work"),

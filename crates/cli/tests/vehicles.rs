@@ -1,7 +1,7 @@
 //! A mission with a user-defined vehicle file: flown, planned with, visible to PDL, stored in the record, and rejected with the name of
 //! the wrong field.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod common;
 
@@ -125,7 +125,7 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
 
 /// A mission brings a sensor: its bytes are in the record, and its errors name its file.
 #[test]
-fn a_vehicle_file_names_sensor_files_beside_it() {
+fn a_vehicle_file_names_sensor_files_next_to_it() {
     let own = desk("first-picture", "rmax", "\"sensor\": \"rmax-camera\"", "\"sensor\": \"eye.json\"");
     let camera = ShippedSensor::find("rmax-camera").unwrap().text.replace("The tilt camera", "OUR OWN tilt camera");
     own.write("m/eye.json", &camera);

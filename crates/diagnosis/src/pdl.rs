@@ -16,7 +16,7 @@ impl Model {
              ;;; Goals served:\n\
              ;;;   (watch the tests of {name})        report each test's outcome whenever it changes\n\
              ;;;   (respond to failures of {name})    do the response of each component that is bad\n;;;\n\
-             ;;; Events said: (test-failed TEST) (test-passed TEST)\n\n\
+             ;;; Messages sent: (test-failed TEST) (test-passed TEST)\n\n\
              (in-apex-bundle :{name}-diagnosis)\n\n\
              (state-variable (test-state ?test) :type symbol)\n\
              (state-variable (health ?component) :type symbol)\n"

@@ -153,7 +153,7 @@ impl MemoryUse {
             Some(Duration::ZERO) => "the newest two".to_string(),
             Some(span) => format!("the last {span}"),
         };
-        let rate = self.rate_per_s.map(|rate| format!(" at {rate} a second")).unwrap_or_default();
+        let rate = self.rate_per_s.map(|rate| format!(" at {rate} per second")).unwrap_or_default();
         format!("{}: {span}{rate}; {amount}", self.subject)
     }
 }

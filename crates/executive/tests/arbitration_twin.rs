@@ -1,6 +1,6 @@
 //! The arbiter against a naive twin that applies the rules of `pdl.md`, Conflicts one by one, in random worlds.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod arbitration;
 mod support;
@@ -116,7 +116,7 @@ fn what_the_displaced_held_besides_is_free_at_once() {
 /// A task has the priority of the one that it precedes by rank only while that one exists: the priority that kept t1 on the path is lost
 /// with t2, although no task waits for the resource of t2.
 #[test]
-fn who_lent_a_priority_takes_it_away_by_leaving() {
+fn a_task_that_lent_its_priority_takes_it_back_when_it_ends() {
     let node = |needs, waits, priority, rank| {
         let cost = Some(1.0);
         Node { parent: None, is_group: false, ranked: false, waits, needs, priority, rank, cost, expected: None }

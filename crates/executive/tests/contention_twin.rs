@@ -2,7 +2,7 @@
 //! are mixed at random. A second run compares all claimants at each hand-off: it has one more claimant, which comes after all others and
 //! whose priority must be computed.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 mod support;
 
@@ -18,9 +18,9 @@ const FOUND: [u64; 1] = [30_399];
 const UNTIL: f64 = 300.0;
 const WAVES: u32 = 3;
 
-struct Dice(ChaCha8Rng);
+struct TestRng(ChaCha8Rng);
 
-impl Dice {
+impl TestRng {
     fn below(&mut self, bound: u32) -> u32 {
         self.0.next_u32() % bound
     }
@@ -46,7 +46,7 @@ struct Taste {
 }
 
 impl Taste {
-    fn of(dice: &mut Dice) -> Taste {
+    fn of(rng: &mut TestRng) -> Taste {
         let pools: [&[&str]; 6] = [
             &["r"],
             &["r q", "r", "q"],
@@ -55,8 +55,8 @@ impl Taste {
             &["r (r3 1)", "(r3 2)", "q (r3 1)"],
             &["(r3 1)"],
         ];
-        let profiles = pools[dice.below(6) as usize].iter().map(|each| (*each).to_string()).collect();
-        let mut liking = |values: [u32; 4]| values[dice.below(4) as usize];
+        let profiles = pools[rng.below(6) as usize].iter().map(|each| (*each).to_string()).collect();
+        let mut liking = |values: [u32; 4]| values[rng.below(4) as usize];
         Taste {
             profiles,
             known: liking([0, 50, 100, 100]),
@@ -70,50 +70,50 @@ impl Taste {
 }
 
 /// The clauses of one claimant.
-fn clauses(dice: &mut Dice, taste: &Taste) -> String {
-    let profile = &taste.profiles[dice.below(taste.profiles.len() as u32) as usize];
+fn clauses(rng: &mut TestRng, taste: &Taste) -> String {
+    let profile = &taste.profiles[rng.below(taste.profiles.len() as u32) as usize];
     let mut text = format!("(profile {profile})");
-    if dice.chance(taste.numbers) {
-        let _ = write!(text, " (priority {})", dice.below(4));
+    if rng.chance(taste.numbers) {
+        let _ = write!(text, " (priority {})", rng.below(4));
     }
-    if dice.chance(taste.urgency) {
+    if rng.chance(taste.urgency) {
         text.push_str(" (priority :urgency 6 :importance 3)");
     }
-    if dice.chance(taste.urgencies) {
-        let _ = write!(text, " (priority :urgency {} :importance {})", 4 + dice.below(4), 1 + dice.below(4));
+    if rng.chance(taste.urgencies) {
+        let _ = write!(text, " (priority :urgency {} :importance {})", 4 + rng.below(4), 1 + rng.below(4));
     }
-    if dice.chance(15) {
-        let _ = write!(text, " (interrupt-cost {})", dice.below(3));
+    if rng.chance(15) {
+        let _ = write!(text, " (interrupt-cost {})", rng.below(3));
     }
-    if dice.chance(taste.late) {
-        let _ = write!(text, " (waitfor (go {}))", dice.below(WAVES));
+    if rng.chance(taste.late) {
+        let _ = write!(text, " (waitfor (go {}))", rng.below(WAVES));
     }
     text
 }
 
-fn activity(dice: &mut Dice, taste: &Taste) -> String {
-    let work = if dice.chance(taste.known) { "use" } else { "work" };
-    format!("({work} {}s)", 1 + dice.below(4))
+fn activity(rng: &mut TestRng, taste: &Taste) -> String {
+    let work = if rng.chance(taste.known) { "use" } else { "work" };
+    format!("({work} {}s)", 1 + rng.below(4))
 }
 
 /// Steps of one procedure, and procedures below some of them.
-fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut String) {
-    let order = dice.of(&["", "", ":ranked", ":ranked"]);
+fn procedure(rng: &mut TestRng, taste: &Taste, name: &str, depth: u32, text: &mut String) {
+    let order = rng.of(&["", "", ":ranked", ":ranked"]);
     let mut body = format!("(procedure {order} (index ({name}))\n");
-    for number in 0..2 + dice.below(if depth == 0 { 9 } else { 5 }) {
+    for number in 0..2 + rng.below(if depth == 0 { 9 } else { 5 }) {
         let tag = format!("{name}{number}");
-        let rank = if dice.chance(taste.ranks) { format!("(rank {})", dice.below(4)) } else { String::new() };
-        let step = match dice.below(10) {
+        let rank = if rng.chance(taste.ranks) { format!("(rank {})", rng.below(4)) } else { String::new() };
+        let step = match rng.below(10) {
             0 | 1 if depth < 2 => {
-                procedure(dice, taste, &tag, depth + 1, text);
+                procedure(rng, taste, &tag, depth + 1, text);
                 format!("({tag})")
             }
             2 | 3 => {
-                let (clauses, activity) = (clauses(dice, taste), activity(dice, taste));
+                let (clauses, activity) = (clauses(rng, taste), activity(rng, taste));
                 let _ = writeln!(text, "(procedure (index (item-of-{tag} ?i)) (step {tag}-go {activity} {clauses}))");
-                format!("(item-of-{tag} ?i) (forall ?i in (range {}))", 2 + dice.below(6))
+                format!("(item-of-{tag} ?i) (forall ?i in (range {}))", 2 + rng.below(6))
             }
-            _ => format!("{} {}", activity(dice, taste), clauses(dice, taste)),
+            _ => format!("{} {}", activity(rng, taste), clauses(rng, taste)),
         };
         let _ = writeln!(body, "  (step {tag} {step} {rank})");
     }
@@ -121,23 +121,23 @@ fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut 
 }
 
 /// Ranked procedures that compete with one another: families with steady priorities, or with urgencies in a part of them.
-fn families(dice: &mut Dice, taste: &Taste, text: &mut String) {
-    let kinds = 1 + dice.below(3);
-    let (urgency, urgencies) = if dice.chance(50) { (60, 60) } else { (0, 0) };
+fn families(rng: &mut TestRng, taste: &Taste, text: &mut String) {
+    let kinds = 1 + rng.below(3);
+    let (urgency, urgencies) = if rng.chance(50) { (60, 60) } else { (0, 0) };
     for kind in 0..kinds {
         let mut body = format!("(procedure :ranked (index (family {kind} ?n))\n");
-        for number in 0..2 + dice.below(6) {
+        for number in 0..2 + rng.below(6) {
             let own = Taste { urgency, urgencies, profiles: taste.profiles.clone(), ..*taste };
-            let (activity, clauses) = (activity(dice, taste), clauses(dice, &own));
-            let rank = if dice.chance(taste.ranks) { format!("(rank {})", dice.below(4)) } else { String::new() };
+            let (activity, clauses) = (activity(rng, taste), clauses(rng, &own));
+            let rank = if rng.chance(taste.ranks) { format!("(rank {})", rng.below(4)) } else { String::new() };
             let _ = writeln!(body, "  (step k{kind}n{number} {activity} {clauses} {rank})");
         }
         let _ = writeln!(text, "{body})");
     }
     text.push_str("(procedure (index (m))\n");
     for kind in 0..kinds {
-        let (late, count) = (dice.below(3), 1 + dice.below(4));
-        let wait = if dice.chance(taste.late) { format!("(waitfor (go {late}))") } else { String::new() };
+        let (late, count) = (rng.below(3), 1 + rng.below(4));
+        let wait = if rng.chance(taste.late) { format!("(waitfor (go {late}))") } else { String::new() };
         let _ = writeln!(text, "  (step f{kind} (family {kind} ?n) (forall ?n in (range {count})) {wait})");
     }
     text.push_str(")\n");
@@ -145,8 +145,8 @@ fn families(dice: &mut Dice, taste: &Taste, text: &mut String) {
 
 /// Returns a program, and the same program with one more claimant.
 fn programs(seed: u64) -> [String; 2] {
-    let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
-    let taste = Taste::of(&mut dice);
+    let mut rng = TestRng(ChaCha8Rng::seed_from_u64(seed));
+    let taste = Taste::of(&mut rng);
     let mut text = String::from(
         "(resource r3 :capacity 3)\n(resource q3 :capacity 3)
 (primitive (index (use ?d)) (duration ?d))
@@ -155,8 +155,8 @@ fn programs(seed: u64) -> [String; 2] {
 ",
     );
     match seed % 3 {
-        0 => families(&mut dice, &taste, &mut text),
-        _ => procedure(&mut dice, &taste, "m", 0, &mut text),
+        0 => families(&mut rng, &taste, &mut text),
+        _ => procedure(&mut rng, &taste, "m", 0, &mut text),
     }
     with_and_without_last(&text)
 }

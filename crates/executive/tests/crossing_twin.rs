@@ -4,7 +4,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::disallowed_methods,
-    reason = "a test stops where it is surprised, and runs on one platform"
+    reason = "a test stops at an unexpected result, and runs on one platform"
 )]
 
 mod support;

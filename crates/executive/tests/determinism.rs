@@ -13,7 +13,7 @@ use support::{agent, programs, run, run_from, seconds, story};
 const UNTIL: f64 = 60.0;
 
 #[test]
-fn a_snapshot_goes_on_as_the_agent_would_have() {
+fn a_snapshot_continues_as_the_agent_would_have() {
     for (pdl, events) in programs::all() {
         let whole = run(&mut agent(pdl), &events, UNTIL);
         for cut in [0.5, 1.5, 2.5, 4.25, 7.0, 11.0, 21.0] {

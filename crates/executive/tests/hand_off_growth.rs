@@ -1,6 +1,6 @@
 //! The cost of handing a resource over must not grow with the number of waiting tasks, whatever they need or state.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 #![allow(
     clippy::disallowed_types,
     clippy::disallowed_methods,

@@ -1,6 +1,6 @@
 //! A program that never comes to rest is stopped and reported; a waiting task states its reasons.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod support;
 
@@ -46,7 +46,7 @@ fn two_tasks_that_wake_each_other_at_one_instant_are_stopped() {
 
 /// Each turn of the loop sends a message, so that the message that keeps the loop going is dropped before any other limit is reached.
 #[test]
-fn a_loop_without_time_that_ends_by_forgetting_says_so() {
+fn a_loop_without_time_that_ends_by_forgetting_reports_it() {
     let pdl =
         "(procedure (index (do-domain)) (step a (talk) (repeating :enabled)) (step d (terminate) (waitfor (bye))))
       (procedure (index (talk)) (step a (inform (tick)) (waitfor (go))) (step b (inform (tock)) (waitfor (go))))";
@@ -219,7 +219,7 @@ fn what_is_printed_in_a_hook_sees_the_primitives_own_variables() {
 }
 
 #[test]
-fn a_sample_that_nobody_watches_is_an_instant_for_a_function_of_the_time() {
+fn a_sample_that_no_condition_watches_is_an_instant_for_a_function_of_the_time() {
     let pdl = "(procedure (index (do-domain))
       (step near (print near) (waitfor (x v > 100)))
       (step late (print \"seen at\" +now+) (waitfor (:function (> +now+ (+ 5s (start-of +this-task+)))))))";

@@ -1,5 +1,5 @@
 //! Tests of `(log ..)`: the samples that it keeps of a variable without other demand, and the reports about unusual samples.
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 mod support;
 
@@ -91,7 +91,7 @@ fn limits_of_one_policy_count_together_and_go_with_it() {
 }
 
 #[test]
-fn odd_samples_are_counted_and_told_and_late_ones_can_be_seen() {
+fn odd_samples_are_counted_and_reported_and_late_ones_can_be_seen() {
     let mut agent = logging(":lateness 2s", "");
     let events = [
         sample(1.0, "(roll uav)", "1"),

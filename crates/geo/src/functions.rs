@@ -72,11 +72,11 @@ pub fn host_functions() -> HostFunctions {
                         (least, most) if least == most => format!("{least} arguments"),
                         (least, most) => format!("{least} to {most} arguments"),
                     };
-                    return Err(format!("`{name}` takes {wanted} and was given {}.", arguments.len()));
+                    return Err(format!("`{name}` takes {wanted} and was given {}", arguments.len()));
                 }
                 let value = body(arguments).map_err(|trouble| format!("`{name}`: {trouble}"))?;
                 if has_nan(&value) {
-                    return Err(format!("`{name}` cannot be computed for {}.", Value::list(arguments.iter().cloned())));
+                    return Err(format!("`{name}` cannot be computed for {}", Value::list(arguments.iter().cloned())));
                 }
                 Ok(value)
             }),
@@ -250,10 +250,10 @@ mod tests {
         assert!(call("distance", &[home.clone(), location(&[95.0, 0.0])]).is_err());
         assert_eq!(
             call("distance", std::slice::from_ref(&home)).unwrap_err(),
-            "`distance` takes 2 arguments and was given 1."
+            "`distance` takes 2 arguments and was given 1"
         );
         let seven = [0.0; 7].map(Value::Real);
-        assert_eq!(call("way-to", &seven).unwrap_err(), "`way-to` takes 5 to 6 arguments and was given 7.");
+        assert_eq!(call("way-to", &seven).unwrap_err(), "`way-to` takes 5 to 6 arguments and was given 7");
         assert!(call("altitude-of", &[home]).unwrap_err().contains("no altitude"));
     }
 

@@ -190,7 +190,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_quick_answer_is_the_slow_one(
+        fn the_fast_answer_is_the_slow_one(
             spots in prop::collection::vec((34.0..46.0f64, -124.0..-110.0f64), 0..8), limit_m in 1_000.0..900_000.0f64,
             from in (34.0..46.0f64, -124.0..-110.0f64), to in (34.0..46.0f64, -124.0..-110.0f64),
         ) {

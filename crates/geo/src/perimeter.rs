@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_outline_is_refused() {
+    fn what_is_not_an_outline_is_refused() {
         let square = around(4, |_| 1_000.0);
         assert!(perimeter_lines(&square[..2], 100.0, CENTRE).unwrap_err().contains("three corners"));
         assert!(perimeter_lines(&square, 0.0, CENTRE).unwrap_err().contains("must be positive"));

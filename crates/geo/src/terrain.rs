@@ -264,7 +264,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rises by 10 m a column and 100 m a row from 0 m at 40 N 120 W.
+    /// Rises by 10 m per column and 100 m per row from 0 m at 40 N 120 W.
     fn ramp() -> TerrainGrid {
         let elevations = (0..50).flat_map(|row| (0..60).map(move |column| (100 * row + 10 * column) as f32)).collect();
         TerrainGrid::new(Position::new(40.0, -120.0), (0.01, 0.01), (50, 60), elevations).unwrap()

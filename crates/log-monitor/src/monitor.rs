@@ -195,7 +195,7 @@ impl<'a> LogMonitor<'a> {
         let created = self.terms.created.unwrap_or(Time::ZERO);
         if let (false, Some(from), Some(last)) = (self.heard || self.over, self.terms.span.0, self.last) {
             return Err(MissionError::data(format!("the input ends at {last}, before `--from {from}`"))
-                .because("nothing is known of the time from then on")
+                .because("no data exist after that instant")
                 .help("give an earlier `--from`"));
         }
         if !self.heard {

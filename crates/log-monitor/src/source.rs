@@ -155,7 +155,7 @@ impl Source {
         }
         let Source::Log(log) = self else { return Err(unknown("lines of JSON have mission times only".to_string())) };
         let found = log.utc_of_zero().map_err(|error| unread(log.path(), log.format(), error))?;
-        let why = format!("{} has no time of GPS, and its clock does not count from 1970", log.path().display());
+        let why = format!("{} has no GPS time, and its clock does not count from 1970", log.path().display());
         found.ok_or_else(|| unknown(why))
     }
 

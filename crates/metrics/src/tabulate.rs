@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_cost_is_told_with_its_age() {
+    fn what_is_not_a_cost_is_reported_with_its_age() {
         let told = |cost: &dyn Fn(f64) -> f64| tabulate(&mut |age_s| Ok(cost(age_s)), 100.0, 1e-2).unwrap_err();
         assert!(told(&|age_s| 1.0 - age_s).contains("100 s old is -99"));
         assert!(told(&|_| f64::NAN).contains("100 s old is NaN"));
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_is_no_fall() {
+    fn rounding_is_not_a_fall() {
         let mut calls = 0;
         let mut wobbling = |age_s: f64| {
             calls += 1;
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_told() {
+    fn limits_are_reported() {
         let mut line = |age_s: f64| Ok(age_s);
         assert!(tabulate(&mut line, 0.0, 0.1).unwrap_err().contains("oldest age"));
         assert!(tabulate(&mut line, f64::INFINITY, 0.1).unwrap_err().contains("oldest age"));

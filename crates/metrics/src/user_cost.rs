@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn trouble_is_told_with_target_and_age() {
+    fn an_error_is_reported_with_target_and_age() {
         let problem = problem(CostFunction::Linear { cost_per_s: 1.0 }, EventRate::constant(1.0));
         let told = |cost: &dyn Fn(f64) -> f64| scored(&problem, &[("a", 60.0)], |age_s| Ok(cost(age_s))).unwrap_err();
         assert!(told(&|_| -1.0).starts_with("a: the cost of an event "), "{}", told(&|_| -1.0));
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn strangers_and_times_that_are_none_are_told() {
+    fn strangers_and_times_that_are_invalid_are_reported() {
         let problem = problem(CostFunction::Linear { cost_per_s: 1.0 }, EventRate::constant(1.0));
         let told = |ends: &[(&str, f64)]| scored(&problem, ends, Ok).unwrap_err();
         assert_eq!(told(&[("barn", 1.0)]), "barn is not a target of the problem; targets are a, b");

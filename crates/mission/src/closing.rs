@@ -7,7 +7,7 @@ use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 /// A zone whose lower face is at most this far above a landing place closes the place, m.
 const LOW_M: f64 = 300.0;
 
-/// The zone that closes a place for good, and the instant at which it does.
+/// The zone that closes a place until the end of the mission, and the instant at which it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Closing<'a> {
     /// The zone.

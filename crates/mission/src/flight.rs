@@ -10,7 +10,7 @@ use apex_model::time::Time;
 use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::ports::{Deliberator, Observer, Vehicle};
 use apex_runtime::record::{Recorder, SITUATION_LAYOUT, TargetRow};
-use apex_runtime::{FlyOptions, RecordError, RunEnd, RunError};
+use apex_runtime::{RecordError, RunEnd, RunError, RunSettings};
 use std::sync::Arc;
 
 /// A mission that is ready to be flown.
@@ -37,10 +37,10 @@ impl MissionFlight {
 
     /// Returns the options of a run that ends at `until`, or after the mission's duration if that is earlier, with the scripted inputs of
     /// the mission.
-    pub fn terms(mission: &Mission, until: Option<Time>) -> FlyOptions {
+    pub fn terms(mission: &Mission, until: Option<Time>) -> RunSettings {
         let limit = Time::ZERO + mission.settings.duration;
         let until = until.map_or(limit, |until| until.min(limit));
-        FlyOptions { until, inputs: mission.scenario.clone(), ..FlyOptions::default() }
+        RunSettings { until, inputs: mission.scenario.clone(), ..RunSettings::default() }
     }
 
     /// Flies with `vehicle`. A recorder must come first among the `observers`, so that every input is stored before it is used.
@@ -50,7 +50,7 @@ impl MissionFlight {
     pub fn fly(
         &self,
         vehicle: &mut dyn Vehicle,
-        terms: FlyOptions,
+        terms: RunSettings,
         observers: &mut [&mut dyn Observer],
     ) -> MissionResult<FlightOutcome> {
         self.run(terms, |agents, deliberator, terms| {
@@ -64,11 +64,11 @@ impl MissionFlight {
     /// Like [`MissionFlight::fly`].
     pub fn run(
         &self,
-        terms: FlyOptions,
-        drive: impl FnOnce(&mut [Agent], &mut dyn Deliberator, FlyOptions) -> Result<RunEnd, RunError>,
+        terms: RunSettings,
+        drive: impl FnOnce(&mut [Agent], &mut dyn Deliberator, RunSettings) -> Result<RunEnd, RunError>,
     ) -> MissionResult<FlightOutcome> {
         // The job's thread waits longer than the solver's timeout, so that the solver times out first.
-        let terms = FlyOptions { solver_timeout: self.means.timeout + 10 * SOLVER_GRACE, ..terms };
+        let terms = RunSettings { solver_timeout: self.means.timeout + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&self.mission), self.means.clone());
         let mut agents = crew::crew_of_mission(&self.mission)?;
         let end =

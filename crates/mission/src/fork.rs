@@ -10,7 +10,7 @@ use apex_model::event::EventKind;
 use apex_model::problem::WindField;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_runtime::FlyOptions;
+use apex_runtime::RunSettings;
 use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::ports::{Input, Observer, Vehicle};
 use apex_runtime::record::RecordReader;
@@ -75,7 +75,7 @@ impl Fork<'_> {
         vehicle: &mut V,
         change: impl FnOnce(&mut V),
         changes: Changes,
-        terms: FlyOptions,
+        terms: RunSettings,
         observers: &mut [&mut dyn Observer],
     ) -> MissionResult<FlightOutcome> {
         let Fork { reader, mission, means, at } = self;
@@ -83,7 +83,7 @@ impl Fork<'_> {
         let mut inputs = MissionFlight::terms(&mission, None).inputs;
         inputs.extend(imposed(&changes.plan, at));
         inputs.extend(changes.inputs);
-        let terms = FlyOptions { inputs, solver_timeout: means.timeout + 10 * SOLVER_GRACE, ..terms };
+        let terms = RunSettings { inputs, solver_timeout: means.timeout + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
         let program = reader.load(&|sources| crew::load_recorded_mission(&mission, sources)).map_err(read)?;
         let flown =

@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_goes_on_from_now() {
+    fn a_rate_continues_from_now() {
         let rate = EventRate { steps: vec![(0.0, 1.0), (100.0, 2.0), (300.0, 3.0)] };
         assert_eq!(from(&rate, 0.0).steps, rate.steps);
         assert_eq!(from(&rate, 150.0).steps, [(0.0, 2.0), (150.0, 3.0)]);

@@ -382,7 +382,7 @@ fn rate(feature: &NamedFeature) -> MissionResult<EventRate> {
     }
     if let Some((from_h, rate)) = steps.iter().find(|(from_h, rate)| !from_h.is_finite() || !(0.0..=1e6).contains(rate))
     {
-        return Err(wrong(format!("`rates_per_h` has [{from_h}, {rate}]; rates are between 0 and 1e6 an hour")));
+        return Err(wrong(format!("`rates_per_h` has [{from_h}, {rate}]; rates are between 0 and 1e6 per hour")));
     }
     if let Some(((before_h, _), (from_h, _))) = steps.iter().zip(steps.iter().skip(1)).find(|(a, b)| b.0 <= a.0) {
         return Err(wrong(format!("`rates_per_h` has {from_h} h after {before_h} h; hours rise")));
@@ -424,7 +424,7 @@ fn cost_table(feature: &NamedFeature) -> MissionResult<CostFunction> {
     }
     let points = feature.pairs("cost_points")?;
     if points.is_empty() || points.len() > POINTS_MAX {
-        let many = format!("`cost` is table and `cost_points` are {}; they may be 1 to {POINTS_MAX}", points.len());
+        let many = format!("`cost` is table and `cost_points` has {} points; expected 1 to {POINTS_MAX}", points.len());
         return Err(feature.trouble(many).help(EXAMPLE));
     }
     let no_number = |(age_s, cost): &&(f64, f64)| !(0.0..=1e9).contains(age_s) || !(0.0..=1e9).contains(cost);

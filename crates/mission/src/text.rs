@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_read_as_people_say_them() {
+    fn durations_read_as_they_are_spoken() {
         let said = |seconds: f64| plain_duration(Duration::from_seconds(seconds));
         assert_eq!(said(79_495.896), "22 h 4 min 56 s");
         assert_eq!(said(243.146), "4 min 3 s");
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn long_texts_go_on_in_their_column() {
+    fn long_texts_continue_in_their_column() {
         let text = named("cabin", 10, &"word ".repeat(25));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_history_goes_on_beside_its_times() {
+    fn a_history_continues_next_to_its_times() {
         let line = format!("         13.5s  {}", "word ".repeat(20).trim_end());
         let text = wrapped_line(&line);
         let lines: Vec<&str> = text.lines().collect();

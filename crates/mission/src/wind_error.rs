@@ -225,8 +225,8 @@ mod tests {
         error.correction().of(blowing(10.0, 0.0)).east_mps
     }
 
-    /// A wind of twice the forecast, measured where 5 and where 25 m/s are forecast, is expected to be twice the forecast of 10 m/s, and a
-    /// wind that differs by the same 10 m/s everywhere to differ by about as much here. Measured at one forecast, most of the error is
+    /// The wind is measured where 5 and where 25 m/s are forecast, and expected where 10 m/s are forecast. A wind of twice the forecast is
+    /// expected to be twice the forecast here, too; a wind that differs by 10 m/s everywhere is expected to differ by about as much. Measured at one forecast, most of the error is
     /// expected to grow with it: without that, 35 m/s were expected here.
     #[test]
     fn an_error_grows_with_the_forecast_where_it_was_seen_to() {

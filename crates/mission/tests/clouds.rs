@@ -1,6 +1,6 @@
 //! Clouds: the expectation of planners under a cloud forecast, and the value of a record with hidden ground.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::problem::pose;

@@ -5,7 +5,7 @@
     clippy::indexing_slicing,
     clippy::panic,
     clippy::float_arithmetic,
-    reason = "a test stops where it is surprised"
+    reason = "a test stops at an unexpected result"
 )]
 
 use apex_mission::Mission;
@@ -312,7 +312,7 @@ fn shaking_wings_shift_lines_although_they_stay_level() {
 }
 
 #[test]
-fn targets_that_make_no_sense_are_refused_by_name() {
+fn targets_that_are_impossible_are_refused_by_name() {
     let ground = box_of(GROUND.0, GROUND.1);
     let refused = |properties: &str| mission(&[fire("here", &ground, properties)]).unwrap_err();
     for (properties, words) in [

@@ -1,6 +1,6 @@
 //! The height over ground that the independent check requires depends on the mission's vehicle.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::verification::FlightCheck;

@@ -1,6 +1,6 @@
 //! A mission is the same from its folder and from the sources that a flight record stores.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::error::ErrorKind;

@@ -1,6 +1,6 @@
 //! Altitudes of manoeuvres: requirements that the flight keeps are kept by the plan.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::problem::pose;

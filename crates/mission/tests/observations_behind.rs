@@ -1,6 +1,6 @@
-//! Observations that are accumulated behind the flight: a reader finds those of the flight up to the instant at which it reads.
+//! Observations that a separate thread accumulates: a reader gets all observations up to the instant at which it reads.
 
-#![allow(clippy::unwrap_used, clippy::float_arithmetic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::float_arithmetic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::score::FlownScore;
@@ -28,7 +28,7 @@ fn angle(deg: f64) -> Value {
     Value::Quantity(Quantity::of(deg, UNITS.iter().find(|unit| unit.name == "deg").unwrap()))
 }
 
-/// Returns a step of a flight to and fro over a fire, with a roll that is drawn.
+/// Returns a step of a flight forth and back over a fire, with the given roll.
 fn batch(number: u32, (latitude_deg, longitude_deg): (f64, f64), roll_deg: f64) -> Batch {
     let at = Time::from_seconds(f64::from(number) * 0.2);
     let (line, along) = (number / LINE, number % LINE);

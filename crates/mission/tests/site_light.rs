@@ -1,6 +1,6 @@
 //! Surveillance plans count only visits that can give a valid picture: by daylight, and from where the camera sees the site.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::problem::{NoPlan, pose};

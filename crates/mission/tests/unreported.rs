@@ -1,6 +1,6 @@
 //! The independent check counts a position as in the air unless the record says or shows otherwise, and says what it could not judge.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::deliberation::{MissionDeliberator, PlanningResources};

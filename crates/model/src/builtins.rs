@@ -148,7 +148,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
         Some(3),
         "FORM value [router] -> publishes a sample of the state variable (ATTRIBUTE OBJECT); see inform",
     ),
-    pure("quantity", 2, 2, "number unit -> so many of the unit"),
+    pure("quantity", 2, 2, "number unit -> that many of the unit, as a quantity"),
     pure("range", 1, 3, "[start] end [step] -> list of numbers from start (0) to before end by step (1)"),
     pure("realp", 1, 1, "value -> true for integers and reals"),
     pure("reduce", 2, 3, "function list [initial] -> the function folded over the items from the left"),

@@ -30,7 +30,7 @@ impl Cause {
             Cause::NoPreconditions => "there is nothing to wait for".into(),
             Cause::PreconditionsSatisfied => "its preconditions hold".into(),
             Cause::PredecessorEnded { predecessor } => format!("{predecessor}, the step before it, ended"),
-            Cause::ResultArrived { variable } => format!("the value of ?{variable} is there"),
+            Cause::ResultArrived { variable } => format!("?{variable} has a value"),
             Cause::IntervalElapsed => "its minimum interval has passed".into(),
             Cause::StartsOver => "it starts over, and its preconditions held before".into(),
             Cause::RepeatedEnabled => "it repeats :enabled".into(),
@@ -44,7 +44,7 @@ impl Cause {
             }
             Cause::AncestorSuspended { ancestor } => format!("{ancestor} above it was suspended"),
             Cause::AncestorResumed { ancestor } => format!("{ancestor} above it was resumed"),
-            Cause::Activity { by, activity } => format!("{by} did ({activity})"),
+            Cause::Activity { by, activity } => format!("{by} executed ({activity})"),
             Cause::StepsEnded { last: Some(last) } => format!("all of its steps have ended, {last} as the last"),
             Cause::StepsEnded { last: None } => "it has no steps".into(),
             Cause::BuiltInDone { activity } => format!("({activity} ..) is done at once"),

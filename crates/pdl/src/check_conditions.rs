@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_pursues_the_goals_of_a_condition_that_stands_alone() {
+    fn no_task_pursues_the_goals_of_a_condition_that_stands_alone() {
         let condition = "(:or (x uav > 3) (:measurement (x uav > 5) :probing ((look at x) 5s)))";
         let (read, messages) = read("", condition);
         assert!(!read.checked.has_errors(), "{messages}");
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_as_in_a_program() {
+    fn mistakes_are_reported_as_in_a_program() {
         let declarations = "(state-variable (roll-angle ?a) :unit deg)";
         for (condition, expected) in [
             ("(roll-angle uav > 3kt)", "E0305"),

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn the_key_beside_is_nearer_than_any_other() {
+    fn the_neighbouring_key_is_nearer_than_any_other() {
         assert!(are_neighbours('g', 'h') && are_neighbours('g', 't') && !are_neighbours('a', 'l'));
         assert_eq!(nearest("gly", ["sly", "fly"]), Some("fly"));
     }

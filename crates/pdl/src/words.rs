@@ -102,8 +102,11 @@ fn of_function(name: &str, function: &BuiltIn) -> String {
         (least, Some(most)) => format!("{least} to {most} arguments"),
         (least, None) => format!("at least {least} argument{}", if least == 1 { "" } else { "s" }),
     };
-    let place =
-        if function.pure { "may stand wherever a value is needed" } else { "has an effect: hooks and primitives only" };
+    let place = if function.pure {
+        "may be used wherever a value is needed"
+    } else {
+        "has an effect: hooks and primitives only"
+    };
     let mut text = format!("{}: a function. {}\n  takes {count}; {place}\n", function.name, function.summary);
     let others: Vec<&str> = ALIASES.iter().filter(|(_, own)| *own == function.name).map(|(alias, _)| *alias).collect();
     if name != function.name || !others.is_empty() {

@@ -96,7 +96,7 @@ fn the_index_lists_all_pages() {
 }
 
 #[test]
-fn codes_are_found_as_people_type_them() {
+fn codes_are_found_in_any_spelling() {
     for text in ["E0203", "e0203", " E203 "] {
         assert_eq!(error_code(text).map(|code| code.code), Some("E0203"));
     }

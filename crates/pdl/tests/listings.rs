@@ -69,7 +69,7 @@ fn clauses_outside_of_a_procedure_load_as_a_fragment_only() {
 }
 
 #[test]
-fn a_mistake_inside_of_a_loose_clause_is_still_told() {
+fn a_mistake_inside_of_a_loose_clause_is_still_reported() {
     let checked = fragment("loose.pdl", "(step a (print 1)\n  (waitfr (ready camera-1)))\n(procedur (index (x)))");
     let places: Vec<u32> =
         checked.diagnostics.iter().filter(|each| each.severity == Severity::Error).map(|each| each.span.line).collect();

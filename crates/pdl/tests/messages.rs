@@ -137,7 +137,7 @@ fn one_typo_gives_one_message() {
 
 /// Names that exist come from the resolver, not from the words of its reason: here `file` is one.
 #[test]
-fn a_word_of_the_reason_is_no_name_of_a_library() {
+fn a_word_of_the_reason_is_not_a_name_of_a_library() {
     let text = messages("(require-apex-library \"fille\")\n");
     assert!(text.contains("there is no such file") && !text.contains("fix:"), "{text}");
     let source = SourceText { name: "fire.pdl".to_string(), text: "(require-apex-library \"fille\")\n".to_string() };

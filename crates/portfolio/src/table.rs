@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn where_people_plan_better_the_next_best_plans_until_they_do() {
+    fn where_operators_plan_better_the_next_best_plans_until_they_do() {
         let cell: Cell = "large-fixed-fixed-4-uniform".parse().unwrap();
         let problem = Problem::Surveillance(cell.mission(0));
         let (best, next) = ("human".to_string(), "wam".to_string());

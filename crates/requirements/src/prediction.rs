@@ -76,9 +76,9 @@ fn bisect(
     Violation { after_s: state.after_s, state }
 }
 
-/// Returns the part of a route from now (`now_s` of mission time) on in which the vehicle can meet something that is active from `from_s`
-/// to `until_s` of mission time, extended by `before_s` at both ends and by the arrival spread of a relative speed error `speed_error`
-/// (less than 1). `None` if the vehicle cannot meet it between now and `look_ahead_s`.
+/// Returns the part of a route in which the vehicle can meet something that is active from `from_s` to `until_s`. The part begins now, at
+/// `now_s` of mission time, or later. The active time is extended by `before_s` at both ends, and by the spread of arrival times that a
+/// relative speed error `speed_error` (less than 1) causes. `None` if the vehicle cannot meet it between now and `look_ahead_s`.
 pub fn active_span(
     (from_s, until_s): (f64, f64),
     now_s: f64,

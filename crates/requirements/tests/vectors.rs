@@ -85,7 +85,7 @@ fn g2_a_zone_that_becomes_active_later_is_flown_through_before() {
 }
 
 #[test]
-fn g3_a_zone_far_below_is_no_reason_to_divert() {
+fn g3_a_zone_far_below_is_not_a_reason_to_divert() {
     let zone = zone_ahead(&plane(), (0.0, 1_900.0), TimeWindow::ALWAYS);
     assert_eq!(zone.first_entry(&north(0.0, 40e3), &BUFFER, 0.0, 0.05, 300.0), None);
     let above = Point { x: 0.0, y: 18_000.0 };

@@ -6,9 +6,9 @@
 
 use crate::error::RunError;
 use crate::inbox::Inbox;
-use crate::limits::CONVERSATION_ROUNDS_MAX;
+use crate::limits::MESSAGE_ROUNDS_MAX;
 use crate::ports::Input;
-use crate::terms::EndReason;
+use crate::run_settings::EndReason;
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
 use apex_model::event::{Batch, EventKind, Message};
@@ -208,8 +208,8 @@ impl<'a> AgentGroup<'a> {
             let undelivered = match found {
                 None => Some("it does not run".to_string()),
                 Some((_, agent)) if agent.is_finished() => Some("it has ended".to_string()),
-                Some(_) if self.rounds >= CONVERSATION_ROUNDS_MAX => {
-                    Some(format!("the agents have answered each other {CONVERSATION_ROUNDS_MAX} times at one instant"))
+                Some(_) if self.rounds >= MESSAGE_ROUNDS_MAX => {
+                    Some(format!("the agents have answered each other {MESSAGE_ROUNDS_MAX} times at one instant"))
                 }
                 Some((index, _)) => {
                     self.post.push((index, EventKind::Told(author.clone(), message.clone())));
@@ -259,7 +259,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_to_whoever_counts_so() {
+    fn numbers_come_back_to_a_caller_that_counts_so() {
         for agents in 1..4 {
             for agent in 0..agents {
                 let outer = Numbering::new(agent, agents).outer(7);

@@ -4,7 +4,7 @@
 
 use crate::input_lines::{InputErrors, ReadValue, value_of};
 use crate::limits::INPUT_MESSAGES_MAX;
-use crate::terms::ScriptedAnswer;
+use crate::run_settings::ScriptedAnswer;
 use crate::unique_json;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;

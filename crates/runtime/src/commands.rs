@@ -28,7 +28,7 @@ const ALARM: &str = ":alarm";
 pub enum Order {
     /// An input for one agent (`None`: for all): an answer, a message, updates of a target.
     Input(Option<Symbol>, EventKind),
-    /// Another pace; see [`crate::FlyOptions::pace`].
+    /// Another pace; see [`crate::RunSettings::pace`].
     Pace(Option<f64>),
     /// Continue to the next instant with a visible effect (a decision, a command, a question, output), then pause.
     Step,
@@ -202,7 +202,7 @@ impl Drop for Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::terms::Control;
+    use crate::run_settings::Control;
     use std::sync::mpsc::channel;
 
     #[test]

@@ -13,13 +13,13 @@ use crate::agent_group::{AgentGroup, Numbering};
 use crate::authority::AuthorityBoard;
 use crate::error::RunError;
 use crate::input_stream::InputStream;
-use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::limits::{LATENESS_REPORTED_MIN, STEPS_PER_INSTANT_MAX};
 use crate::live::LiveSources;
 use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
 use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
-use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
+use crate::run_settings::{Control, EndReason, Lateness, RunEnd, RunSettings, ScriptedAnswer};
 use answers::AnswerBook;
 use apex_executive::Agent;
 use apex_model::effect::{Effect, SolveRequest};
@@ -93,7 +93,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         deliberator: &'a mut dyn Deliberator,
         observers: &'a mut [&'o mut dyn Observer],
         queue: Box<dyn SolverQueue>,
-        options: FlyOptions,
+        options: RunSettings,
     ) -> Result<Flight<'a, 'o>, RunError> {
         let pacer = Pacer::new(options.pace, Time::ZERO, options.clock).map_err(RunError::Options)?;
         let mut scheduled = options.inputs;
@@ -191,7 +191,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Records that the instant is stepped later than its wall time; reports it when the delay grows.
     fn watch_lateness(&mut self, at: Time) -> Result<(), RunError> {
         let late = self.pacer.lateness(at);
-        if late < LATENESS_TOLD_MIN {
+        if late < LATENESS_REPORTED_MIN {
             return Ok(());
         }
         self.end.late.steps += 1;

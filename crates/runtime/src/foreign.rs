@@ -10,8 +10,8 @@ use crate::input_lines::{ReadValue, read_fields};
 use crate::limits::INPUT_LINE_BYTES_MAX;
 use crate::ports::{Deliberator, Input, Observer, Vehicle};
 use crate::reserved::{self, Entrance};
+use crate::run_settings::{EndReason, RunEnd, RunSettings};
 use crate::solver_thread::SolverThread;
-use crate::terms::{EndReason, FlyOptions, RunEnd};
 use crate::trace::seconds_text;
 use crate::unique_json;
 use apex_executive::{Agent, step};
@@ -95,7 +95,7 @@ pub fn run(
     link: &mut SimulatorLink<'_>,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Result<ForeignEnd, RunError> {
     let said: Said = Rc::default();
     let mut vehicle = Remote(Rc::clone(&said));

@@ -10,8 +10,8 @@ use crate::outbox;
 use crate::pool::SolverPool;
 use crate::ports::{Deliberator, Input, Observer, Posed, SolverAnswer, Vehicle};
 use crate::record::{ProblemRow, RecordReader, RecordedStep, RestoredProgram};
+use crate::run_settings::{RunEnd, RunSettings};
 use crate::solver_thread::SolverThread;
-use crate::terms::{FlyOptions, RunEnd};
 use apex_executive::{Agent, step};
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{EventKind, SolverReport};
@@ -64,7 +64,7 @@ pub fn fork<V: Vehicle>(
     change: impl FnOnce(&mut V),
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Result<RunEnd, ForkError> {
     let mut agents = Vec::new();
     for agent in 0..reader.agents().len().max(1) {

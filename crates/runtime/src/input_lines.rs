@@ -88,7 +88,7 @@ pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Inp
 /// Reads one line that arrives during a run, whose instant is that of its arrival.
 ///
 /// # Errors
-/// The fault of the line; a line that states another instant is refused, and so is a message that only Apex says.
+/// The fault of the line; a line that states another instant is refused, and so is a message that only Apex sends.
 pub(crate) fn read_arriving(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     let fields = object_of(line)?;
     if fields.contains_key("t") {

@@ -128,7 +128,7 @@ fn work_beyond_the_budget_ends_at_the_same_unit_in_every_run() {
 }
 
 #[test]
-fn who_hangs_is_left_behind_and_others_are_served() {
+fn a_solver_that_hangs_is_left_behind_and_others_are_served() {
     let mut invocations = Invocations::new();
     let limits = SolverLimits { timeout: Duration::from_millis(50), ..LIMITS };
     let gate = Arc::new(AtomicBool::new(false));
@@ -182,7 +182,7 @@ fn a_solver_is_polled_paused_and_cancelled() {
 }
 
 #[test]
-fn who_is_not_wanted_any_more_stops_with_what_it_has() {
+fn a_cancelled_planner_returns_its_best_plan() {
     let endless = SolverLimits { units: u64::MAX / 4, ..LIMITS };
     let begun = Invocation::begin(Arc::new(Bad("patient")), problem(4.0), None, 1, endless).unwrap();
     let cancel = CancelToken::new();

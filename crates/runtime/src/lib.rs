@@ -33,18 +33,18 @@ pub mod program;
 pub mod record;
 pub mod replay;
 pub mod reserved;
+pub mod run_settings;
 #[cfg(test)]
 mod samples;
 pub mod solver_process;
 pub mod solver_thread;
 mod solver_words;
 pub mod target_state;
-pub mod terms;
 pub mod trace;
 #[cfg(test)]
 mod typescript;
 mod unique_json;
 
 pub use error::{RecordError, RunError};
-pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};
+pub use mission_loop::{Control, EndReason, RunEnd, RunSettings, ScriptedAnswer, fly, fly_all};
 pub use unique_json::{Unique as UniqueJson, parse as parse_unique_json};

@@ -6,13 +6,13 @@ pub const INBOX_INPUTS_MAX: usize = 4 * apex_model::limits::BATCH_EVENTS_MAX;
 /// endlessly.
 pub const STEPS_PER_INSTANT_MAX: u64 = 10_000;
 /// Maximum number of rounds at one instant in which agents answer each other; later messages of the instant are not delivered.
-pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
+pub const MESSAGE_ROUNDS_MAX: u32 = 1_000;
 /// Least delay of a paced step that is reported: operators do not notice less, and timers of a busy ordinary system are late by some
 /// milliseconds.
-pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_millis(50);
+pub const LATENESS_REPORTED_MIN: std::time::Duration = std::time::Duration::from_millis(50);
 /// Least delay of a solver's answer, after the instant given by its charged work, that is reported: a plan is made for a place and a
 /// time, and ordinary systems are late by less.
-pub const ANSWER_LATE_TOLD_MIN: apex_model::time::Duration = apex_model::time::Duration(1_000_000_000);
+pub const ANSWER_LATE_REPORTED_MIN: apex_model::time::Duration = apex_model::time::Duration(1_000_000_000);
 /// Stack of a solver's thread in bytes: recursive planners need more than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
 /// Interval of checks of a working solver: short enough to stop one that fills the memory.
@@ -28,7 +28,7 @@ pub const SOLVERS_LEFT_BEHIND_MAX: usize = 4;
 /// Bytes by which the program may grow while a solver runs: a matrix of 5,000 targets takes a fifth of it.
 pub const SOLVER_MEMORY_BYTES: u64 = 1 << 30;
 /// Wall time between the stop request to a solver program and its forced end: less than [`SOLVER_GRACE`], so that none is abandoned.
-pub const SOLVER_STOP_PATIENCE: std::time::Duration = std::time::Duration::from_millis(500);
+pub const SOLVER_STOP_TIMEOUT: std::time::Duration = std::time::Duration::from_millis(500);
 /// Maximum number of bytes of one line of a solver program: a plan of 100,000 visits takes half of it.
 pub const SOLVER_LINE_BYTES_MAX: u64 = 16 << 20;
 /// Maximum number of bytes of all lines of a solver program for one problem: a thousand reports of plans with a thousand visits.

@@ -2,7 +2,7 @@
 
 use crate::input_lines::{ReadValue, read_arriving};
 use crate::reserved::{self, Entrance};
-use crate::terms::Control;
+use crate::run_settings::Control;
 use apex_executive::Agent;
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
@@ -136,7 +136,7 @@ mod tests {
         let line = r#"{"t": 1e6, "measurement": "(altitude uav)", "value": 3}"#;
         assert!(open(&[]).understand(line, &read_value).unwrap_err().contains("that of its arrival"));
         for line in ["(operator-command 5)", r#"{"event": "(authority 99)"}"#] {
-            assert!(open(&[]).understand(line, &read_value).unwrap_err().contains("by Apex alone"), "{line}");
+            assert!(open(&[]).understand(line, &read_value).unwrap_err().contains("only Apex sends"), "{line}");
         }
     }
 }

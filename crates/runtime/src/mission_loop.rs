@@ -10,7 +10,7 @@ use crate::ports::{Deliberator, Observer, SolverQueue, Vehicle};
 use crate::solver_thread::SolverThread;
 use apex_executive::{Agent, step};
 
-pub use crate::terms::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer};
+pub use crate::run_settings::{Control, EndReason, RunEnd, RunSettings, ScriptedAnswer};
 
 /// Flies: runs `agent` with `vehicle` from mission time 0 until the application ends or `options.until`.
 ///
@@ -23,7 +23,7 @@ pub fn fly(
     vehicle: &mut dyn Vehicle,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Result<RunEnd, RunError> {
     fly_all(std::slice::from_mut(agent), vehicle, deliberator, observers, options)
 }
@@ -38,7 +38,7 @@ pub fn fly_all(
     vehicle: &mut dyn Vehicle,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Result<RunEnd, RunError> {
     let queue = Box::new(SolverThread::new(options.solver_timeout));
     fly_by((step, queue), agents, vehicle, deliberator, observers, options)
@@ -50,7 +50,7 @@ fn fly_by(
     vehicle: &mut dyn Vehicle,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Result<RunEnd, RunError> {
     let mut flight = Flight::new(step, agents, vehicle, deliberator, observers, queue, options)?;
     let reason = flight.run()?;

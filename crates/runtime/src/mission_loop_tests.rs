@@ -107,9 +107,9 @@ fn slow_answer() -> SolverAnswer {
 
 /// Observer that writes down the steps: `0s Woken, Measurement(..)`.
 #[derive(Default)]
-struct Scribe(Vec<String>);
+struct EventLog(Vec<String>);
 
-impl Observer for Scribe {
+impl Observer for EventLog {
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         let kind = |kind: &EventKind| match kind {
             EventKind::SolverReported(request, SolverReport::Plan(_)) => format!("plan {}", request.0),
@@ -135,21 +135,21 @@ fn said(seconds: f64, form: &str) -> Input {
     Input::new(Time::from_seconds(seconds), EventKind::Occurrence(samples::goal(&[form])))
 }
 
-fn fly_balloon(reports: u32, options: FlyOptions) -> (Result<RunEnd, RunError>, Vec<String>) {
-    let (mut agent, mut scribe) = (Agent::default(), Scribe::default());
+fn fly_balloon(reports: u32, options: RunSettings) -> (Result<RunEnd, RunError>, Vec<String>) {
+    let (mut agent, mut event_log) = (Agent::default(), EventLog::default());
     let mut balloon = Balloon { reports, ..Balloon::default() };
     let end = {
         let queue = Box::new(SolverThread::new(options.solver_timeout));
         let agents = std::slice::from_mut(&mut agent);
-        fly_by((obey, queue), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options)
+        fly_by((obey, queue), agents, &mut balloon, &mut Slow, &mut [&mut event_log], options)
     };
-    (end, scribe.0)
+    (end, event_log.0)
 }
 
 #[test]
 fn instants_come_from_vehicle_schedule_solver_and_commands() {
     let inputs = vec![said(12.0, "go"), said(10.0, "hello"), said(3.0, "plan")];
-    let (end, lines) = fly_balloon(2, FlyOptions { inputs, ..FlyOptions::default() });
+    let (end, lines) = fly_balloon(2, RunSettings { inputs, ..RunSettings::default() });
     assert_eq!(
         lines,
         ["0s altitude 0, Woken", "3s (plan)", "10s altitude 1, (hello)", "12s (go)", "14s done 1", "36s plan 1"]
@@ -161,7 +161,7 @@ fn instants_come_from_vehicle_schedule_solver_and_commands() {
 
 #[test]
 fn the_time_limit_is_the_last_instant() {
-    let options = FlyOptions { until: Time::from_seconds(20.0), ..FlyOptions::default() };
+    let options = RunSettings { until: Time::from_seconds(20.0), ..RunSettings::default() };
     let (end, lines) = fly_balloon(9, options);
     assert_eq!(lines.last().unwrap(), "20s altitude 2");
     let end = end.unwrap();
@@ -171,46 +171,46 @@ fn the_time_limit_is_the_last_instant() {
 #[test]
 fn the_end_of_the_application_ends_the_run_and_late_answers_are_named() {
     let inputs = vec![said(1.0, "plan"), said(2.0, "stop"), said(3.0, "go")];
-    let (end, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
+    let (end, lines) = fly_balloon(0, RunSettings { inputs, ..RunSettings::default() });
     assert_eq!(end.unwrap().reason, EndReason::Application { reason: "asked to".into(), failed: false });
     assert_eq!(lines[3..], ["note: the answer of auto to request 1, due at 34s, came too late: the run ended at 2s"]);
     let inputs = vec![said(1.0, "plan"), said(2.0, "forget")];
-    let (_, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
+    let (_, lines) = fly_balloon(0, RunSettings { inputs, ..RunSettings::default() });
     assert!(lines[3].starts_with("note: the answer of auto to request 1, due at 34s, was dropped"), "{lines:?}");
     assert_eq!(lines.len(), 4, "a cancelled answer never comes");
 }
 
 #[test]
 fn a_loop_without_time_is_stopped_with_its_cause() {
-    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(5.0, "loop")], ..FlyOptions::default() });
+    let (end, _) = fly_balloon(0, RunSettings { inputs: vec![said(5.0, "loop")], ..RunSettings::default() });
     let message = end.unwrap_err().to_string();
     assert!(message.contains("time stands still at 5s") && message.contains("a report of the vehicle"), "{message}");
 }
 
 #[test]
 fn broken_vehicles_and_observers_stop_the_run_with_their_sentences() {
-    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(2000.0, "hello")], ..FlyOptions::default() });
+    let (end, _) = fly_balloon(0, RunSettings { inputs: vec![said(2000.0, "hello")], ..RunSettings::default() });
     assert_eq!(end.unwrap_err().to_string(), "the vehicle failed at 0:33:20: the balloon burst");
-    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(1.0, "break")], ..FlyOptions::default() });
+    let (end, _) = fly_balloon(0, RunSettings { inputs: vec![said(1.0, "break")], ..RunSettings::default() });
     assert_eq!(end.unwrap_err().to_string(), "the run stopped at 1s: the pencil broke");
 }
 
 #[test]
 fn pace_changes_the_clock_on_the_wall_and_nothing_else() {
     let inputs = || vec![said(12.0, "go"), said(3.0, "plan")];
-    let (_, fast) = fly_balloon(2, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    let (_, fast) = fly_balloon(2, RunSettings { inputs: inputs(), ..RunSettings::default() });
     let began = std::time::Instant::now();
-    let (_, paced) = fly_balloon(2, FlyOptions { inputs: inputs(), pace: Some(200.0), ..FlyOptions::default() });
+    let (_, paced) = fly_balloon(2, RunSettings { inputs: inputs(), pace: Some(200.0), ..RunSettings::default() });
     // The agent has a sample of the pace, and nothing else differs.
     assert_eq!(fast.join(" "), paced.join(" ").replace("altitude 200.0, ", ""));
     let spent_s = began.elapsed().as_secs_f64();
     assert!(spent_s > 0.17, "36 s at 200 times real time take 0.18 s, not {spent_s}");
-    let (end, _) = fly_balloon(2, FlyOptions { pace: Some(-1.0), ..FlyOptions::default() });
+    let (end, _) = fly_balloon(2, RunSettings { pace: Some(-1.0), ..RunSettings::default() });
     assert!(end.unwrap_err().to_string().starts_with("a pace of -1 is invalid"));
 }
 
 #[test]
-fn people_are_heard_while_a_paced_run_sleeps() {
+fn operators_are_served_while_a_paced_run_sleeps() {
     let (people, controls) = channel();
     let speaker = std::thread::spawn(move || {
         let pause = || std::thread::sleep(std::time::Duration::from_millis(30));
@@ -221,7 +221,7 @@ fn people_are_heard_while_a_paced_run_sleeps() {
         pause();
         people.send(Control::Pace(None)).unwrap();
     });
-    let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(1.0), controls: Some(controls), ..RunSettings::default() };
     let (end, lines) = fly_balloon(3, options);
     speaker.join().unwrap();
     // The next event of the flight is 10 s away. How soon the run wakes depends on the machine.
@@ -232,9 +232,9 @@ fn people_are_heard_while_a_paced_run_sleeps() {
 }
 
 #[test]
-fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
+fn stop_ends_cleanly_and_a_paced_run_waits_for_operators() {
     let (people, controls) = channel();
-    let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(1000.0), controls: Some(controls), ..RunSettings::default() };
     let speaker = std::thread::spawn(move || {
         std::thread::sleep(std::time::Duration::from_millis(50));
         people.send(Control::Stop).unwrap();
@@ -244,7 +244,7 @@ fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
     assert_eq!(end.unwrap().reason, EndReason::Stopped);
     let (gone, controls) = channel::<Control>();
     drop(gone);
-    let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(1000.0), controls: Some(controls), ..RunSettings::default() };
     assert_eq!(fly_balloon(0, options).0.unwrap().reason, EndReason::Quiescent);
 }
 
@@ -274,32 +274,32 @@ impl SolverQueue for FakeQueue {
 }
 
 /// Flies the balloon in real time, by a clock that only sleeping advances, with a solver that takes `takes_s` seconds.
-fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<String>, bool) {
-    let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
+fn fly_paced(takes_s: f64, reports: u32, options: RunSettings) -> (RunEnd, Vec<String>, bool) {
+    let (mut agent, mut event_log, clock) = (Agent::default(), EventLog::default(), Arc::new(ManualClock::default()));
     let mut balloon = Balloon { reports, ..Balloon::default() };
     let is_cancelled = Arc::new(AtomicBool::new(false));
     let open = Vec::new();
     let queue = FakeQueue { clock: Arc::clone(&clock), takes_s, open, is_cancelled: Arc::clone(&is_cancelled) };
-    let options = FlyOptions { pace: Some(1.0), clock, ..options };
+    let options = RunSettings { pace: Some(1.0), clock, ..options };
     let agents = std::slice::from_mut(&mut agent);
-    let end = fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options);
-    (end.unwrap(), scribe.0, is_cancelled.load(Ordering::SeqCst))
+    let end = fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut event_log], options);
+    (end.unwrap(), event_log.0, is_cancelled.load(Ordering::SeqCst))
 }
 
 #[test]
-fn a_paced_flight_whose_solver_is_quick_is_the_fast_flight() {
+fn a_paced_flight_whose_solver_is_fast_is_the_fast_flight() {
     let inputs = || vec![said(12.0, "go"), said(3.0, "plan")];
-    let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    let (_, fast) = fly_balloon(5, RunSettings { inputs: inputs(), ..RunSettings::default() });
     for takes_s in [0.0, 1.0, 32.9] {
-        let (end, paced, _) = fly_paced(takes_s, 5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+        let (end, paced, _) = fly_paced(takes_s, 5, RunSettings { inputs: inputs(), ..RunSettings::default() });
         assert_eq!((fast.as_slice(), end.late.steps), (paced.as_slice(), 0));
     }
 }
 
 #[test]
-fn a_paced_flight_goes_on_while_a_plan_is_late_and_takes_it_when_it_comes() {
+fn a_paced_flight_continues_while_a_plan_is_late_and_takes_it_when_it_comes() {
     let inputs = vec![said(3.0, "plan")];
-    let (end, lines, _) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
+    let (end, lines, _) = fly_paced(50.0, 7, RunSettings { inputs, ..RunSettings::default() });
     let before = ["30s altitude 3", "40s altitude 4", "50s altitude 5"];
     assert_eq!(lines[4..7], before, "every report is heard in time");
     let then = ["note: the answer of auto to request 1, due at 36s by its work, came 17.0 s late", "53s plan 1"];
@@ -310,15 +310,15 @@ fn a_paced_flight_goes_on_while_a_plan_is_late_and_takes_it_when_it_comes() {
 #[test]
 fn a_paced_flight_waits_for_nothing_but_the_plan_when_nothing_else_comes() {
     let inputs = vec![said(3.0, "plan")];
-    let (end, lines, _) = fly_paced(900.0, 0, FlyOptions { inputs, ..FlyOptions::default() });
+    let (end, lines, _) = fly_paced(900.0, 0, RunSettings { inputs, ..RunSettings::default() });
     assert!(lines[3].starts_with("0:15:03") && lines[3].ends_with("plan 1"), "{lines:?}");
     assert_eq!(end.reason, EndReason::Quiescent);
 }
 
 #[test]
-fn a_late_answer_to_a_cancelled_request_is_told_and_not_used() {
+fn a_late_answer_to_a_cancelled_request_is_reported_and_not_used() {
     let inputs = vec![said(3.0, "plan"), said(20.0, "forget")];
-    let (_, lines, withdrawn) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
+    let (_, lines, withdrawn) = fly_paced(50.0, 7, RunSettings { inputs, ..RunSettings::default() });
     assert!(withdrawn, "the solver is cancelled");
     let note = lines.iter().find(|line| line.starts_with("note")).unwrap();
     assert!(note.contains("request 1 came at 53") && note.contains("cancelled at 20s: a plan, 3 targets"), "{note}");
@@ -328,7 +328,7 @@ fn a_late_answer_to_a_cancelled_request_is_told_and_not_used() {
 #[test]
 fn an_answer_that_has_not_come_by_the_end_is_named() {
     let options =
-        FlyOptions { inputs: vec![said(3.0, "plan")], until: Time::from_seconds(30.0), ..FlyOptions::default() };
+        RunSettings { inputs: vec![said(3.0, "plan")], until: Time::from_seconds(30.0), ..RunSettings::default() };
     let (end, lines, withdrawn) = fly_paced(50.0, 7, options);
     assert_eq!(
         lines.last().unwrap(),
@@ -352,7 +352,7 @@ fn commanded(pace: Option<f64>, orders: Vec<Order>, expired: &[usize]) -> (RunEn
         tickets.push(ticket);
     }
     drop(people);
-    let options = FlyOptions { pace, controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace, controls: Some(controls), ..RunSettings::default() };
     let (end, lines) = fly_balloon(2, options);
     let ends = tickets.iter().map(|ticket| ticket.end().expect("every command has an end")).collect();
     (end.unwrap(), lines, ends)
@@ -404,7 +404,7 @@ fn a_step_runs_to_the_next_effect_and_pauses() {
         stop.end()
     });
     let inputs = vec![said(12.0, "go"), said(15.0, "hello")];
-    let options = FlyOptions { pace: Some(0.0), inputs, controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(0.0), inputs, controls: Some(controls), ..RunSettings::default() };
     let (end, lines) = fly_balloon(5, options);
     assert_eq!(step.end(), Some(CommandEnd::Accepted { at: Time::ZERO }));
     assert!(matches!(speaker.join().unwrap(), Some(CommandEnd::Accepted { .. })));
@@ -416,17 +416,18 @@ fn a_step_runs_to_the_next_effect_and_pauses() {
 #[test]
 fn a_flight_that_holds_for_solvers_is_the_fast_flight_at_every_pace() {
     let inputs = || vec![said(12.0, "go"), said(3.0, "plan"), said(4.0, "forget")];
-    let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    let (_, fast) = fly_balloon(5, RunSettings { inputs: inputs(), ..RunSettings::default() });
     for takes_s in [0.0, 50.0, 900.0] {
-        let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
+        let (mut agent, mut event_log, clock) =
+            (Agent::default(), EventLog::default(), Arc::new(ManualClock::default()));
         let mut balloon = Balloon { reports: 5, ..Balloon::default() };
-        let queue = HeldQueue(SolverThread::new(FlyOptions::default().solver_timeout), Arc::clone(&clock), takes_s);
+        let queue = HeldQueue(SolverThread::new(RunSettings::default().solver_timeout), Arc::clone(&clock), takes_s);
         let options =
-            FlyOptions { pace: Some(1.0), hold_for_solvers: true, clock, inputs: inputs(), ..FlyOptions::default() };
+            RunSettings { pace: Some(1.0), hold_for_solvers: true, clock, inputs: inputs(), ..RunSettings::default() };
         let agents = std::slice::from_mut(&mut agent);
         let end =
-            fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options).unwrap();
-        assert_eq!((scribe.0.as_slice(), end.late.steps), (fast.as_slice(), 0), "{takes_s} s on the wall");
+            fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut event_log], options).unwrap();
+        assert_eq!((event_log.0.as_slice(), end.late.steps), (fast.as_slice(), 0), "{takes_s} s on the wall");
     }
 }
 

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn no_pace_never_waits_and_zero_waits_for_ever() {
+    fn no_pace_never_waits_and_zero_waits_indefinitely() {
         let later = Time::from_seconds(1e6);
         assert_eq!(Pacer::new(None, Time::ZERO, wall()).unwrap().wait(later), Wait::Over);
         assert_eq!(Pacer::new(Some(0.0), Time::ZERO, wall()).unwrap().wait(later), Wait::Paused);

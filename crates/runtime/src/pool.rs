@@ -5,7 +5,7 @@
 //! continues. Its answer takes effect at the same instant, or on arrival if it arrives later, so a paced run in which no solver is late
 //! writes the record of a fast one. An answer that arrives after a cancellation, or never, is reported.
 
-use crate::limits::ANSWER_LATE_TOLD_MIN;
+use crate::limits::ANSWER_LATE_REPORTED_MIN;
 use crate::ports::{Input, SolverAnswer, SolverJob, SolverQueue};
 use crate::solver_thread::failed;
 use apex_model::effect::{SolveRequest, SolveRequestId};
@@ -136,7 +136,7 @@ impl SolverPool {
         }
         let late = now - due;
         self.keep(solver.clone(), request, due.max(now), answer);
-        (late >= ANSWER_LATE_TOLD_MIN).then(|| {
+        (late >= ANSWER_LATE_REPORTED_MIN).then(|| {
             format!(
                 "the answer of {solver} to request {}, due at {due} by its work, came {:.1} s late",
                 request.0,

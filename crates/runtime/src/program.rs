@@ -2,7 +2,7 @@
 //! once.
 
 use crate::error::RunError;
-use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
+use crate::mission_loop::{RunEnd, RunSettings, fly, fly_all};
 use crate::ports::{Deliberator, Input, Observer, Posed, Vehicle};
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, SolveRequest};
@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 ///
 /// # Errors
 /// Like [`fly`].
-pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyOptions) -> Result<RunEnd, RunError> {
+pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: RunSettings) -> Result<RunEnd, RunError> {
     run_with(agent, &mut NoDeliberator, observers, options)
 }
 
@@ -30,7 +30,7 @@ pub fn run_with(
     agent: &mut Agent,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    mut options: FlyOptions,
+    mut options: RunSettings,
 ) -> Result<RunEnd, RunError> {
     fly(agent, &mut NoVehicle::beside(&mut options.inputs), deliberator, observers, options)
 }
@@ -42,7 +42,7 @@ pub fn run_with(
 pub fn run_all(
     agents: &mut [Agent],
     observers: &mut [&mut dyn Observer],
-    mut options: FlyOptions,
+    mut options: RunSettings,
 ) -> Result<RunEnd, RunError> {
     let mut vehicle = NoVehicle::beside(&mut options.inputs);
     let end = fly_all(agents, &mut vehicle, &mut NoDeliberator, observers, options)?;

@@ -1,4 +1,4 @@
-//! Messages that only Apex itself says. They state facts of the run, of its record and of its mission: said by another, they would forge
+//! Messages that only Apex itself sends. They state facts of the run, of its record and of its mission: sent by another source, they would forge
 //! who commanded what, what was recorded, or which requirement is at risk.
 //!
 //! This is the only list; `docs/reference/trace.md` shows it to users.
@@ -8,7 +8,7 @@ use apex_model::event::{EventKind, MISSION_PACE};
 /// Facts of the run and its record: the log of commands, authority, live sources, the recorder, the pace. A name that ends with `-` is a
 /// beginning.
 const OF_THE_RUN: [&str; 5] = ["operator-command", "authority", "live-source", "recording-", MISSION_PACE];
-/// Results that the mission computes. A scripted file may say them, to test what a program does then.
+/// Results that the mission computes. A file of scripted inputs may contain them, to test what a program does then.
 const OF_THE_MISSION: [&str; 3] = ["requirement-", "segment-weighed", "plan-outdated"];
 
 /// Place at which an input enters a run.
@@ -34,13 +34,11 @@ pub fn check(kind: &EventKind, entrance: Entrance) -> Result<(), String> {
     let is_of =
         |names: &[&str]| names.iter().any(|name| head == *name || name.ends_with('-') && head.starts_with(name));
     if is_of(&OF_THE_RUN) {
-        return Err(format!(
-            "the message ({head} ..) is said by Apex alone: it states a fact of the run or its record"
-        ));
+        return Err(format!("only Apex sends the message ({head} ..): it states a fact of the run or its record"));
     }
     if entrance == Entrance::Outside && is_of(&OF_THE_MISSION) {
         return Err(format!(
-            "the message ({head} ..) is said by Apex alone: the mission computes it; only a file of scripted inputs may say it"
+            "only Apex sends the message ({head} ..): the mission computes it; a file of scripted inputs may contain it"
         ));
     }
     Ok(())
@@ -63,7 +61,7 @@ mod tests {
             ["operator-command", "Authority", "live-source", "recording-lost", "recording-resumed", "mission-pace"]
         {
             for entrance in [Entrance::Script, Entrance::Outside] {
-                assert!(said(head, entrance).unwrap_err().contains("by Apex alone"), "{head}");
+                assert!(said(head, entrance).unwrap_err().contains("only Apex sends"), "{head}");
             }
         }
     }

@@ -14,7 +14,7 @@ use axum::response::{IntoResponse, Response};
 use std::time::Duration;
 
 /// Time for the body of a request, from its head on.
-const BODY_PATIENCE: Duration = Duration::from_secs(10);
+const BODY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Bytes of the largest body of any address; most take less.
 const BODY_MAX_BYTES: usize = 64 << 10;
 
@@ -55,7 +55,7 @@ pub(crate) async fn whole_body(request: Request, next: Next) -> Response {
         return next.run(request).await;
     }
     let (parts, body) = request.into_parts();
-    match tokio::time::timeout(BODY_PATIENCE, to_bytes(body, BODY_MAX_BYTES)).await {
+    match tokio::time::timeout(BODY_TIMEOUT, to_bytes(body, BODY_MAX_BYTES)).await {
         Ok(Ok(bytes)) => next.run(Request::from_parts(parts, Body::from(bytes))).await,
         Ok(Err(_)) => ApiError {
             status: StatusCode::PAYLOAD_TOO_LARGE,
@@ -65,7 +65,7 @@ pub(crate) async fn whole_body(request: Request, next: Next) -> Response {
         .into_response(),
         Err(_) => ApiError {
             status: StatusCode::REQUEST_TIMEOUT,
-            error: format!("the body did not arrive within {} s", BODY_PATIENCE.as_secs()),
+            error: format!("the body did not arrive within {} s", BODY_TIMEOUT.as_secs()),
             help: "send the whole body at once".into(),
         }
         .into_response(),

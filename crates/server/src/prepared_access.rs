@@ -46,7 +46,10 @@ impl AccessFiles<'_> {
         names.extend((!address.is_unspecified()).then(|| address.to_string()));
         names.extend(self.host_names.iter().cloned());
         let identity = TlsIdentity::generate(names).map_err(unusable)?;
-        said.push("Certificate of this run (`--tls-cert FILE --tls-key FILE` has a lasting one), SHA-256:".into());
+        said.push(
+            "Certificate, valid for this run only (use `--tls-cert FILE --tls-key FILE` for a permanent one), SHA-256:"
+                .into(),
+        );
         said.push(format!("  {}", identity.fingerprint()));
         Ok(identity)
     }
@@ -86,7 +89,7 @@ fn made(role: ActorRole, said: &mut Vec<String>) -> MissionResult<AccessToken> {
     let generated = AccessToken::generate(Actor { name: role.word().into(), role });
     let (token, secret) = generated.map_err(|error| MissionError::flight("no tokens can be made").because(error))?;
     if said.is_empty() {
-        said.push("Tokens of this run (`--tokens FILE` has lasting ones):".into());
+        said.push("Tokens, valid for this run only (use `--tokens FILE` for permanent ones):".into());
     }
     said.push(format!("  {:<16}  {secret}", role.word()));
     Ok(token)

@@ -259,7 +259,7 @@ pub(crate) fn checked<T>(params: QueryParams<T>) -> ApiResult<T> {
     })
 }
 
-/// Does blocking work off the network threads.
+/// Does blocking work outside of the network threads.
 pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> ApiResult<T> + Send + 'static) -> ApiResult<T> {
     tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| {
         Err(ApiError {

@@ -106,7 +106,7 @@ fn check_refusals(refused: &dyn Fn(Value, &str)) {
     for form in
         ["(operator-command 5 \"stop\" accepted)", "(authority 9 pia)", "(recording-lost x)", "(requirement-at-risk y)"]
     {
-        refused(json!({"do": "message", "form": form}), "is said by Apex alone");
+        refused(json!({"do": "message", "form": form}), "only Apex sends the message");
     }
 }
 

@@ -318,7 +318,7 @@ fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
     ends(&json!({"do": "answer", "agent": "rotorcraft-1", "question": 99, "answer": "x"}), "rejected", "is not open");
     ends(&json!({"do": "pace", "pace": 0.0}), "rejected", "is not above 0");
     assert_eq!(command(&json!({"do": "fly-away"})).0, 422);
-    // A request that waited in front of a server that stood still: its time is over when it arrives.
+    // A request that waited while the server was stopped has expired when it arrives.
     let clock = get(server, &at("operation")).1["clock_ms"].as_f64().unwrap();
     let late = command(&json!({"do": "resume", "until_ms": clock - 1.0})).1;
     assert_eq!((&late["state"], &late["at_ns"]), (&json!("expired"), &Value::Null), "{late}");

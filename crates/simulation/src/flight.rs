@@ -6,7 +6,7 @@ use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
-use apex_runtime::FlyOptions;
+use apex_runtime::RunSettings;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, Recorder};
 use std::path::Path;
@@ -42,7 +42,7 @@ pub fn create_record_with(
     Ok(recorder)
 }
 
-/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished. `None`: as fast as possible.
+/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another one is requested. `None`: as fast as possible.
 ///
 /// # Errors
 /// The clock of the mission belongs to an external simulator.
@@ -73,7 +73,7 @@ pub fn fly(
     mission: Arc<Mission>,
     means: PlanningResources,
     seed: Option<u64>,
-    terms: FlyOptions,
+    terms: RunSettings,
     recorder: &mut Recorder,
     observers: &mut [&mut dyn Observer],
 ) -> MissionResult<FlightOutcome> {
@@ -89,13 +89,13 @@ pub fn fly_to_the_end(
     mission: Arc<Mission>,
     means: PlanningResources,
     seed: Option<u64>,
-    terms: FlyOptions,
+    terms: RunSettings,
     recorder: &mut Recorder,
     observers: &mut [&mut dyn Observer],
 ) -> MissionResult<(FlightOutcome, Option<MissionError>)> {
     let mut vehicle = world(&mission, seed)?;
     // In simulated time the pace of watching has no influence: planners get the same time at every pace.
-    let terms = FlyOptions { hold_for_solvers: !is_real_time(&mission), ..terms };
+    let terms = RunSettings { hold_for_solvers: !is_real_time(&mission), ..terms };
     let outcome = {
         let mut all: Vec<&mut dyn Observer> = vec![&mut *recorder];
         all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));

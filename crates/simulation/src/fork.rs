@@ -12,7 +12,7 @@ use apex_model::problem::WindField;
 use apex_model::time::Time;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
-use apex_runtime::{Control, FlyOptions};
+use apex_runtime::{Control, RunSettings};
 use apex_sim::SimulatedWorld;
 use std::path::Path;
 use std::sync::Arc;
@@ -92,7 +92,7 @@ pub fn fork(
         }
     };
     let ForkTerms { until, controls, observer } = terms;
-    let terms = FlyOptions { controls, ..MissionFlight::terms(&mission, until) };
+    let terms = RunSettings { controls, ..MissionFlight::terms(&mission, until) };
     let fork = Fork { reader, mission: Arc::clone(&mission), means, at };
     let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
     if let Some(observer) = observer {

@@ -235,7 +235,7 @@ fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: 
     let (quiet, controls) = mpsc::channel();
     // A mission in real time is flown as fast as possible: no operator takes part in a series.
     quiet.send(Control::Quiet).unwrap_or_default();
-    let terms = apex_runtime::FlyOptions { controls: Some(controls), ..MissionFlight::terms(mission, until) };
+    let terms = apex_runtime::RunSettings { controls: Some(controls), ..MissionFlight::terms(mission, until) };
     let mut log = FireLog::default();
     let mut observers: [&mut dyn Observer; 2] = [&mut check, &mut log];
     let flight = MissionFlight::new(Arc::clone(mission), means.clone()).fly(&mut vehicle, terms, &mut observers)?;

@@ -1,7 +1,7 @@
 //! Pictures that are planned, flown in the simulator, recorded, and scored again from the record. For each manoeuvre of a quadrotor, a
 //! helicopter and a fixed-wing mapper the flown result equals the prediction within 5 % in still air and within 10 % in wind.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;

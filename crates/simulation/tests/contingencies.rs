@@ -317,7 +317,7 @@ fn a_camera_rests_while_the_sun_is_near_its_sight_line() {
 }
 
 #[test]
-fn an_operator_who_does_not_renew_the_lease_is_waited_for() {
+fn the_run_waits_for_an_operator_that_does_not_renew_the_lease() {
     let guards = "(step guard (guard the lease of pilot for 10min))";
     let flown = Flight {
         guards,

@@ -55,7 +55,7 @@ fn a_landing_avoids_places_inside_restricted_zones() {
 
 /// Both airfields are inside restricted zones: the landing breaks one on purpose, and the guard of the airspace does not turn it away.
 #[test]
-fn a_landing_that_must_break_a_zone_says_so_and_is_not_turned_away() {
+fn a_landing_that_must_break_a_zone_reports_it_and_is_not_turned_away() {
     let features = [zone("north", 37.54), zone("south", 37.0)];
     for (guards, fault) in [LEAK, ENGINE] {
         let guards = format!("(step idle (wait 1s)) {guards}").leak();

@@ -170,7 +170,7 @@ fn bad_world_files_are_refused_with_the_field_and_what_would_be_right() {
 /// Mission `diagnosis`: first the mount fails, later the power of the payload. The fault model distinguishes the two, and the mission
 /// continues.
 #[test]
-fn a_mount_and_a_bus_that_fail_are_told_apart_and_the_rest_is_used() {
+fn a_mount_and_a_bus_that_fail_are_distinguished_and_the_rest_is_used() {
     let folder = tempfile::tempdir().unwrap();
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/diagnosis");
     let flown = flown::fly_mission(&shipped, folder);

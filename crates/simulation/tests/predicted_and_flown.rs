@@ -1,7 +1,7 @@
 //! A fire that is planned, flown in the simulator, recorded, and scored again from the record: in still air the flight matches the
 //! prediction.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;

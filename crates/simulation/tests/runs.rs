@@ -1,5 +1,5 @@
 //! A series of flights: the same for any number of threads, the same as single flights, and bad numbers are rejected.
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;

@@ -1,7 +1,7 @@
 //! `structure-watch` works as designed: it looks with its camera, plans again after every update and when the wind differs from the
 //! forecast, asks the operator about smoke with a deadline and a default answer, and ends when its own plan ends.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at an unexpected result")]
 
 use apex_geo::geodesy;
 use apex_mission::Mission;
@@ -59,7 +59,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
         ("new target: camp", "replanning wanted: camp"),
         ("no longer a target: cabin-east", "replanning wanted: cabin-east"),
         ("winery is worth 300", "replanning wanted: winery"),
-        ("sawmill: 0.8 events an hour", "replanning wanted: sawmill"),
+        ("sawmill: 0.8 events per hour", "replanning wanted: sawmill"),
         ("new forecast: winds-actual.csv", "replanning wanted: \"winds-actual.csv\""),
     ];
     for (update, plan) in updates {
@@ -70,7 +70,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
     let wind_s = noted_s(&flown, "replanning wanted: wind-as-forecast");
     assert!((1_500.0..1_860.0).contains(&wind_s), "{wind_s}");
     // Smoke is seen at 1,680 s. No answer comes for 90 s, so the default applies.
-    let smoke_s = noted_s(&flown, "sawmill: 0.8 events an hour");
+    let smoke_s = noted_s(&flown, "sawmill: 0.8 events per hour");
     assert!((smoke_s - 1_770.0).abs() < 2.0, "{smoke_s}");
     assert!(flown.report.plans >= 7, "{}", flown.report.plans);
     let MissionValue::Ignorance(cost, looks) = &flown.report.value else { panic!("of another kind") };
@@ -167,7 +167,7 @@ fn a_fire_that_a_picture_shows_is_likelier_to_burn_again_and_leads_to_a_new_plan
                     })
                 };
             let text = flown.report.text();
-            assert!(after(&format!("{site}: 0.8 events an hour")), "{site} at {seen_s} s, seed {seed}\n{text}");
+            assert!(after(&format!("{site}: 0.8 events per hour")), "{site} at {seen_s} s, seed {seed}\n{text}");
             assert!(after("replanning wanted"), "{site} at {seen_s} s, seed {seed}\n{text}");
         }
     }

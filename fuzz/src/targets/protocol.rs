@@ -7,7 +7,7 @@ use crate::planted;
 use crate::sample;
 use apex_executive::load;
 use apex_runtime::foreign::{Cues, SimulatorLink, run as run_foreign};
-use apex_runtime::mission_loop::FlyOptions;
+use apex_runtime::mission_loop::RunSettings;
 use apex_runtime::record::RestoredProgram;
 use apex_spec::outside::{PagePlanner, PlannerManner};
 use serde_json::Value as Json;
@@ -38,7 +38,7 @@ pub(crate) fn run(bytes: &[u8]) {
     };
     let mut planner = PagePlanner(PlannerManner::default());
     // A line that is not UTF-8 or too long ends the dialogue with an error.
-    let _ = run_foreign(&mut agents, &mut link, &mut planner, &mut [], FlyOptions::default());
+    let _ = run_foreign(&mut agents, &mut link, &mut planner, &mut [], RunSettings::default());
     let lines = bytes.split(|byte| *byte == b'\n').count();
     let answers = output.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
     let mut count = 0;

@@ -1,6 +1,6 @@
 //! Random questions: a condition, its creation, and everything that arrives.
 
-use crate::dice::Dice;
+use crate::rng::TestRng;
 use apex_definition::condition::{
     Allen, Condition, Constraint, Cyclic, Edge, Episode, Estimation, Kind, Measurement, Regression, Relation, Span,
     Statistic, Term, Test, Time, Trend, Variable,
@@ -20,14 +20,14 @@ const BESIDE: f64 = 0.123;
 
 /// Returns the question of a seed.
 pub fn question(seed: u64) -> Question {
-    let mut maker = Maker { dice: Dice::new(seed), tags: 0, cycles: false };
-    let created = if maker.dice.chance(40) { 0 } else { maker.steps(1, 8) };
-    let depth = maker.dice.between(0, 2);
+    let mut maker = Maker { rng: TestRng::new(seed), tags: 0, cycles: false };
+    let created = if maker.rng.chance(40) { 0 } else { maker.steps(1, 8) };
+    let depth = maker.rng.between(0, 2);
     let condition = maker.condition(depth);
-    let lateness = if maker.dice.chance(25) { maker.steps(1, 6) } else { 0 };
+    let lateness = if maker.rng.chance(25) { maker.steps(1, 6) } else { 0 };
     let lateness = [("x".to_string(), lateness)].into_iter().filter(|(_, span)| *span > 0).collect::<BTreeMap<_, _>>();
-    let late = if maker.dice.chance(30) { 25 } else { 0 };
-    let count = maker.dice.between(0, 12);
+    let late = if maker.rng.chance(30) { 25 } else { 0 };
+    let count = maker.rng.between(0, 12);
     let mut arrivals: Vec<Arrival> = (0..count).map(|_| maker.arrival(late)).collect();
     if maker.cycles {
         arrivals.extend((0..12).map(|_| maker.swing(late)));
@@ -37,7 +37,7 @@ pub fn question(seed: u64) -> Question {
 }
 
 struct Maker {
-    dice: Dice,
+    rng: TestRng,
     tags: usize,
     /// The condition has cycles, which need many samples.
     cycles: bool,
@@ -45,45 +45,45 @@ struct Maker {
 
 impl Maker {
     fn steps(&mut self, low: usize, high: usize) -> Span {
-        self.dice.between(low, high) as Span * STEP
+        self.rng.between(low, high) as Span * STEP
     }
 
     /// Returns a span of the grid, or rarely one that differs by a nanosecond.
     fn span(&mut self, low: usize, high: usize) -> Span {
         let span = self.steps(low, high);
-        if self.dice.chance(6) { span + 1 } else { span }
+        if self.rng.chance(6) { span + 1 } else { span }
     }
 
     fn pick<T: Clone>(&mut self, items: &[T], other: T) -> T {
-        self.dice.pick(items).unwrap_or(other)
+        self.rng.pick(items).unwrap_or(other)
     }
 
     fn arrival(&mut self, late: usize) -> Arrival {
         let arrives = self.steps(0, 24);
-        let back = if self.dice.chance(late) { self.steps(1, 8).min(arrives) } else { 0 };
-        if self.dice.chance(20) {
+        let back = if self.rng.chance(late) { self.steps(1, 8).min(arrives) } else { 0 };
+        if self.rng.chance(20) {
             return Arrival { arrives, at: arrives, what: What::Message(self.message()) };
         }
-        let (attribute, value) = match self.dice.below(10) {
+        let (attribute, value) = match self.rng.below(10) {
             0..6 => ("x", self.number_or_worse()),
             6..9 => ("y", self.number_or_worse()),
             _ => ("m", Some(Value::Symbol(self.pick(&["up".into(), "down".into()], String::new())))),
         };
-        let object = if self.dice.chance(80) { "a" } else { "b" };
+        let object = if self.rng.chance(80) { "a" } else { "b" };
         Arrival { arrives, at: arrives - back, what: What::Sample(attribute.into(), object.into(), value) }
     }
 
     /// Returns one of many samples of one variable, for cycles.
     fn swing(&mut self, late: usize) -> Arrival {
         let arrives = self.steps(0, 28);
-        let back = if self.dice.chance(late) { self.steps(1, 4).min(arrives) } else { 0 };
+        let back = if self.rng.chance(late) { self.steps(1, 4).min(arrives) } else { 0 };
         let value = Some(Value::Number(self.number()));
         Arrival { arrives, at: arrives - back, what: What::Sample("x".into(), "a".into(), value) }
     }
 
     fn message(&mut self) -> Vec<Value> {
         let word = |name: &str| Value::symbol(name);
-        match self.dice.below(4) {
+        match self.rng.below(4) {
             0 => vec![word("go")],
             1 => vec![word("stop")],
             2 => vec![word("seen"), word("a")],
@@ -92,7 +92,7 @@ impl Maker {
     }
 
     fn number_or_worse(&mut self) -> Option<Value> {
-        match self.dice.below(40) {
+        match self.rng.below(40) {
             0 => None,
             1 => Some(Value::Number(f64::INFINITY)),
             2 => Some(Value::symbol("unknown")),
@@ -102,14 +102,14 @@ impl Maker {
     }
 
     fn number(&mut self) -> f64 {
-        self.dice.below(6) as f64
+        self.rng.below(6) as f64
     }
 
     fn condition(&mut self, depth: usize) -> Condition {
         if depth == 0 {
             return self.leaf();
         }
-        let kind = match self.dice.below(12) {
+        let kind = match self.rng.below(12) {
             0..3 => {
                 let parts = self.parts(depth, 2, 3);
                 let tests = self.tests(&parts);
@@ -140,21 +140,21 @@ impl Maker {
     }
 
     fn parts(&mut self, depth: usize, low: usize, high: usize) -> Vec<Condition> {
-        (0..self.dice.between(low, high)).map(|_| self.condition(depth - 1)).collect()
+        (0..self.rng.between(low, high)).map(|_| self.condition(depth - 1)).collect()
     }
 
     fn in_order(&mut self, depth: usize) -> Kind {
         let mut parts = Vec::new();
-        for index in 0..self.dice.between(2, 3) {
-            if self.dice.chance(30) && (index > 0 || self.dice.chance(30)) {
+        for index in 0..self.rng.between(2, 3) {
+            if self.rng.chance(30) && (index > 0 || self.rng.chance(30)) {
                 parts.push(self.delay());
             }
-            let part = if self.dice.chance(80) { self.leaf_with_evidence() } else { self.condition(depth - 1) };
+            let part = if self.rng.chance(80) { self.leaf_with_evidence() } else { self.condition(depth - 1) };
             // A part without an interval has no place in an order.
             let placed = !always_anew(&part);
             parts.push(if placed { part } else { self.leaf_with_evidence() });
         }
-        if self.dice.chance(15) {
+        if self.rng.chance(15) {
             parts.push(self.delay());
         }
         let tests = self.tests(&parts);
@@ -163,7 +163,7 @@ impl Maker {
 
     fn delay(&mut self) -> Condition {
         let least = self.span(0, 6);
-        let most = self.dice.maybe(40, |dice| least + dice.between(0, 6) as Span * STEP);
+        let most = self.rng.maybe(40, |rng| least + rng.between(0, 6) as Span * STEP);
         Condition { tag: None, kind: Kind::Delay(least, most) }
     }
 
@@ -188,17 +188,17 @@ impl Maker {
             Cotemporal,
         ];
         let relation = self.pick(&all, Before);
-        let tolerance = if self.dice.chance(30) { self.steps(1, 3) } else { 0 };
-        let mut parts: Vec<Condition> = (0..self.dice.between(2, 3)).map(|_| self.leaf_with_evidence()).collect();
-        if self.dice.chance(15) {
-            let place = self.dice.below(parts.len());
+        let tolerance = if self.rng.chance(30) { self.steps(1, 3) } else { 0 };
+        let mut parts: Vec<Condition> = (0..self.rng.between(2, 3)).map(|_| self.leaf_with_evidence()).collect();
+        if self.rng.chance(15) {
+            let place = self.rng.below(parts.len());
             let delay = self.delay();
             parts.splice(place..=place, [delay]);
         }
         for part in &mut parts {
             if let Kind::Episode(episode) = &mut part.kind {
                 // Statistics are of runs or windows.
-                episode.any = episode.stats.is_empty() && episode.trend.is_empty() && self.dice.chance(20);
+                episode.any = episode.stats.is_empty() && episode.trend.is_empty() && self.rng.chance(20);
             }
         }
         let tests = self.tests(&parts);
@@ -209,7 +209,7 @@ impl Maker {
     fn tests(&mut self, parts: &[Condition]) -> Vec<Test> {
         let tags: Vec<String> = parts.iter().filter_map(|part| part.tag.clone()).collect();
         // A result that is renewed at every instant has no fixed time.
-        if tags.len() < 2 || parts.iter().any(always_anew) || !self.dice.chance(30) {
+        if tags.len() < 2 || parts.iter().any(always_anew) || !self.rng.chance(30) {
             return Vec::new();
         }
         let edge = |maker: &mut Maker| {
@@ -221,11 +221,11 @@ impl Maker {
     }
 
     fn leaf(&mut self) -> Condition {
-        match self.dice.below(20) {
+        match self.rng.below(20) {
             0 => self.delay(),
             1 => {
                 let from = self.moment();
-                let kind = Kind::Timestamp(from, self.dice.maybe(60, |dice| from + dice.between(0, 6) as Span * STEP));
+                let kind = Kind::Timestamp(from, self.rng.maybe(60, |rng| from + rng.between(0, 6) as Span * STEP));
                 Condition { tag: None, kind }
             }
             2 => {
@@ -237,10 +237,10 @@ impl Maker {
     }
 
     fn leaf_with_evidence(&mut self) -> Condition {
-        let kind = match self.dice.below(10) {
+        let kind = match self.rng.below(10) {
             0..2 => self.event(),
             2..5 => Kind::Measurement(self.measurement()),
-            5 if self.dice.chance(25) => Kind::Cyclic(self.cyclic()),
+            5 if self.rng.chance(25) => Kind::Cyclic(self.cyclic()),
             _ => Kind::Episode(self.episode()),
         };
         self.tagged(kind)
@@ -248,17 +248,17 @@ impl Maker {
 
     fn event(&mut self) -> Kind {
         let mut pattern: Vec<Term> = self.message().into_iter().map(Term::Is).collect();
-        if pattern.len() == 2 && self.dice.chance(60) {
+        if pattern.len() == 2 && self.rng.chance(60) {
             let open = self.open_term();
             pattern.pop();
             pattern.push(open);
         }
-        let when = if self.dice.chance(20) { vec![(self.order(), self.moment())] } else { Vec::new() };
+        let when = if self.rng.chance(20) { vec![(self.order(), self.moment())] } else { Vec::new() };
         Kind::Event(pattern, when)
     }
 
     fn open_term(&mut self) -> Term {
-        if self.dice.chance(85) { Term::Variable("o".into()) } else { Term::Any }
+        if self.rng.chance(85) { Term::Variable("o".into()) } else { Term::Any }
     }
 
     fn moment(&mut self) -> Time {
@@ -266,10 +266,10 @@ impl Maker {
     }
 
     fn variable(&mut self) -> Variable {
-        let attribute = if self.dice.chance(65) { "x" } else { "y" };
-        let object = if self.dice.chance(25) { self.open_term() } else { Term::Is(Value::symbol("a")) };
+        let attribute = if self.rng.chance(65) { "x" } else { "y" };
+        let object = if self.rng.chance(25) { self.open_term() } else { Term::Is(Value::symbol("a")) };
         let mut tests = Vec::new();
-        if matches!(object, Term::Variable(_)) && self.dice.chance(30) {
+        if matches!(object, Term::Variable(_)) && self.rng.chance(30) {
             let relation = self.pick(&[Relation::Equal, Relation::Different], Relation::Equal);
             tests.push(Constraint::Compare(relation, Value::symbol("b"), None));
         }
@@ -288,11 +288,11 @@ impl Maker {
 
     fn constraint(&mut self) -> Constraint {
         let number = self.number();
-        match self.dice.below(12) {
-            0 => Constraint::Compare(Relation::Equal, Value::Number(number), Some(self.dice.below(3) as f64 / 2.0)),
+        match self.rng.below(12) {
+            0 => Constraint::Compare(Relation::Equal, Value::Number(number), Some(self.rng.below(3) as f64 / 2.0)),
             1 => {
-                let most = number + self.dice.below(4) as f64;
-                match self.dice.below(3) {
+                let most = number + self.rng.below(4) as f64;
+                match self.rng.below(3) {
                     0 => Constraint::Range(Some(number), Some(most)),
                     1 => Constraint::Range(Some(number), None),
                     _ => Constraint::Range(None, Some(number)),
@@ -303,26 +303,26 @@ impl Maker {
     }
 
     fn measurement(&mut self) -> Measurement {
-        if self.dice.chance(12) {
+        if self.rng.chance(12) {
             return self.mode();
         }
         let variable = self.variable();
         let mut value = vec![self.constraint()];
-        if self.dice.chance(15) {
+        if self.rng.chance(15) {
             value.push(self.constraint());
         }
-        let estimation = match self.dice.below(20) {
-            0..4 => Some(Estimation::Persist(self.dice.maybe(60, |dice| dice.between(1, 8) as Span * STEP))),
+        let estimation = match self.rng.below(20) {
+            0..4 => Some(Estimation::Persist(self.rng.maybe(60, |rng| rng.between(1, 8) as Span * STEP))),
             4 => Some(Estimation::Regression(self.regression())),
             _ => None,
         };
-        if estimation.is_none() && self.dice.chance(10) {
+        if estimation.is_none() && self.rng.chance(10) {
             value = vec![Constraint::Bind("v".into())];
         }
         if matches!(estimation, Some(Estimation::Regression(_))) {
             value = vec![Constraint::Compare(self.order(), Value::Number(self.number() + BESIDE), None)];
         }
-        let timestamp = if self.dice.chance(15) { vec![(self.order(), self.moment())] } else { Vec::new() };
+        let timestamp = if self.rng.chance(15) { vec![(self.order(), self.moment())] } else { Vec::new() };
         Measurement { variable, value, timestamp, estimation }
     }
 
@@ -336,10 +336,10 @@ impl Maker {
 
     fn regression(&mut self) -> Regression {
         Regression {
-            points_min: self.dice.maybe(50, |dice| dice.between(2, 4)),
-            error_max: self.dice.maybe(30, |dice| dice.below(4) as f64 / 2.0 + BESIDE),
-            difference_max: self.dice.maybe(30, |dice| dice.below(6) as f64 + 2.0 * BESIDE),
-            gap_max: self.dice.maybe(30, |dice| dice.between(1, 8) as Span * STEP),
+            points_min: self.rng.maybe(50, |rng| rng.between(2, 4)),
+            error_max: self.rng.maybe(30, |rng| rng.below(4) as f64 / 2.0 + BESIDE),
+            difference_max: self.rng.maybe(30, |rng| rng.below(6) as f64 + 2.0 * BESIDE),
+            gap_max: self.rng.maybe(30, |rng| rng.between(1, 8) as Span * STEP),
             start: None,
             end: None,
         }
@@ -350,38 +350,38 @@ impl Maker {
         let mut episode = Episode {
             variable,
             any: false,
-            value: if self.dice.chance(85) { vec![self.constraint()] } else { Vec::new() },
-            first_value: if self.dice.chance(12) { vec![self.constraint()] } else { Vec::new() },
-            last_value: if self.dice.chance(12) { vec![self.constraint()] } else { Vec::new() },
-            gap: self.dice.maybe(55, |dice| dice.between(1, 8) as Span * STEP),
+            value: if self.rng.chance(85) { vec![self.constraint()] } else { Vec::new() },
+            first_value: if self.rng.chance(12) { vec![self.constraint()] } else { Vec::new() },
+            last_value: if self.rng.chance(12) { vec![self.constraint()] } else { Vec::new() },
+            gap: self.rng.maybe(55, |rng| rng.between(1, 8) as Span * STEP),
             start: Vec::new(),
             end: Vec::new(),
             duration: Vec::new(),
             stats: Vec::new(),
             trend: Vec::new(),
         };
-        if self.dice.chance(75) {
-            let relation = if self.dice.chance(80) {
+        if self.rng.chance(75) {
+            let relation = if self.rng.chance(80) {
                 self.pick(&[Relation::Greater, Relation::GreaterOrEqual], Relation::Greater)
             } else {
                 self.relation()
             };
             episode.duration.push((relation, self.span(0, 8)));
         }
-        if self.dice.chance(8) {
+        if self.rng.chance(8) {
             episode.start.push((self.order(), self.moment()));
         }
-        if self.dice.chance(8) {
+        if self.rng.chance(8) {
             episode.end.push((self.order(), self.moment()));
         }
-        if self.dice.chance(15) {
+        if self.rng.chance(15) {
             episode.stats.push(self.statistic());
         }
-        if self.dice.chance(15) {
-            let (trend, bound) = match self.dice.below(4) {
-                0 => (Trend::Step, self.dice.below(3) as f64 - 1.0),
-                1 => (Trend::Frequency, self.dice.between(1, 3) as f64),
-                _ => (Trend::Rate, self.dice.below(3) as f64 - 1.0),
+        if self.rng.chance(15) {
+            let (trend, bound) = match self.rng.below(4) {
+                0 => (Trend::Step, self.rng.below(3) as f64 - 1.0),
+                1 => (Trend::Frequency, self.rng.between(1, 3) as f64),
+                _ => (Trend::Rate, self.rng.below(3) as f64 - 1.0),
             };
             episode.trend.push((trend, self.order(), bound + BESIDE));
         }
@@ -407,18 +407,18 @@ impl Maker {
     fn cyclic(&mut self) -> Cyclic {
         self.cycles = true;
         let tests = Vec::new();
-        let object = if self.dice.chance(20) { self.open_term() } else { Term::Is(Value::symbol("a")) };
+        let object = if self.rng.chance(20) { self.open_term() } else { Term::Is(Value::symbol("a")) };
         let variable = Variable { attribute: "x".into(), object, tests };
         let period = (self.order(), self.span(2, 8));
-        let amplitude = self.dice.maybe(30, |dice| (dice.below(3) as f64 / 2.0 + BESIDE, dice.chance(70)));
+        let amplitude = self.rng.maybe(30, |rng| (rng.below(3) as f64 / 2.0 + BESIDE, rng.chance(70)));
         let relation = |greater: bool| if greater { Relation::Greater } else { Relation::Less };
-        let cycles = self.dice.maybe(60, |dice| (Relation::GreaterOrEqual, dice.between(1, 3) as i64));
+        let cycles = self.rng.maybe(60, |rng| (Relation::GreaterOrEqual, rng.between(1, 3) as i64));
         Cyclic {
             variable,
             period: vec![period],
             amplitude: amplitude.into_iter().map(|(bound, greater)| (relation(greater), bound)).collect(),
             cycles: cycles.into_iter().collect(),
-            hysteresis: self.dice.maybe(30, |dice| dice.between(1, 2) as f64),
+            hysteresis: self.rng.maybe(30, |rng| rng.between(1, 2) as f64),
         }
     }
 
@@ -429,7 +429,7 @@ impl Maker {
         };
         let plain = [Count, Mean, Sum, Min, Max, Median, Difference, Variance, StandardDeviation];
         let weighted = [TimeWeightedMean, TimeWeightedVariance, TimeWeightedDeviation];
-        let statistics = if self.dice.chance(20) { weighted.as_slice() } else { &plain };
+        let statistics = if self.rng.chance(20) { weighted.as_slice() } else { &plain };
         (self.pick(statistics, Count), self.order(), self.number() + BESIDE)
     }
 }

@@ -2,10 +2,10 @@
 
 pub mod campaign;
 pub mod compare;
-mod dice;
 pub mod executive;
 pub mod features;
 pub mod generate;
 pub mod page;
 pub mod print;
+mod rng;
 pub mod shrink;

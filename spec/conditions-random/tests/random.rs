@@ -1,4 +1,4 @@
-//! Forty thousand random questions about conditions: the executive and the definition give the same answers.
+//! Random questions about conditions: the executive and the definition give the same answers.
 
 use apex_conditions_random::{campaign, generate, page, shrink};
 
@@ -11,7 +11,7 @@ fn the_executive_and_the_definition_answer_alike() {
     if let Some(seed) = outcome.different.first() {
         let smallest = shrink::shrink(&generate::question(*seed));
         let all = &outcome.different;
-        panic!("{} questions differ: {all:?}; the first, made small:\n{}", all.len(), page::of(*seed, &smallest));
+        panic!("{} questions differ: {all:?}; the first, reduced:\n{}", all.len(), page::of(*seed, &smallest));
     }
     let table = outcome.text();
     assert_eq!(outcome.refused, [], "the checker refuses what the generator writes\n{table}");
@@ -30,7 +30,7 @@ fn a_seed_always_makes_the_same_question() {
     assert_ne!(generate::question(7), generate::question(8));
 }
 
-/// Seeds that differed once: each of a kind that forty thousand questions seldom meet.
+/// Seeds that differed once: each of a kind that the questions of CI seldom contain.
 const ONCE_DIFFERENT: &[u64] = &[
     58_979, 2_292_886, 2_352_370, 2_552_247, 2_896_833, 2_930_191, 2_980_572, 3_174_081, 3_475_236, 3_537_036,
     1_633_390, 1_781_641, 1_985_759, 2_824_683, 3_283_964, 4_268_482, 4_940_530, 5_242_850, 6_906_054, 9_155_926,

@@ -73,7 +73,7 @@ fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict 
     if both && ours.lines.starts_with(&theirs.lines) {
         return Verdict::Cut(cut);
     }
-    Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive tells less".into()))
+    Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive reports less".into()))
 }
 
 /// Returns the last 40 lines of the run.

@@ -1,7 +1,7 @@
 //! Random programs and inputs. The permitted contents of a program are drawn first, so that programs differ in kind and rare constructs
 //! often occur together.
 
-use crate::dice::Dice;
+use crate::rng::TestRng;
 use crate::steps;
 use apex_reference::program::{
     Clauses, Condition, Expr, Form, Hooks, Kind, Need, Primitive, Procedure, Program, Relation, Resource, SECOND, Span,
@@ -59,8 +59,8 @@ pub(crate) struct Taste {
     pub(crate) outcomes: usize,
 }
 
-fn taste(dice: &mut Dice) -> Taste {
-    let mut liking = |percent: usize| if dice.chance(50) { percent } else { 0 };
+fn taste(rng: &mut TestRng) -> Taste {
+    let mut liking = |percent: usize| if rng.chance(50) { percent } else { 0 };
     Taste {
         waitfor: 30 + liking(40),
         composites: liking(35),
@@ -112,7 +112,7 @@ pub(crate) enum Argument {
 
 /// State of the generator while it makes a program.
 pub(crate) struct Maker<'d> {
-    pub(crate) dice: &'d mut Dice,
+    pub(crate) rng: &'d mut TestRng,
     pub(crate) taste: Taste,
     pub(crate) resources: Vec<Resource>,
     /// Goals of primitives.
@@ -123,10 +123,10 @@ pub(crate) struct Maker<'d> {
 
 /// Returns the case of a seed.
 pub fn case(seed: u64) -> Case {
-    let mut dice = Dice::new(seed);
-    let taste = taste(&mut dice);
+    let mut rng = TestRng::new(seed);
+    let taste = taste(&mut rng);
     let mut maker =
-        Maker { dice: &mut dice, taste, resources: Vec::new(), primitives: Vec::new(), procedures: Vec::new() };
+        Maker { rng: &mut rng, taste, resources: Vec::new(), primitives: Vec::new(), procedures: Vec::new() };
     let program = maker.program();
     let inputs = maker.inputs();
     Case { program, inputs }
@@ -142,28 +142,28 @@ pub(crate) fn number(value: usize) -> Expr {
 
 impl Maker<'_> {
     fn program(&mut self) -> Program {
-        if self.dice.chance(self.taste.shared) {
-            let amount = self.dice.between(2, 3) as f64;
+        if self.rng.chance(self.taste.shared) {
+            let amount = self.rng.between(2, 3) as f64;
             self.resources.push(Resource { name: "shared".into(), amount, depletable: false, part_of: None });
         }
         // With this second resource, tasks need amounts of two resources at once.
-        if self.dice.chance(self.taste.shared / 2) {
+        if self.rng.chance(self.taste.shared / 2) {
             // A step and its method need at most four units; the checker rejects a need above the capacity.
-            let amount = self.dice.between(4, 5) as f64;
+            let amount = self.rng.between(4, 5) as f64;
             self.resources.push(Resource { name: "lanes".into(), amount, depletable: false, part_of: None });
         }
-        if self.dice.chance(self.taste.shared / 2) {
-            let amount = self.dice.between(3, 9) as f64;
+        if self.rng.chance(self.taste.shared / 2) {
+            let amount = self.rng.between(3, 9) as f64;
             self.resources.push(Resource { name: "fuel".into(), amount, depletable: true, part_of: None });
         }
-        if self.dice.chance(self.taste.shared / 2) {
+        if self.rng.chance(self.taste.shared / 2) {
             let whole = |name: &str| Resource { name: name.into(), amount: 1.0, depletable: false, part_of: None };
-            let part = self.dice.pick(&["r2", "r3"]).unwrap_or("r2");
+            let part = self.rng.pick(&["r2", "r3"]).unwrap_or("r2");
             self.resources.push(whole("r1"));
             self.resources.push(Resource { part_of: Some("r1".into()), ..whole(part) });
         }
-        let primitives: Vec<Primitive> = (0..self.dice.between(2, 4)).flat_map(|n| self.primitive(n)).collect();
-        let count = if self.taste.nesting > 0 { self.dice.between(1, 3) } else { 0 };
+        let primitives: Vec<Primitive> = (0..self.rng.between(2, 4)).flat_map(|n| self.primitive(n)).collect();
+        let count = if self.taste.nesting > 0 { self.rng.between(1, 3) } else { 0 };
         let mut procedures = Vec::new();
         for number in (0..=count).rev() {
             let procedure = self.procedure(number);
@@ -174,41 +174,41 @@ impl Maker<'_> {
 
     /// Returns a span of a few half seconds. The same spans are frequent, so that instants coincide.
     pub(crate) fn span(&mut self) -> Span {
-        self.dice.pick(&[1, 2, 2, 2, 3, 4, 4, 6, 10]).unwrap_or(2) * (SECOND / 2)
+        self.rng.pick(&[1, 2, 2, 2, 3, 4, 4, 6, 10]).unwrap_or(2) * (SECOND / 2)
     }
 
     fn duration(&mut self) -> Span {
-        if self.dice.chance(12) { 0 } else { self.span() }
+        if self.rng.chance(12) { 0 } else { self.span() }
     }
 
     /// Returns a primitive, or sometimes two, where one of them serves a single word.
     fn primitive(&mut self, number: usize) -> Vec<Primitive> {
         let head = format!("p{number}");
-        let argument = self.dice.pick(&[Argument::None, Argument::Span, Argument::Word]).unwrap_or(Argument::None);
+        let argument = self.rng.pick(&[Argument::None, Argument::Span, Argument::Word]).unwrap_or(Argument::None);
         let mut made = Primitive { index: vec![word(&head)], ..Primitive::default() };
         match argument {
             Argument::None => {}
             Argument::Span => made.index.push(Term::Variable("d".into())),
-            Argument::Word if self.dice.chance(self.taste.failures) => made.index.push(word("a")),
+            Argument::Word if self.rng.chance(self.taste.failures) => made.index.push(word("a")),
             Argument::Word => made.index.push(Term::Variable("w".into())),
         }
         made.profile = self.profile(true);
         let span = self.duration();
         made.duration = match argument {
             Argument::Span => Some(Expr::Variable("d".into())),
-            _ => self.dice.maybe(80, |_| Expr::Is(Value::Span(span))),
+            _ => self.rng.maybe(80, |_| Expr::Is(Value::Span(span))),
         };
         let about = (argument == Argument::Word && made.index.iter().any(|term| matches!(term, Term::Variable(_))))
             .then_some("w");
-        if self.dice.chance(self.taste.updates) {
+        if self.rng.chance(self.taste.updates) {
             self.updates(&mut made);
         }
         let locals = made.locals.clone();
         made.hooks = self.hooks(about);
-        if self.dice.chance(self.taste.hooks) {
+        if self.rng.chance(self.taste.hooks) {
             made.on_completion = vec![self.form(about)];
         }
-        made.returns = self.dice.maybe(self.taste.values, |dice| match (dice.below(3), about, locals.first()) {
+        made.returns = self.rng.maybe(self.taste.values, |rng| match (rng.below(3), about, locals.first()) {
             (0, Some(name), _) => Expr::Variable(name.into()),
             (_, _, Some((name, _))) => Expr::Variable(name.clone()),
             _ => Expr::Is(Value::Word("a".into())),
@@ -217,7 +217,7 @@ impl Maker<'_> {
             made.duration.as_ref().is_some_and(|expr| *expr != Expr::Is(Value::Span(0))) || made.update.is_some();
         self.primitives.push(Goal { head: head.clone(), argument, lasts, returns: made.returns.is_some() });
         let mut both = vec![made.clone()];
-        if argument == Argument::Word && self.dice.chance(30) {
+        if argument == Argument::Word && self.rng.chance(30) {
             let index = if about.is_some() { vec![word(&head), word("a")] } else { vec![word(&head), word("b")] };
             let duration = Some(Expr::Is(Value::Span(self.span())));
             both.push(Primitive { index, duration, ..Primitive::default() });
@@ -230,32 +230,32 @@ impl Maker<'_> {
         let local = || Expr::Variable("n".into());
         made.locals = vec![("n".into(), number(0))];
         let mut forms = vec![Form::Set("n".into(), Expr::Sum(Box::new(local()), Box::new(number(1))))];
-        if self.dice.chance(50) {
+        if self.rng.chance(50) {
             forms.push(Form::Publish("x".into(), "v".into(), local()));
         }
-        let last = self.dice.between(1, 4);
+        let last = self.rng.between(1, 4);
         let test = Expr::Compare(Relation::Equal, Box::new(local()), Box::new(number(last)));
-        let value = self.dice.maybe(50, |_| local());
+        let value = self.rng.maybe(50, |_| local());
         forms.push(Form::When(test, Box::new(Form::Complete(value))));
         let interval = self.span();
         made.update = Some((interval, forms));
-        if self.dice.chance(60) {
+        if self.rng.chance(60) {
             made.duration = made.duration.take().filter(|expr| matches!(expr, Expr::Variable(_)));
         }
     }
 
     fn procedure(&mut self, number: usize) -> Procedure {
         let kinds = [Kind::Concurrent, Kind::Concurrent, Kind::Sequential, Kind::Ranked, Kind::SoftSequential];
-        let kind = self.dice.pick(&kinds).unwrap_or(Kind::Concurrent);
+        let kind = self.rng.pick(&kinds).unwrap_or(Kind::Concurrent);
         let head = if number == 0 { "do-domain".to_string() } else { format!("g{number}") };
         let mut index = vec![word(&head)];
-        let about = (number > 0 && self.dice.chance(50)).then_some("p");
+        let about = (number > 0 && self.rng.chance(50)).then_some("p");
         index.extend(about.map(|name| Term::Variable(name.into())));
         let steps = self.steps(kind, about, number == 0);
         let tags: Vec<String> = steps.iter().map(|step| step.tag.clone()).collect();
         let clauses = if number == 0 { Clauses::default() } else { self.clauses(&tags, about, true) };
-        let interrupt_cost = self.dice.maybe(self.taste.costs / 2, steps::small_number);
-        let expected = self.dice.maybe(self.taste.costs / 2, |dice| dice.between(1, 6) as Span * SECOND);
+        let interrupt_cost = self.rng.maybe(self.taste.costs / 2, steps::small_number);
+        let expected = self.rng.maybe(self.taste.costs / 2, |rng| rng.between(1, 6) as Span * SECOND);
         let profile = if number == 0 { Vec::new() } else { self.profile(false) };
         let hooks = if number == 0 { Hooks::default() } else { self.hooks(about) };
         let argument = if about.is_some() { Argument::Word } else { Argument::None };
@@ -268,16 +268,16 @@ impl Maker<'_> {
     pub(crate) fn profile(&mut self, leaf: bool) -> Vec<Need> {
         let mut needs: Vec<Need> = Vec::new();
         let wanted = if leaf { self.taste.resources } else { self.taste.resources / 3 };
-        let refuse_if_busy = self.dice.chance(self.taste.execution / 3);
+        let refuse_if_busy = self.rng.chance(self.taste.execution / 3);
         for name in ["r1", "r2", "r3"] {
-            if (name != "r3" || self.resources.iter().any(|each| each.name == "r3")) && self.dice.chance(wanted * 2 / 3)
+            if (name != "r3" || self.resources.iter().any(|each| each.name == "r3")) && self.rng.chance(wanted * 2 / 3)
             {
                 needs.push(Need { resource: word(name), amount: None, refuse_if_busy });
             }
         }
         for resource in self.resources.clone().into_iter().filter(|each| !each.name.starts_with('r')) {
-            if leaf && self.dice.chance(40) {
-                let amount = Some(self.dice.between(1, 2) as f64);
+            if leaf && self.rng.chance(40) {
+                let amount = Some(self.rng.between(1, 2) as f64);
                 needs.push(Need { resource: word(&resource.name), amount, refuse_if_busy });
             }
         }
@@ -286,15 +286,15 @@ impl Maker<'_> {
 
     pub(crate) fn hooks(&mut self, about: Option<&str>) -> Hooks {
         let percent = self.taste.hooks;
-        let mut some = || if self.dice.chance(percent) { vec![self.form(about)] } else { Vec::new() };
+        let mut some = || if self.rng.chance(percent) { vec![self.form(about)] } else { Vec::new() };
         Hooks { on_start: some(), on_end: some(), on_suspend: some(), on_resume: some() }
     }
 
     /// Returns a form that any hook may contain.
     fn form(&mut self, about: Option<&str>) -> Form {
-        match self.dice.below(6) {
-            0 => Form::Publish("x".into(), "v".into(), number(self.dice.below(6))),
-            1 => Form::Print(Expr::MissionTime).with(self.dice),
+        match self.rng.below(6) {
+            0 => Form::Publish("x".into(), "v".into(), number(self.rng.below(6))),
+            1 => Form::Print(Expr::MissionTime).with(self.rng),
             2 if about.is_some() => Form::Print(Expr::Variable(about.unwrap_or_default().into())),
             3 if about == Some("p") => Form::Set("p".into(), Expr::Is(Value::Word("b".into()))),
             _ => Form::Inform(self.message(about)),
@@ -303,11 +303,11 @@ impl Maker<'_> {
 
     /// Returns a message without unbound variables.
     pub(crate) fn message(&mut self, about: Option<&str>) -> Vec<Term> {
-        let mut words = vec![word(self.dice.pick(MESSAGES).unwrap_or("e1"))];
-        if self.dice.chance(50) {
+        let mut words = vec![word(self.rng.pick(MESSAGES).unwrap_or("e1"))];
+        if self.rng.chance(50) {
             words.push(match about {
-                Some(name) if self.dice.chance(60) => Term::Variable(name.into()),
-                _ => word(self.dice.pick(ABOUT).unwrap_or("a")),
+                Some(name) if self.rng.chance(60) => Term::Variable(name.into()),
+                _ => word(self.rng.pick(ABOUT).unwrap_or("a")),
             });
         }
         words
@@ -315,11 +315,11 @@ impl Maker<'_> {
 
     fn inputs(&mut self) -> Vec<Input> {
         let mut inputs: Vec<Input> = Vec::new();
-        for _ in 0..self.dice.between(0, 14) {
-            let arrives = self.dice.below(24) as Span * (SECOND / 2);
+        for _ in 0..self.rng.between(0, 14) {
+            let arrives = self.rng.below(24) as Span * (SECOND / 2);
             // Several inputs often arrive at once.
-            for _ in 0..self.dice.pick(&[1, 1, 1, 2, 3]).unwrap_or(1) {
-                let late = if self.dice.chance(self.taste.late) { self.span().min(arrives) } else { 0 };
+            for _ in 0..self.rng.pick(&[1, 1, 1, 2, 3]).unwrap_or(1) {
+                let late = if self.rng.chance(self.taste.late) { self.span().min(arrives) } else { 0 };
                 let said = self.said();
                 inputs.push(Input { arrives, at: arrives - late, said });
             }
@@ -329,10 +329,10 @@ impl Maker<'_> {
     }
 
     fn said(&mut self) -> Said {
-        if self.dice.chance(self.taste.measurements) {
-            let attribute = self.dice.pick(ATTRIBUTES).unwrap_or("x").to_string();
-            let object = self.dice.pick(OBJECTS).unwrap_or("v").to_string();
-            return Said::Sample(attribute, object, Value::Number(self.dice.below(6) as f64));
+        if self.rng.chance(self.taste.measurements) {
+            let attribute = self.rng.pick(ATTRIBUTES).unwrap_or("x").to_string();
+            let object = self.rng.pick(OBJECTS).unwrap_or("v").to_string();
+            return Said::Sample(attribute, object, Value::Number(self.rng.below(6) as f64));
         }
         let words = self.message(None);
         Said::Message(
@@ -348,10 +348,10 @@ impl Maker<'_> {
 
     /// Returns a message that is waited for; a variable that is new is added to `bound`.
     pub(crate) fn event(&mut self, about: Option<&str>, bound: &mut Vec<String>, fresh: &str) -> Condition {
-        let mut words = vec![word(self.dice.pick(MESSAGES).unwrap_or("e1"))];
-        match self.dice.below(8) {
+        let mut words = vec![word(self.rng.pick(MESSAGES).unwrap_or("e1"))];
+        match self.rng.below(8) {
             0..3 => {}
-            3..5 => words.push(word(self.dice.pick(ABOUT).unwrap_or("a"))),
+            3..5 => words.push(word(self.rng.pick(ABOUT).unwrap_or("a"))),
             5 if about.is_some() => words.push(Term::Variable(about.unwrap_or_default().into())),
             6 => words.push(Term::Anything),
             _ => {
@@ -364,21 +364,21 @@ impl Maker<'_> {
 
     pub(crate) fn measurement(&mut self) -> Condition {
         let relations = [Relation::Less, Relation::AtMost, Relation::More, Relation::AtLeast];
-        let relation = self.dice.pick(&relations).unwrap_or(Relation::Less);
-        let attribute = self.dice.pick(ATTRIBUTES).unwrap_or("x").to_string();
-        let object = word(self.dice.pick(OBJECTS).unwrap_or("v"));
-        Condition::Measurement(attribute, object, relation, self.dice.below(6) as f64)
+        let relation = self.rng.pick(&relations).unwrap_or(Relation::Less);
+        let attribute = self.rng.pick(ATTRIBUTES).unwrap_or("x").to_string();
+        let object = word(self.rng.pick(OBJECTS).unwrap_or("v"));
+        Condition::Measurement(attribute, object, relation, self.rng.below(6) as f64)
     }
 }
 
 trait With {
-    fn with(self, dice: &mut Dice) -> Self;
+    fn with(self, rng: &mut TestRng) -> Self;
 }
 
 impl With for Form {
     /// Returns a form that prints a number instead of the form's own value, because executive and reference print spans differently.
-    fn with(self, dice: &mut Dice) -> Form {
-        Form::Print(number(dice.below(9)))
+    fn with(self, rng: &mut TestRng) -> Form {
+        Form::Print(number(rng.below(9)))
     }
 }
 

@@ -6,12 +6,12 @@
 pub mod campaign;
 pub mod compare;
 pub mod coverage;
-mod dice;
 pub mod executive;
 pub mod generate;
 pub mod page;
 #[cfg(feature = "planted-bugs")]
 pub mod planted;
 pub mod print;
+mod rng;
 pub mod shrink;
 mod steps;

@@ -12,7 +12,7 @@ fn the_executive_and_the_reference_do_the_same() {
     let different = &outcome.different;
     if let Some(seed) = different.first() {
         let smallest = page::of(*seed, &shrink::shrink(&generate::case(*seed)));
-        panic!("{} programs differ: {different:?}; the first, made small:\n{smallest}", different.len());
+        panic!("{} programs differ: {different:?}; the first, reduced:\n{smallest}", different.len());
     }
     let table = outcome.coverage.text();
     assert!(outcome.refused * 10 < COUNT, "{} programs are refused by the checker", outcome.refused);

@@ -110,7 +110,7 @@ impl<'p> Agent<'p> {
         named(&self.program.procedures[procedure].clauses) || steps.iter().any(by_step)
     }
 
-    /// Skips the siblings that wait for another outcome, or for the result, of a step that has ended for good.
+    /// Skips the siblings that wait for another outcome, or for the result, of a step that has ended finally.
     pub(crate) fn skip_who_waits_in_vain(&mut self, parent: usize, child: usize) {
         let Some(Work::Procedure { procedure, current, .. }) = &self.tasks[parent].work else { return };
         let (procedure, current) = (*procedure, current.clone());

@@ -10,7 +10,7 @@ use std::fmt;
 pub struct Line {
     /// Instant.
     pub at: Time,
-    /// To or by which task; tasks are numbered in order of creation.
+    /// Task that the event concerns; tasks are numbered in order of creation.
     pub task: usize,
     /// Event.
     pub what: What,

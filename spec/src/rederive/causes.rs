@@ -180,7 +180,7 @@ impl Scene<'_> {
                     matches!(&decision.kind, DecisionKind::Satisfied { clause, .. } if clause == "waitfor")
                         && decision.because.evidence == self.because.evidence
                 });
-                require(same, "its waitfor did not come true now, or by something else")
+                require(same, "its waitfor did not become true now, or by something else")
             }
             Cause::PredecessorEnded { predecessor } => {
                 let before = world.task(*predecessor)?;
@@ -309,7 +309,7 @@ impl Scene<'_> {
         require((holds || claims) && !written, "the winner neither holds the resource nor claims it")
     }
 
-    /// Checks that a clause of this name came true now, or that the named task did an activity of this name.
+    /// Checks that a clause of this name became true now, or that the named task did an activity of this name.
     pub(super) fn clause_or_activity(&self, own: &Known, clauses: &[&str], activities: &[&str]) -> Checked {
         match &self.because.cause {
             Cause::ConditionSatisfied { clause } => {
@@ -318,7 +318,7 @@ impl Scene<'_> {
                     matches!(&decision.kind, DecisionKind::Satisfied { clause: name, .. } if name == clause)
                         && decision.because.evidence == self.because.evidence
                 });
-                require(came, "that clause did not come true now, or by something else")
+                require(came, "that clause did not become true now, or by something else")
             }
             Cause::Activity { by, activity } => {
                 require(activities.contains(&&**activity), "that activity does something else")?;

@@ -27,9 +27,12 @@ pub(super) fn probes(
     (waiting, number, limit): (TaskId, u64, Option<u64>),
 ) -> Checked {
     let known = scene.world.task(waiting)?;
-    require(parent == known.parent || parent == Some(waiting), "it has a strange parent")?;
+    require(
+        parent == known.parent || parent == Some(waiting),
+        "its parent is neither the waiting task nor the parent of that task",
+    )?;
     require(known.state != TaskState::Terminated, "no task waits")?;
-    require(limit.is_none_or(|limit| number <= limit), "there are too many")?;
+    require(limit.is_none_or(|limit| number <= limit), "its number exceeds the limit of probes")?;
     let place = scene.because.place.ok_or("it names no condition")?;
     let source = scene.world.library.sources.get(place.file as usize);
     let tail = source.and_then(|source| {
@@ -49,7 +52,7 @@ pub(super) fn probes(
 /// Checks that a probe which had not ended is cut.
 pub(super) fn cut(scene: &Scene<'_>, own: &Known, (waiting, probes, reason): (TaskId, u64, ProbingEnd)) -> Checked {
     let made = matches!(own.made, Cause::Probes { waiting: task, number, .. } if task == waiting && number == probes);
-    require(made, "it is no such probe")?;
+    require(made, "it is not a probe of that condition with that number")?;
     match reason {
         ProbingEnd::Satisfied => {
             let came = !scene.step.batch.events.is_empty() || !scene.world.messages.is_empty();
@@ -73,12 +76,14 @@ fn said_something(scene: &Scene<'_>, waiting: TaskId) -> bool {
 pub(super) fn limit(scene: &Scene<'_>, waiting: TaskId, probes: u64, reason: ProbingEnd) -> Checked {
     let (first, last) = (numbered(scene, waiting, 1)?, numbered(scene, waiting, probes)?);
     match reason {
-        ProbingEnd::TimeLimit(span) => require(first.created + span == scene.world.now, "that time is not over now"),
+        ProbingEnd::TimeLimit(span) => {
+            require(first.created + span == scene.world.now, "the time limit does not end now")
+        }
         ProbingEnd::CountLimit(count) => {
             require(count == probes, "there were fewer probes")?;
             require(
                 last.state == TaskState::Terminated && last.since == scene.world.now,
-                "the last lives, or ended before",
+                "the last probe has not ended, or ended at an earlier instant",
             )
         }
         ProbingEnd::Satisfied | ProbingEnd::NotAwaited => Err("that is not a limit".into()),

@@ -47,11 +47,11 @@ describe('failures', () => {
 
   it('of the initial task are those of the flight', () => {
     const list = failures([
-      entry('failed', '(go up)', 'T3 did (terminate)', 0),
+      entry('failed', '(go up)', 'T3 executed (terminate)', 0),
       entry('ended', 'the flight', 'the initial task failed', null),
     ]);
     expect(list.map(one => [one.kind, one.cause, one.task])).toEqual([
-      ['ended', 'the initial task failed: T3 did (terminate)', 0],
+      ['ended', 'the initial task failed: T3 executed (terminate)', 0],
     ]);
   });
 

@@ -90,7 +90,7 @@ describe('the present state', () => {
     expect(tail.t_ns).toEqual(row.t_ns);
     expect([tail.latitude_deg, tail.roll_deg]).toEqual([row.latitude_deg, row.roll_deg]);
     expect(wind).toBeNull();
-    // One half of a position is none.
+    // A latitude without a longitude is not a position.
     const half = presentOf(row, [window('lat', [[22, 36]])], { latitude_deg: 'lat', longitude_deg: 'lon' });
     expect(half.tail.latitude_deg).toEqual([34, 35]);
   });

@@ -20,8 +20,8 @@ export function isGone(target: Pick<Target, 'gone_ns'>): boolean {
 }
 
 /**
- * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row says
- * so by text and marks. The number of observed targets is the same everywhere.
+ * The state of a target as shown. A target that was observed remains so when a later plan visits it again or leaves it out: the row
+ * shows it by text and marks. The number of observed targets is the same everywhere.
  */
 export function shownState(
   target: Pick<Target, 'id' | 'state' | 'gone_ns' | 'observed_ns' | 'history'>,

@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rust_is_reported_with_its_line() {
+    fn what_is_not_rust_is_reported_with_its_line() {
         assert_eq!(read("fn a() {}\nfn (\n").unwrap_err().0, 2);
     }
 }

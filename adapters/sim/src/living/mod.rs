@@ -74,7 +74,7 @@ pub enum FaultKind {
     Cooling,
     /// Modem `of` is silent.
     Modem,
-    /// The estimated position drifts by `by` m/s to the east; without `by` there is no position, and the autopilot reckons.
+    /// The estimated position drifts by `by` m/s to the east; without `by` there is no position, and the autopilot uses dead reckoning.
     Navigation,
     /// State variable `of` of the vehicle keeps its last value.
     Freeze,

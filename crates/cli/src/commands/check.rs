@@ -49,7 +49,7 @@ pub fn run(options: &CheckOptions) -> CliResult {
                 check_report::summary(&checked)
             ))?;
             if let Some(serious) = checked.diagnostics.iter().find(|each| each.severity != Severity::Note) {
-                output::print_line(format_args!("`apex explain {}` tells more about that message", serious.code))?;
+                output::print_line(format_args!("`apex explain {}` explains that message", serious.code))?;
             }
         }
     }

@@ -62,7 +62,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         serve_beside(&path, door.clone(), options.port, planners)
     });
     let mut watch = door.as_ref().map(FlightDoor::watch);
-    let terms = apex_runtime::FlyOptions {
+    let terms = apex_runtime::RunSettings {
         pace: begin,
         controls: Some(controls),
         authority: door.as_ref().map(FlightDoor::authority).unwrap_or_default(),
@@ -111,7 +111,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, (first, path): (&Path, &Pa
     output::print_line(format_args!("Flight record: {}{continued}", path.display()))?;
     let path = shell_word(&path.display().to_string());
     output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
-    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow // english: allow
+    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow
     match &flight.end.reason {
         EndReason::Application { failed: true, .. } => output::print_line(format_args!("      apex why {path} T0")),
         _ => output::print_line(format_args!("      apex replay {path}")),

@@ -108,7 +108,7 @@ fn watch(
 /// Returns the error for a file that lacks the results after the one at which the reader of the output was gone.
 fn unfinished_output(path: &Path) -> CliError {
     CliError::failure(format!("{} is incomplete", path.display()))
-        .because("the reader of the printed results has ended before the last one")
+        .because("the program that reads the printed results ended before the last result")
         .help("send them to /dev/null if only the file is needed")
 }
 

@@ -26,9 +26,9 @@ use std::sync::Arc;
 const NO_PLAN_HELP: &str = "check the mission's data: `apex check MISSION`";
 /// Advice if the planner of `--solver` has no plan.
 const NO_PLAN_OF_SOLVER_HELP: &str =
-    "check the mission's data, or leave `--solver` out to let the mission's features choose";
+    "check the mission's data, or leave `--solver` out so that the solver is chosen by the features of the mission";
 /// Advice if an operator's visits are empty.
-const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
+const NO_PLAN_BY_HAND_HELP: &str = "write the names of targets as in the mission, separated by commas";
 
 /// Plans and prints.
 pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {

@@ -23,9 +23,9 @@ use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RecordOptions, Recorder};
-use apex_runtime::terms::Lateness;
+use apex_runtime::run_settings::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
-use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
+use apex_runtime::{EndReason, RunEnd, RunSettings, ScriptedAnswer, program};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
@@ -42,10 +42,10 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let terms = || {
         let mut terms = match &mission {
             Some(mission) => MissionFlight::terms(mission, until),
-            None => FlyOptions { until: until.unwrap_or(Time::END), ..FlyOptions::default() },
+            None => RunSettings { until: until.unwrap_or(Time::END), ..RunSettings::default() },
         };
         terms.inputs.extend(inputs.iter().cloned());
-        FlyOptions { answers: answers.clone(), stream: stream.take(), ..terms }
+        RunSettings { answers: answers.clone(), stream: stream.take(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
     let mut recorder = signed_recorder(options, &library, mission.as_deref())?;
@@ -79,7 +79,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         ClockSource::Simulated => run.with_inputs(&mut observers, terms()),
         ClockSource::Wall(pace) => {
             run.tell_who_acknowledges();
-            run.with_inputs(&mut observers, FlyOptions { pace: Some(pace), live, controls, ..terms() })
+            run.with_inputs(&mut observers, RunSettings { pace: Some(pace), live, controls, ..terms() })
         }
         ClockSource::Simulator => run.with_simulator(&mut observers, options.listen),
     };
@@ -155,7 +155,7 @@ struct Run<'a> {
     /// The flight of a mission; `None` for a program without one.
     flight: Option<MissionFlight>,
     is_recorded: bool,
-    terms: &'a dyn Fn() -> FlyOptions,
+    terms: &'a dyn Fn() -> RunSettings,
 }
 
 /// The end of a run, with the report of a mission.
@@ -172,7 +172,7 @@ impl Run<'_> {
         }
     }
 
-    fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: FlyOptions) -> CliResult<Ended> {
+    fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: RunSettings) -> CliResult<Ended> {
         if let Some(flight) = &self.flight {
             let flown = flight.fly(&mut NoVehicle::silent(), terms, observers)?;
             return Ok((flown.end, Some(flown.report)));

@@ -42,7 +42,7 @@ pub fn run(options: &VerifyOptions) -> CliResult {
     } else {
         output::print_line(format_args!("Integrity: {}", integrity))?;
         match &signature {
-            Some(key) => output::print_line(format_args!("Signature: the record is as {key} signed it"))?,
+            Some(key) => output::print_line(format_args!("Signature: valid, by key {key}"))?,
             None => output::print_line("Signature: none")?,
         }
         match &result {
@@ -64,7 +64,7 @@ fn signature_of(reader: &RecordReader, integrity: &Integrity, options: &VerifyOp
         SignatureState::Unsigned => None,
         SignatureState::SignedBy(key) => Some(key),
         SignatureState::Broken(why) => {
-            return Err(CliError::failure(format!("the signature of {record} does not hold")).because(why).help(
+            return Err(CliError::failure(format!("the signature of {record} is invalid")).because(why).help(
                 "copy the record and its `.sig` file again from their origin; an interrupted flight is not signed",
             ));
         }

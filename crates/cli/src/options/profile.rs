@@ -10,7 +10,7 @@ pub enum ProfileCommand {
     Build(ProfileBuildOptions),
     /// Measure some planners again, or new ones, and put them into a profile.
     Update(ProfileUpdateOptions),
-    /// Make one profile of parts that were measured apart, on several machines for example.
+    /// Merge parts that were measured separately into one profile, for example parts from several machines.
     Merge(ProfileMergeOptions),
     /// Print the best planner of each cell, or draw it.
     Show(ProfileShowOptions),

@@ -184,7 +184,7 @@ impl Reasons<'_> {
             .find(|group| group.candidates.iter().any(|candidate| candidate.modes.contains(self.mode)));
         let limited = diagnosis.groups.iter().any(|group| group.end == SearchEnd::NodeLimit);
         let head = match (health, group) {
-            (Health::Bad, _) => " because every candidate holds it".to_string(),
+            (Health::Bad, _) => " because every candidate contains it".to_string(),
             (_, Some(group)) => {
                 let with = group.candidates.iter().filter(|candidate| candidate.modes.contains(self.mode));
                 let (count, share) = with.fold((0, 0.0), |(count, share), one| (count + 1, share + one.share));

@@ -69,7 +69,7 @@ pub(crate) struct Work {
     pub(crate) repetition: Option<u64>,
     /// Notice: monitors to be judged.
     pub(crate) touched: MonitorIds,
-    /// Enable: clauses that came true.
+    /// Enable: clauses that became true.
     pub(crate) firings: SmallVec<[Firing; 1]>,
     /// Enable: evidence for tasks that are about to be enabled.
     pub(crate) evidence: SmallVec<[(TaskId, EvidenceList); 1]>,
@@ -129,7 +129,7 @@ pub(crate) enum SelfMessage {
     Measurement(StateVariable, Value),
 }
 
-/// A clause that came true.
+/// A clause that became true.
 pub(crate) struct Firing {
     /// The task.
     pub(crate) task: TaskId,

@@ -1,7 +1,7 @@
 //! Memory budget (TC)
 //! What: counts the bytes of tasks, monitors, decisions of the instant, bound values and histories, and rejects what exceeds the budget.
 //! Runs: when a task is made or a variable bound.  Reads: Task, Watch, bindings, histories.  Writes: MemoryCount, Decision.
-//! Bound: O(1); O(everything) after large values took another thirty-second of the budget.  PDL: `:limits (:memory-mebibytes N)`.
+//! Bound: O(1); O(size of the agent) each time that large values have taken another 1/32 of the budget.  PDL: `:limits (:memory-mebibytes N)`.
 //! Paper: none.
 
 use crate::control::cycle::Cycle;

@@ -131,7 +131,7 @@ fn found(sample: Option<&Sample>, history: &History, variable: &StateVariable, a
 
 fn no_longer_kept(history: &History, variable: &StateVariable, at: Time) -> String {
     let instead = match history.has_overflowed() {
-        true => "there were more than the limit keeps: ask less far back".to_string(),
+        true => "there were more than the limit keeps: query a shorter time".to_string(),
         false => format!("a (log {variable} ..) clause keeps them longer"),
     };
     format!("samples of {variable} around {at} are no longer kept; {instead}")

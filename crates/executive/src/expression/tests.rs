@@ -134,7 +134,7 @@ fn dimensions_are_checked_and_combined() {
 }
 
 #[test]
-fn time_points_and_durations_add_as_people_expect() {
+fn time_points_and_durations_add_as_usual() {
     let start = value(Value::Time(Time::from_seconds(100.0)));
     assert_eq!(shown(call("+", vec![start.clone(), seconds(45.0)])), "0:02:25");
     assert_eq!(shown(call("-", vec![call("+", vec![start.clone(), seconds(45.0)]), start.clone()])), "P45S");

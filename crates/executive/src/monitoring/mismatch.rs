@@ -13,14 +13,14 @@ use apex_forms::print::Style::Brief;
 use apex_model::pattern::Pattern;
 use apex_model::value::Value;
 
-/// Returns the first place where `value` does not fit `pattern`, as words after the name of the value: `has 3 parts where 2 are wanted`.
+/// Returns the first place where `value` does not fit `pattern`, as words after the name of the value: `has 3 parts instead of 2`.
 /// `None` if the mismatch has no single place.
 pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, context: &dyn EvalContext) -> Option<String> {
     find(pattern, value, context, &mut Bindings::new())
 }
 
 fn find(pattern: &Pattern, value: &Value, context: &dyn EvalContext, bound: &mut Bindings) -> Option<String> {
-    let instead = |wanted: String| Some(format!("has {value} where {wanted} is wanted"));
+    let instead = |wanted: String| Some(format!("has {value} instead of {wanted}"));
     match pattern {
         Pattern::Literal(literal) if literal.matches(value) => None,
         Pattern::Literal(literal) => match (literal.as_list(), value.as_list()) {
@@ -55,9 +55,9 @@ fn of_literals(wanted: &[Value], items: &[Value]) -> Option<String> {
     match differs {
         Some((wanted, item)) => match (wanted.as_list(), item.as_list()) {
             (Some(wanted), Some(items)) => of_literals(wanted, items),
-            _ => Some(format!("has {item} where {wanted} is wanted")),
+            _ => Some(format!("has {item} instead of {wanted}")),
         },
-        None => Some(format!("has {} parts where {} are wanted", items.len(), wanted.len())),
+        None => Some(format!("has {} parts instead of {}", items.len(), wanted.len())),
     }
 }
 
@@ -69,7 +69,7 @@ fn of_list(
     bound: &mut Bindings,
 ) -> Option<String> {
     let Some(items) = value.as_list() else {
-        return Some(format!("is {value} where {} is wanted", Brief.pattern(pattern)));
+        return Some(format!("is {value} instead of {}", Brief.pattern(pattern)));
     };
     for (part, item) in parts.iter().zip(items) {
         if let Pattern::Segment { .. } = part {
@@ -81,7 +81,7 @@ fn of_list(
     }
     let open = parts.iter().any(|part| matches!(part, Pattern::Segment { .. } | Pattern::Guard(_)));
     let differ = !open && parts.len() != items.len();
-    differ.then(|| format!("has {} parts where {} are wanted", items.len(), parts.len()))
+    differ.then(|| format!("has {} parts instead of {}", items.len(), parts.len()))
 }
 
 #[cfg(test)]
@@ -102,9 +102,9 @@ mod tests {
     fn the_first_part_that_differs_is_named() {
         let pattern = Pattern::List(vec![word("ready"), word("camera-1")]);
         let told = |value: &Value| first_mismatch(&pattern, value, &TestView::default()).unwrap_or_default();
-        assert_eq!(told(&form(&["ready", "camera-2"])), "has camera-2 where camera-1 is wanted");
-        assert_eq!(told(&form(&["ready", "camera-1", "now"])), "has 3 parts where 2 are wanted");
-        assert_eq!(told(&Value::Integer(3)), "is 3 where (ready camera-1) is wanted");
+        assert_eq!(told(&form(&["ready", "camera-2"])), "has camera-2 instead of camera-1");
+        assert_eq!(told(&form(&["ready", "camera-1", "now"])), "has 3 parts instead of 2");
+        assert_eq!(told(&Value::Integer(3)), "is 3 instead of (ready camera-1)");
         assert_eq!(told(&form(&["ready", "camera-1"])), "");
     }
 
@@ -113,6 +113,6 @@ mod tests {
         let variable = || Pattern::Variable(Symbol::new("x"));
         let pattern = Pattern::List(vec![variable(), variable()]);
         let told = first_mismatch(&pattern, &form(&["a", "b"]), &TestView::default());
-        assert_eq!(told.as_deref(), Some("has b where ?x = a is wanted"));
+        assert_eq!(told.as_deref(), Some("has b instead of ?x = a"));
     }
 }

@@ -38,7 +38,7 @@ pub(crate) enum Stimulus {
         /// Arrival number.
         sequence: u64,
     },
-    /// A task ended, for good.
+    /// A task ended and will not be repeated.
     TaskEnded {
         /// The task.
         task: TaskId,

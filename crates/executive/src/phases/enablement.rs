@@ -133,7 +133,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     }
 }
 
-/// Handles a `waitfor` that came true: the task gets its bindings.
+/// Handles a `waitfor` that became true: the task gets its bindings.
 fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfaction, place: Place) {
     for (name, value) in satisfaction.bindings.iter() {
         let evidence = satisfaction.evidence.clone();

@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_not_told() {
+    fn what_is_not_known_is_not_reported() {
         let mut known = OfVariable::from(Time(10));
         assert_eq!(known.largest(Time(10), Time(10)), None);
         [12, 20, 21].into_iter().for_each(|at| known.append(Time(at)));

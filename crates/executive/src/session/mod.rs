@@ -402,12 +402,12 @@ impl MonitorSession {
         let Some(mut watched) = self.watches.lift(id.0) else { return };
         let in_banks = self.look_into_banks(id, &mut watched);
         let before = watched.results;
-        for telling in watched.harvest(&self.world) {
-            if telling.kind != ResultReportKind::Closed {
+        for report in watched.take_reports(&self.world) {
+            if report.kind != ResultReportKind::Closed {
                 watched.results += 1;
-                watched.first.get_or_insert_with(|| telling.result.clone());
+                watched.first.get_or_insert_with(|| report.result.clone());
             }
-            self.results.push(self.told(id, telling));
+            self.results.push(self.told(id, report));
         }
         watched.refile(&mut self.interests, id);
         if in_banks {

@@ -75,7 +75,7 @@ fn a_session_pursues_nothing_and_judges_as_without_probing() {
 }
 
 #[test]
-fn the_largest_gap_of_a_run_is_told_when_asked_for() {
+fn the_largest_gap_of_a_run_is_reported_when_asked_for() {
     let plain = "(:episode (roll-angle uav) :quality :no-constraints :value (> 15))";
     let long = "(:episode (roll-angle uav) :quality (:max-gap 5s) :value (> 15) :timing (:duration (>= 4s)))";
     for condition in [plain, long] {
@@ -123,7 +123,7 @@ fn session_over(condition: &str) -> MonitorSession {
 }
 
 #[test]
-fn each_run_is_told_when_recognised_and_again_when_over() {
+fn each_run_is_reported_when_recognised_and_again_when_over() {
     let condition = "(:episode (roll-angle uav) :quality (:max-gap 2s) :value (> 15) :timing (:duration (>= 2s)))";
     let (mut session, id) = session(condition, 0.0);
     for (second, value) in [20.0, 20.0, 20.0, 20.0, 0.0, 20.0, 20.0, 0.0, 30.0, 30.0].into_iter().enumerate() {
@@ -140,7 +140,7 @@ fn each_run_is_told_when_recognised_and_again_when_over() {
 }
 
 #[test]
-fn a_measurement_is_told_for_each_sample_and_object() {
+fn a_measurement_is_reported_for_each_sample_and_object() {
     let (mut session, _) = session("(roll-angle ?who > 15)", 1.0);
     for (object, value, instant) in
         [("a", 90.0, 0.5), ("a", 20.0, 1.0), ("b", 30.0, 1.0), ("a", 3.0, 2.0), ("a", 40.0, 3.0)]
@@ -156,7 +156,7 @@ fn a_measurement_is_told_for_each_sample_and_object() {
 }
 
 #[test]
-fn a_combination_begins_anew_after_each_result() {
+fn a_combination_begins_again_after_each_result() {
     let (mut session, _) = session("(:in-order (go ?n) (stop))", 0.0);
     for (second, form) in ["(go 1)", "(go 2)", "(stop)", "(stop)", "(go 3)", "(stop)"].into_iter().enumerate() {
         session.event(apex_pdl::read_value(form).unwrap(), at(second as f64));
@@ -166,7 +166,7 @@ fn a_combination_begins_anew_after_each_result() {
 }
 
 #[test]
-fn alternatives_are_told_apart_and_absence_once() {
+fn alternatives_are_distinguished_and_absence_once() {
     let (mut session, _) = session("(:or (:and (x uav = 1) (y uav = 1)) (x uav = 1) (:not (z uav = 1)))", 0.0);
     session.sample(&of("z"), Value::Integer(0), at(0.0));
     session.sample(&of("x"), Value::Integer(1), at(1.0));
@@ -302,7 +302,7 @@ fn tasks_are_watched_when_their_tag_is_bound() {
 }
 
 #[test]
-fn samples_that_nobody_watches_are_instants_for_a_function_of_the_time() {
+fn samples_that_no_condition_watches_are_instants_for_a_function_of_the_time() {
     let instants: Vec<Time> = [1.0, 5.0, 8.0, 9.0].map(at).into();
     for in_one_slice in [true, false] {
         let (mut session, _) = session("(:function (and (> +met+ 5s) (< +met+ 9s)))", 0.0);
@@ -317,7 +317,7 @@ fn samples_that_nobody_watches_are_instants_for_a_function_of_the_time() {
 }
 
 #[test]
-fn refused_samples_are_troubles() {
+fn refused_samples_are_faults() {
     let (mut session, _) = session("(roll-angle uav > 15)", 0.0);
     session.sample(&roll("uav"), Value::symbol("steep"), at(1.0));
     assert!(session.take_troubles()[0].message.contains("was refused"));
@@ -410,7 +410,7 @@ proptest! {
     }
 
     #[test]
-    fn banks_tell_what_monitors_would_tell(
+    fn banks_report_what_monitors_would_tell(
         samples in prop::collection::vec((0i64..60, -1i64..6), 0..60),
         wanted in prop::collection::vec((0i64..5, 0i64..8, 0i64..5), 1..6),
         cuts in prop::collection::vec(any::<bool>(), 60),

@@ -110,7 +110,7 @@ impl WatchedCondition {
     }
 
     /// Collects the new results, after everything of the instant was noticed.
-    pub(super) fn harvest(&mut self, world: &SessionState) -> Vec<ResultReport> {
+    pub(super) fn take_reports(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &mut self.monitor {
             Some(monitor) => result_report::report_results(monitor, &mut self.told, self.lateness, world),
             None => Vec::new(),

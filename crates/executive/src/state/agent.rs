@@ -336,7 +336,11 @@ impl Agent {
             Wake::MinimumInterval(task) => format!("the minimum interval of {} is over", name(task)),
             Wake::Probing(monitor) => match self.watches.get(monitor.0) {
                 Some(watch) => {
-                    format!("{} probes for its {}, or its time for that is over", name(watch.task), watch.clause.word())
+                    format!(
+                        "{} probes for its {}, or the time limit of its probing ends",
+                        name(watch.task),
+                        watch.clause.word()
+                    )
                 }
                 None => "a probe is due".into(),
             },
@@ -351,8 +355,8 @@ impl Agent {
                 None => format!("the request {} to a solver times out", request.0),
             },
             Wake::Monitor(monitor) => match self.watches.get(monitor.0) {
-                Some(watch) => format!("{} of {} may come true", watch.clause.word(), name(watch.task)),
-                None => "a condition may come true".into(),
+                Some(watch) => format!("{} of {} may become true", watch.clause.word(), name(watch.task)),
+                None => "a condition may become true".into(),
             },
         }
     }

@@ -110,7 +110,7 @@ pub(crate) fn produced(step: &Step) -> Vec<Symbol> {
     names
 }
 
-/// A task that has ended for good, with the words of its outcome.
+/// A task that has ended finally, with the words of its outcome.
 pub(crate) type EndedStep = (TaskId, &'static [&'static str]);
 
 /// Returns the reason for which `condition` can never hold: a task that has ended, and the required outcome that it did not have.

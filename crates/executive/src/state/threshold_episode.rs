@@ -38,7 +38,7 @@ pub struct ThresholdEpisode {
     pub band: ThresholdBounds,
     /// Their dimension.
     pub dimension: Dimension,
-    /// The greatest gap between samples; the greatest duration is none.
+    /// Maximum gap between samples; the greatest duration means that there is no limit.
     pub gap_max: Duration,
     /// Minimum duration of the run.
     pub duration_min: Duration,

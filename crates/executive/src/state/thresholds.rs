@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bound_that_no_number_has_is_no_threshold() {
+    fn a_bound_that_no_number_has_is_not_a_threshold() {
         assert_eq!(Threshold::of(Relation::Greater, &Value::Real(f64::NAN)), None);
         assert_eq!(Threshold::of(Relation::Equal, &Value::symbol("idle")), None);
         assert_eq!(Threshold::of(Relation::Different, &Value::Integer(1)), None);

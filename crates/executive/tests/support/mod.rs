@@ -1,6 +1,6 @@
 //! A minimal runtime for tests: loads PDL, delivers events, steps the agent at its wakes, and records the effects.
 #![allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 
 pub mod programs;
 

@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn who_would_be_in_a_block_while_it_is_shut_leaves_earlier_or_later() {
+    fn a_vehicle_that_would_be_in_a_closed_block_leaves_earlier_or_later() {
         let air = Air::still(10.0);
         let leg = Course::on_plane(Point { x: 0.0, y: 0.0 }, Point { x: 1000.0, y: 0.0 }).unwrap();
         let block = Block { part: (0.4, 0.6), time_s: (200.0, 300.0) };

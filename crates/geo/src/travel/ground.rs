@@ -169,7 +169,7 @@ impl PathConstraints {
                     bend: Some(bend),
                     is_place: false,
                 };
-                if !self.is_shut_for_ever(&spot) {
+                if !self.is_always_shut(&spot) {
                     found.push(spot);
                 }
             }
@@ -177,7 +177,7 @@ impl PathConstraints {
         for position in self.reach.as_ref().map(Reach::crossings).unwrap_or_default() {
             if let Ok(spot) = self.spot(position) {
                 let spot = PreparedPoint { close: Vec::new(), is_place: false, ..spot };
-                if !self.is_shut_for_ever(&spot) {
+                if !self.is_always_shut(&spot) {
                     found.push(spot);
                 }
             }
@@ -185,7 +185,7 @@ impl PathConstraints {
         found
     }
 
-    fn is_shut_for_ever(&self, spot: &PreparedPoint) -> bool {
+    fn is_always_shut(&self, spot: &PreparedPoint) -> bool {
         let reach = self.reach.as_ref();
         self.open_s(spot).is_empty() || reach.is_some_and(|reach| !reach.holds(spot.position, spot.direction))
     }

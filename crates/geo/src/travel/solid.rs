@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_polygon_is_none() {
+    fn what_is_not_a_polygon_is_none() {
         assert_eq!(Solid::new(&[p(0.0, 0.0), p(1.0, 0.0), p(1.0, 0.0), p(0.0, 0.0)]), None);
         assert_eq!(Solid::new(&[p(0.0, 0.0), p(1.0, 0.0), p(f64::NAN, 0.0)]), None);
         let flat = solid(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]);

@@ -19,7 +19,7 @@ fn square(x: f64, y: f64, side: f64) -> PlaneZone {
     zone("square", &[(x, y), (x + side, y), (x + side, y + side), (x, y + side)])
 }
 
-/// Returns a network in which lengths are times: one unit a second.
+/// Returns a network in which lengths are times: one unit per second.
 fn still(zones: &[PlaneZone], margin: f64) -> Network {
     Network::on_plane(zones, (margin, 0.0), Air::still(1.0), ALL_DAY).unwrap()
 }
@@ -399,7 +399,7 @@ fn wind_makes_ways_and_times_differ_by_direction() {
 }
 
 #[test]
-fn who_turns_wide_bends_farther_out_and_can_fly_every_bend() {
+fn a_vehicle_with_wide_turns_bends_farther_out_and_can_fly_every_bend() {
     let zones = [square(40.0, -10.0, 20.0)];
     let length = |turn_radius: f64| {
         let mut network = Network::on_plane(&zones, (1.0, turn_radius), Air::still(1.0), ALL_DAY).unwrap();
@@ -425,7 +425,7 @@ fn who_turns_wide_bends_farther_out_and_can_fly_every_bend() {
 }
 
 #[test]
-fn who_is_inside_a_zone_is_told_so() {
+fn a_vehicle_inside_a_zone_gets_the_reason() {
     let mut network = still(&[square(0.0, 0.0, 10.0)], 0.0);
     let (inside, outside) = (network.add_point(p(5.0, 5.0)).unwrap(), network.add_point(p(50.0, 5.0)).unwrap());
     assert_eq!(network.trip(outside, inside, 0.0), Err(TravelError::Inside("square".into())));

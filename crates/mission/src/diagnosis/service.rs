@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restored_service_goes_on_as_before() {
+    fn a_restored_service_continues_as_before() {
         let (model, mut service) = (model(), DiagnosisService::default());
         service.observe(&model, &batch(&["(test-failed gps-fix)"]), &[]);
         let bytes = postcard::to_stdvec(&service).unwrap();

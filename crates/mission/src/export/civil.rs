@@ -16,7 +16,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn instants_are_told_in_utc() {
+    fn instants_are_reported_in_utc() {
         assert_eq!(utc(Some(1_189_213_200.0), 5_400.4).as_deref(), Some("2007-09-08T02:30:00Z"));
         assert_eq!((utc(None, 0.0), utc(Some(f64::NAN), 0.0), utc(Some(1e300), 0.0)), (None, None, None));
     }

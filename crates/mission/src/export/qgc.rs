@@ -43,7 +43,7 @@ pub fn write(chart: &Chart, height_m: Option<f64>) -> Result<String, String> {
     let relative_m = match (height_m, known) {
         (Some(height_m), _) => Some(height_m),
         (None, true) => None,
-        (None, false) => return Err("nothing is known of its altitudes".into()),
+        (None, false) => return Err("its altitudes are unknown".into()),
     };
     let mut items = Items { items: Vec::new(), relative_m };
     let rotorcraft = chart.airframe == Some(Airframe::Rotorcraft);

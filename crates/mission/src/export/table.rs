@@ -66,7 +66,7 @@ fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) 
         formats::ProblemKind::Orienteering => "the most value within a length",
         formats::ProblemKind::Tour => "the shortest tour of all",
     };
-    writeln!(out, "{name}: {format}; wanted is {asked}")?;
+    writeln!(out, "{name}: {format}; the problem asks for {asked}")?;
     match vehicles {
         Some(vehicles) if *vehicles != 1 => writeln!(out, "the file names {vehicles} vehicles; this is a plan for one"),
         _ => Ok(()),
@@ -128,13 +128,16 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan, air_changes: boo
     writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
     match plan.benefits_bound.zip(plan.gap()) {
         Some((bound, gap)) if gap < OPTIMAL && air_changes => {
-            writeln!(out, "  no plan can have benefits above {bound:.2}, which this one has, {EARLIEST_AIR}")
+            writeln!(out, "  no plan can have benefits above {bound:.2}, and this plan has them, {EARLIEST_AIR}")
         }
         Some((bound, gap)) if gap < OPTIMAL && plan.costs == 0.0 => {
             writeln!(out, "  proven to be the best: no plan can have benefits above {bound:.2}")
         }
         Some((bound, gap)) if gap < OPTIMAL => {
-            writeln!(out, "  proven: no plan can have benefits above {bound:.2}; whether one costs less is not")
+            writeln!(
+                out,
+                "  proven: no plan can have benefits above {bound:.2}; a plan with the same benefits may cost less"
+            )
         }
         Some((bound, gap)) => {
             let share = 100.0 * gap;
@@ -202,7 +205,7 @@ fn write_without_end(out: &mut String, of: &WithoutEnd) -> std::fmt::Result {
     let above = |cost_per_s: f64| 100.0 * (1.0 - of.cost_per_s_bound / cost_per_s).max(0.0);
     writeln!(
         out,
-        "  flown without end it costs {:.4} an hour; none can cost less than {least:.4}: this one is within {:.1} % of the best",
+        "  flown without end it costs {:.4} per hour; none can cost less than {least:.4}: this one is within {:.1} % of the best",
         hourly(of.cost_per_s),
         above(of.cost_per_s)
     )?;
@@ -211,5 +214,5 @@ fn write_without_end(out: &mut String, of: &WithoutEnd) -> std::fmt::Result {
     let rest = cycle.len().saturating_sub(CYCLE_SHOWN);
     let rest = if rest > 0 { format!(" and {rest} more (`--json` has all)") } else { String::new() };
     let cycle = wrapped(&shown, " -> ", 4, "    ");
-    writeln!(out, "  a cycle that costs {:.4} an hour: {cycle}{rest}", hourly(*cost_per_s))
+    writeln!(out, "  a cycle that costs {:.4} per hour: {cycle}{rest}", hourly(*cost_per_s))
 }

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_that_is_no_number_names_its_line() {
+    fn a_cell_that_is_not_a_number_names_its_line() {
         let error = read(&file(&["34.7,west,330,0.4,0.4,2007-09-08,942,N,VIIRS,n,2,290,5,N"])).unwrap_err();
         assert_eq!(error.place.as_deref(), Some("viirs.csv:2"));
         assert!(error.message.contains("`longitude` is `west`"), "{error:?}");

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn the_trouble_is_the_error_of_comparing_all_ways() {
+    fn the_message_is_that_of_comparing_all_ways() {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions");
         let (mut troubles, mut ways) = (Vec::new(), 0);
         for name in ["western-states", "stand-off"] {

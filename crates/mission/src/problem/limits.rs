@@ -8,7 +8,7 @@ use apex_model::problem::{NamedLimit, SingleVisitVehicle};
 use apex_model::time::Time;
 use apex_vehicle::EnergyModel;
 
-/// Returns the latest landing of a plan made at `now_s`: before the end of the mission and before the base closes for good.
+/// Returns the latest landing of a plan made at `now_s`: before the end of the mission and before the base closes until the end of the mission.
 pub(crate) fn end_s(mission: &Mission, now_s: f64) -> f64 {
     latest_end_s(mission, now_s).min(base_open_until_s(mission, now_s))
 }
@@ -25,8 +25,8 @@ pub(super) fn end_before_margin_s(duration_s: f64, margin_s: f64, now_s: f64) ->
     duration_s - margin_s * left.sqrt()
 }
 
-/// Returns the instant until which plans made at `now_s` land at the base because it closes for good, with the error of such times;
-/// infinity for a base that stays open, and for one that is closed already: it is the least of the evils then.
+/// Returns the instant until which plans made at `now_s` land at the base because it closes until the end of the mission, with the error of such times;
+/// infinity for a base that stays open, and for one that is closed already, because the flight has no better place to land then.
 pub(crate) fn base_open_until_s(mission: &Mission, now_s: f64) -> f64 {
     let closing = closing(mission, (mission.start, mission.start_altitude_m)).filter(|closing| closing.at_s > now_s);
     closing.map_or(f64::INFINITY, |closing| {

@@ -101,7 +101,7 @@ impl<'a> Scene<'a> {
         mission_end(self.open_s(site, spell) - before_s - after_s, way_s, descent_s).max(-NO_WAY_S)
     }
 
-    /// Returns the time in seconds until the mission ends or the site closes for good, whichever is earlier. For a site that has closed
+    /// Returns the time in seconds until the mission ends or the site closes until the end of the mission, whichever is earlier. For a site that has closed
     /// it is 0 if another site is open; otherwise the time until the mission ends, because no better site remains. A storm closes a site
     /// if it is not expected to leave before the mission ends.
     fn open_s(&self, site: &LandingSite<'_>, spell: Option<StormSpell>) -> f64 {

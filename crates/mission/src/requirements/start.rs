@@ -34,8 +34,9 @@ pub(crate) struct StartConditions<'a> {
 /// Checks the conditions before the first second of flight.
 ///
 /// # Errors
-/// A mission that starts inside a restricted zone, outside of the permitted area, too far from every landing place, in weather beyond its
-/// limits, with less energy than its reserve, or whose clearance exceeds the vehicle's ceiling or whose landing is required before time 0.
+/// - The mission starts inside a restricted zone, outside of the permitted area, or too far from every landing place.
+/// - It starts in weather beyond its limits, or with less energy than its reserve.
+/// - Its clearance exceeds the vehicle's ceiling, or its landing is required before time 0.
 pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
     airspace(mission)?;
     let requirements = mission.requirements;

@@ -88,7 +88,7 @@ struct StormWatch {
 struct RequirementState {
     alarm: Alarm,
     reported_s: Option<f64>,
-    /// True while it cannot be judged; a note has said so once.
+    /// True while it cannot be judged; a note has reported it once.
     is_unjudged: bool,
     has_noted_unjudged: bool,
     said_s: Option<f64>,
@@ -179,8 +179,8 @@ impl Watch {
         findings
     }
 
-    /// Reports whether a landing is commanded, for a vehicle that does not report its flight phase: programs would otherwise take it for
-    /// one that flies on.
+    /// Reports whether a landing is commanded, for a vehicle that does not report its flight phase: programs would otherwise assume that
+    /// it continues its mission.
     fn report_landing(&mut self, mission: &Mission, now: Time, findings: &mut Findings) {
         let lands = self.flown.is_near_ground.is_none() && self.commanded.lands();
         if lands != self.says_landing {

@@ -27,7 +27,7 @@ struct Behind {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Observations that are behind the flight until they are read.
+/// Observations that a separate thread accumulates, so that they lag behind the flight until they are read.
 pub(super) struct DeferredObservation {
     observation: Arc<RwLock<FlownObservation>>,
     behind: Mutex<Behind>,

@@ -147,7 +147,11 @@ fn known(measured: Option<TimedValue>, at: Time) -> Option<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test stops where it is surprised; the numbers are copies")]
+#[allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test stops at an unexpected result; the numbers are copies"
+)]
 mod tests {
     use super::{Latest, StateVariable, Time, Value};
     use apex_model::symbol::Symbol;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Losses below this many points are left out of the text.
-const LOSS_TOLD_MIN: f64 = 0.05;
+const LOSS_REPORTED_MIN: f64 = 0.05;
 /// Explanation of values in the rows of plans.
 const VALUES_TOLD: &str = "  A value in the second row is the value that the plan expected: the value at the time of planning, less the \
      parts that had been seen and the parts that its other visits show.";
@@ -73,7 +73,7 @@ impl FlightScore {
 /// Returns the value that the plan counted, if it differs from the one as flown.
 fn planned_value(look: &ScoredLook) -> Option<f64> {
     let counted = look.predicted.as_ref()?.value()?;
-    ((counted - look.flown.value).abs() >= LOSS_TOLD_MIN).then_some(counted)
+    ((counted - look.flown.value).abs() >= LOSS_REPORTED_MIN).then_some(counted)
 }
 
 fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Result {
@@ -109,7 +109,7 @@ fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Re
 
 /// Returns `roll 3.1` for each of these causes that cost points.
 fn causes(look: &LookResult, of: &[LossCause]) -> Vec<String> {
-    let losses = look.losses.iter().filter(|loss| of.contains(&loss.cause) && loss.points >= LOSS_TOLD_MIN);
+    let losses = look.losses.iter().filter(|loss| of.contains(&loss.cause) && loss.points >= LOSS_REPORTED_MIN);
     losses.map(|loss| format!("{} {:.1}", loss.cause.words(), loss.points)).collect()
 }
 

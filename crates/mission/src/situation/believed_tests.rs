@@ -52,7 +52,7 @@ fn posed(mission: &Mission, updates: MissionUpdates) -> SurveillanceProblem {
 }
 
 #[test]
-fn a_visit_that_goes_on_after_a_plan_is_observed_again() {
+fn a_visit_that_continues_after_a_plan_is_observed_again() {
     let mission = mission("structure-watch");
     let mut situation = Situation::default();
     let observing = MissionEvent::Observing("barn".into());
@@ -132,7 +132,7 @@ fn fires_are_worth_what_was_said_and_appear_when_they_are_announced() {
 }
 
 #[test]
-fn the_forecast_that_was_named_is_believed() {
+fn the_forecast_that_was_named_is_used() {
     let mut mission = mission("structure-watch");
     assert_ne!(mission.forecast, WindField::default());
     mission.forecasts.push(("calm.csv".into(), WindField::default()));
@@ -148,7 +148,7 @@ fn the_forecast_that_was_named_is_believed() {
 }
 
 #[test]
-fn whatever_names_nothing_is_told() {
+fn input_that_names_nothing_is_reported() {
     let mission = mission("structure-watch");
     let heads = [("new-target", None), ("target-gone", None), ("new-value", Some(1.0)), ("new-likelihood", Some(1.0))];
     for (head, number) in heads {
@@ -159,7 +159,7 @@ fn whatever_names_nothing_is_told() {
 }
 
 #[test]
-fn visits_of_people_are_repeated_where_they_say_so() {
+fn visits_of_operators_are_repeated_if_the_message_requests_it() {
     for (words, repeat) in [(["repeat", "barn", "school"].as_slice(), true), (&["barn", "school"], false)] {
         let mut updates = MissionUpdates::default();
         let words = Value::list(words.iter().map(|word| Value::symbol(word)));

@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_position_beside_the_line_shows_nothing() {
+    fn a_position_next_to_the_line_shows_nothing() {
         let mut line = ScanLine::new(Position::new(40.0, -120.0), Position::new(40.1, -120.0));
         line.mark(Position::new(40.05, -120.1), true);
         assert_eq!(line.count().1, 0);

@@ -148,7 +148,7 @@ impl MissionUpdates {
                 note
             }
             MissionUpdate::NewLikelihood(target, rate_per_h) => {
-                let note = format!("{target}: {rate_per_h} events an hour from now on");
+                let note = format!("{target}: {rate_per_h} events per hour from now on");
                 self.rates_per_h.insert(target, rate_per_h);
                 note
             }
@@ -166,11 +166,11 @@ impl MissionUpdates {
             }
             MissionUpdate::OperatorPlan { visits, printed, .. } if visits.is_empty() => {
                 self.operator_plan = None;
-                format!("planned by people: {printed}, which names no visits")
+                format!("planned by an operator: {printed}, which names no visits")
             }
             MissionUpdate::OperatorPlan { visits, repeat, .. } => {
                 let again = if repeat { ", again and again" } else { "" };
-                let note = format!("planned by people: {}{again}", visits.join(", "));
+                let note = format!("planned by an operator: {}{again}", visits.join(", "));
                 self.operator_plan = Some(OperatorPlan { visits, repeat });
                 note
             }
@@ -348,13 +348,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_news_is_left_alone() {
+    fn a_message_that_is_not_an_update_changes_nothing() {
         assert_eq!(MissionUpdate::read("observed", &[Value::symbol("barn")]), None);
         assert_eq!(MissionUpdate::read("new-target", &[]), None);
     }
 
     #[test]
-    fn a_value_that_is_none_changes_nothing_and_is_told() {
+    fn a_value_that_is_invalid_changes_nothing_and_is_reported() {
         let mut updates = MissionUpdates::default();
         let barn = Value::Symbol(Symbol::new("barn"));
         let long = Value::Duration(apex_model::time::Duration::from_seconds(60.0));
@@ -384,7 +384,7 @@ mod tests {
             let mut updates = MissionUpdates::default();
             assert_eq!(
                 said(&mut updates, "planned-by-people", std::slice::from_ref(&barn)),
-                "planned by people: barn, again and again"
+                "planned by an operator: barn, again and again"
             );
             assert_eq!(updates.operator_plan(), Some(&OperatorPlan { visits: vec!["barn".to_string()], repeat: true }));
             let note = said(&mut updates, "planned-by-people", &empty);
@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_word_that_the_mission_knows_is_believed_and_the_strange_one_is_told_once() {
+    fn the_last_word_that_the_mission_knows_is_used_and_an_unknown_one_is_reported_once() {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/structure-watch");
         let mut mission = Mission::load(&folder).unwrap();
         mission.forecasts.push(("winds-actual.csv".to_string(), WindField::default()));

@@ -21,8 +21,8 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-/// Names, least and greatest numbers of arguments. The last one, which may be left out, is a list of areas to avoid: the weak links of
-/// `(weak-link-areas AIRCRAFT)`, and those of `(storm-areas AIRCRAFT)`, which have times. Landing places take the time before it.
+/// Names, least and greatest numbers of arguments. The last argument is optional: a list of areas to avoid, as `(weak-link-areas AIRCRAFT)`
+/// and `(storm-areas AIRCRAFT)` return them; storm areas hold for a time. For landing places, the argument before it is the time.
 const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
@@ -52,7 +52,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
         let function = move |arguments: &[Value]| {
             if !(least..=most).contains(&arguments.len()) {
                 let wanted = if least == most { least.to_string() } else { format!("{least} or {most}") };
-                return Err(format!("`{name}` takes {wanted} arguments and was given {}.", arguments.len()));
+                return Err(format!("`{name}` takes {wanted} arguments and was given {}", arguments.len()));
             }
             let of_body = match name {
                 "landing-place-near" => least + 1,

@@ -221,8 +221,8 @@ impl Limits {
         lengths_m.into_iter().find_map(|extra_m| self.way_from_circle(request, (centre, field), extra_m, strict))
     }
 
-    /// Returns the way of a vehicle that descends on the circle around `centre`, so far that it reaches the altitude of the approach on the
-    /// way from there, which joins the extension of the final approach `extra_m` before its beginning.
+    /// Returns the way of a vehicle that descends on the circle around `centre` and then joins the extension of the final approach, `extra_m`
+    /// before the beginning of that approach. It leaves the circle as soon as it can reach the altitude of the approach on the rest of the way.
     fn way_from_circle(
         &self,
         request: &Request,

@@ -24,7 +24,7 @@ pub struct ExpandingSquare {
 impl ExpandingSquare {
     /// Name in PDL.
     pub const NAME: &'static str = "expanding-square";
-    /// Most rounds.
+    /// Maximum number of rounds.
     const ROUNDS_MAX: u32 = 200;
 
     /// Returns the length of all legs: `S k (k + 1)`.

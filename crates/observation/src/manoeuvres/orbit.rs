@@ -29,7 +29,7 @@ pub struct Orbit {
 impl Orbit {
     /// Name in PDL.
     pub const NAME: &'static str = "orbit";
-    /// Most circles of one orbit.
+    /// Maximum number of circles of one orbit.
     const TURNS_MAX: f64 = 100.0;
     /// Rounding error of a tilt angle, and angle by which a mount reaches further down than its limit.
     pub(super) const TILT_SPARE_DEG: (f64, f64) = (1e-9, 1.0);

@@ -63,7 +63,7 @@ fn sum(library: &Library, inputs: &Inputs<'_>, expr: &Expr, report: &mut Derivat
     let Some((first, known)) = numbers.first() else { return false };
     let Some((other, found)) = numbers.iter().find(|(_, kind)| kind != known) else { return false };
     let (known, found) = (known.words(), found.words());
-    let message = format!("`{function}` of {known} and {found}");
+    let message = format!("cannot apply `{function}` to {known} and {found}");
     let diagnostic = Diagnostic::error(codes::DIMENSION, report.0.span(other.place), message)
         .label(report.0.span(first.place), format!("this is {known}"))
         .reason("no value could be computed, so the derived variable would have no sample");

@@ -63,7 +63,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
             None => first = Some((dimension, argument)),
             Some((known, other)) if known != dimension => {
                 let (known, found) = (Kind::Number(known).words(), Kind::Number(dimension).words());
-                let message = format!("`{function}` of {known} and {found}");
+                let message = format!("cannot apply `{function}` to {known} and {found}");
                 let diagnostic = Diagnostic::error(codes::DIMENSION, report.locator.span(argument.place), message)
                     .label(report.locator.span(other.place), format!("this is {known}"))
                     .reason("only values of one dimension can be added or compared");
@@ -85,7 +85,7 @@ fn alternatives(program: &Program<'_>, expr: &Expr, report: &mut FindingCollecto
     let Some((first, known)) = parts.next() else { return };
     let Some((other, found)) = parts.find(|(_, dimension)| *dimension != known) else { return };
     let (known, found) = (Kind::Number(known).words(), Kind::Number(found).words());
-    let message = format!("`or` of {known} and {found}");
+    let message = format!("the alternatives of `or` are {known} and {found}");
     let diagnostic = Diagnostic::error(codes::DIMENSION, report.locator.span(other.place), message)
         .label(report.locator.span(first.place), format!("this is {known}"))
         .reason("the alternatives of one value have one dimension");

@@ -211,7 +211,7 @@ fn awaited_steps(procedure: &Procedure) -> Vec<bool> {
     procedure.steps.iter().map(|step| all_uncounted || !is_uncounted(step)).collect()
 }
 
-/// Returns true if something other than its activity may end the step for good.
+/// Returns true if something other than its activity may finally end the step.
 pub(crate) fn is_stopped(step: &Step, terminated: &BTreeSet<&Symbol>) -> bool {
     step.transitions.end_when.is_some() || terminated.contains(&step.tag)
 }

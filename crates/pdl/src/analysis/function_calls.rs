@@ -42,7 +42,8 @@ fn alternatives(expr: &Expr) -> Vec<&Expr> {
 
 fn diagnostic(function: &Symbol, at: &Expr, mismatch: SumMismatch, locator: &mut Locator<'_>) -> Diagnostic {
     let SumMismatch { function: inner, kinds: [known, found], place } = mismatch;
-    let message = format!("`({function} ..)` fails here: `{inner}` of {} and {}", known.words(), found.words());
+    let message =
+        format!("`({function} ..)` fails here: it cannot apply `{inner}` to {} and {}", known.words(), found.words());
     Diagnostic::error(codes::DIMENSION, locator.span(at.place), message)
         .label(locator.span(place), "computed here")
         .reason("only values of one dimension can be added or compared")

@@ -23,7 +23,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         for (index, step) in procedure.steps.iter().enumerate() {
             let ends = program.endings.activity_ends(number, index) || is_stopped(step, &terminated);
             piling_up(step, ends || program.endings.is_wild, report);
-            new_for_ever(procedure, step, report);
+            unbounded_for_new(procedure, step, report);
             growing(procedure, step, report);
         }
         queries(procedure, report);
@@ -116,7 +116,7 @@ fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
 }
 
 /// Reports `:for-new` over values that never repeat.
-fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
+fn unbounded_for_new(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let clause = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),
         (None, Some(clause)) => ("repeating", clause),

@@ -293,9 +293,9 @@ fn instants(library: &Library, function: &Symbol, arguments: &[Expr], found: &mu
     let Some((at, kind)) = wrong else { return };
     let (Some(argument), Some(instant)) = (arguments.get(at), arguments.get(first)) else { return };
     let message = match (name, kind) {
-        ("+", Kind::Instant) => "`+` of two instants".to_string(),
-        ("-", Kind::Instant) => "`-` of an instant from a number".to_string(),
-        _ => format!("`{function}` of an instant and {}", kind.words()),
+        ("+", Kind::Instant) => "cannot add two instants".to_string(),
+        ("-", Kind::Instant) => "cannot subtract an instant from a number".to_string(),
+        _ => format!("cannot apply `{function}` to an instant and {}", kind.words()),
     };
     let help = Some("the time since the start is `+met+`, and 5 s after the start is `(+ +mission-start+ 5s)`");
     let (place, instant) = (argument.place, Some(instant.place));

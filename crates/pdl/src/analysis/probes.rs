@@ -33,7 +33,7 @@ fn amounts(program: &Program<'_>, condition: &Condition, report: &mut FindingCol
         if number(span, library).is_some_and(|length| length <= 0.0) {
             let message = format!("the {name} of `:probing` is not above zero");
             let reason = match name {
-                "interval" => "a probe would follow the other at the same instant, without end",
+                "interval" => "probes would follow one another at one instant, without end",
                 _ => "probing would be over before the first probe",
             };
             report_amount(span, message, reason, "write a duration such as 10s", report);

@@ -75,7 +75,7 @@ fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findi
     let span = after_keyword(findings, step, ":default", word);
     let words = options.iter().filter_map(|option| option.as_symbol()).map(Symbol::printed);
     let diagnostic =
-        Diagnostic::new(Severity::Warning, codes::UNSERVED_ANSWER, span, format!("`{word}` is none of the options"))
+        Diagnostic::new(Severity::Warning, codes::UNSERVED_ANSWER, span, format!("`{word}` is not one of the options"))
             .reason("without an answer the default counts, so it must be an answer that the operator can choose")
             .fixes(renames(span, word.printed(), words));
     findings.add(diagnostic);

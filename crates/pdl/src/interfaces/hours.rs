@@ -29,7 +29,7 @@ pub(super) fn check(library: &Library, known: &KnownNames, findings: &mut Findin
     for (place, since) in late {
         let message = format!("this instant is {since} after the start, and the mission lasts {duration}");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNREACHABLE, findings.locator.span(place), message)
-            .reason("the mission ends before, so what waits for the instant never begins")
+            .reason("the mission ends earlier, so a step that waits for this instant never begins")
             .help("correct the time, or the `:duration` of the mission");
         findings.add(diagnostic);
     }

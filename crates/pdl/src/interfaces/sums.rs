@@ -43,7 +43,7 @@ fn sum(library: &Library, expr: &Expr, variables: &BTreeMap<&Symbol, Kind>, find
     // A difference that exists without the variables is reported elsewhere.
     let (Some(different), None) = (differing(&numbers), differing(&plain)) else { return };
     let [known, found] = different.map(Kind::words);
-    let message = format!("`{function}` of {known} and {found}");
+    let message = format!("cannot apply `{function}` to {known} and {found}");
     let diagnostic = Diagnostic::error(codes::DIMENSION, findings.locator.span(expr.place), message)
         .reason("the dimension of a goal's variable follows from the command or goal that it is an argument of");
     findings.add(diagnostic);

@@ -91,7 +91,7 @@ impl Lowering {
             _ => {
                 let message = "a workload is a number from 1 to 9";
                 let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message);
-                self.refuse(diagnostic.help("1: urgency decides; 9: importance decides; without the word it is 5"))
+                self.refuse(diagnostic.help("1: urgency decides; 9: importance decides; without `:workload` it is 5"))
             }
         }
     }

@@ -214,7 +214,7 @@ impl Lowering {
                 argument.kind = ExprKind::Constant(zero);
                 continue;
             }
-            let message = format!("`{function}` of {wanted} and {dimension}");
+            let message = format!("cannot apply `{function}` to {wanted} and {dimension}");
             let mut diagnostic = Diagnostic::error(codes::DIMENSION, datum.span, message)
                 .reason("only values of one dimension can be added or compared");
             if let Some(place) = place {

@@ -329,7 +329,7 @@ fn quality_added(episode: &Datum) -> Vec<Fix> {
     };
     vec![
         add("(:no-constraints)", "accepts whatever samples arrive"),
-        add("(:max-gap 1s)", "asks for a sample at least every second"),
+        add("(:max-gap 1s)", "requires a sample at least every second"),
     ]
 }
 

@@ -350,7 +350,7 @@ impl Lowering {
         {
             let message = format!("{duration} is a negative span of time");
             let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
-                .reason("it ends now or later")
+                .reason("a wait cannot end in the past")
                 .help("write a duration of at least 0");
             return self.refuse(diagnostic);
         }

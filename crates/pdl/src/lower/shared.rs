@@ -252,7 +252,7 @@ impl Lowering {
             let shape = format!("(log ({variable} {}))", options.join(" "));
             return self.missing_part(
                 limit.span,
-                "limits of a log stand after its state variable, in brackets",
+                "write the limits of a log after its state variable, in brackets",
                 &shape,
             );
         }

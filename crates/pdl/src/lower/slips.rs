@@ -152,7 +152,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// Reports `((go) :and (stop))` and `(go :or stop)`: the connective stands between its parts, so that the form would be a message.
+    /// Reports `((go) :and (stop))` and `(go :or stop)`: the connective is written between its parts, so that the form would be a message.
     /// Returns true if it did.
     pub(super) fn report_infix(&mut self, items: &[Datum]) -> bool {
         let of_lists = items.first().is_some_and(|first| first.as_list().is_some());
@@ -166,7 +166,7 @@ impl Lowering {
         let Some((span, name)) = items.iter().skip(1).find_map(|item| Some((item.span, connective(item)?))) else {
             return false;
         };
-        let message = format!("`:{name}` stands between conditions");
+        let message = format!("`:{name}` is written between conditions");
         let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, span, message)
             .reason("as written, this is an event with these words, which never occurs")
             .help(format!("a connective comes first: `(:{name} CONDITION ..)`"));

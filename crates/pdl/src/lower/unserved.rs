@@ -35,7 +35,7 @@ struct Nearest<'s> {
 }
 
 /// Input of the search for nearly serving indexes.
-struct Search<'s, 'l> {
+struct SuggestionSearch<'s, 'l> {
     library: &'l Library,
     locator: Locator<'l>,
     served: &'s [Served],
@@ -74,7 +74,7 @@ impl Lowering {
         let index = GoalIndex::new(&served);
         let unserved: Vec<&Goal> = goals.iter().filter(|goal| !index.serves(&goal.template)).collect();
         if !unserved.is_empty() {
-            let mut search = Search::new(library, &goals, &served, self.undefined());
+            let mut search = SuggestionSearch::new(library, &goals, &served, self.undefined());
             let mut reported: Vec<(Place, Diagnostic)> = Vec::new();
             let mut full = false;
             for goal in unserved {
@@ -97,8 +97,8 @@ impl Lowering {
     }
 }
 
-impl<'s, 'l> Search<'s, 'l> {
-    fn new(library: &'l Library, goals: &[Goal], served: &'s [Served], severity: Severity) -> Search<'s, 'l> {
+impl<'s, 'l> SuggestionSearch<'s, 'l> {
+    fn new(library: &'l Library, goals: &[Goal], served: &'s [Served], severity: Severity) -> SuggestionSearch<'s, 'l> {
         let mut locator = Locator::new(&library.sources);
         let indexes: Vec<Option<Datum>> =
             served.iter().take(CANDIDATES_MAX).map(|each| locator.datum(each.span.place())).collect();
@@ -109,7 +109,7 @@ impl<'s, 'l> Search<'s, 'l> {
         for word in sources.iter().chain(indexes.iter().flatten()).flat_map(words) {
             *counts.entry(word.clone()).or_default() += 1;
         }
-        Search {
+        SuggestionSearch {
             library,
             locator,
             served,
@@ -272,7 +272,7 @@ impl<'s, 'l> Search<'s, 'l> {
         let fix = if certain { Fix::safe(title) } else { Fix::look(title) };
         let diagnostic = Diagnostic::new(self.severity, codes::UNSERVED_GOAL, written.span, message)
             .label(goal.span, "nothing serves this goal")
-            .reason("the index serves no goal, and its word stands nowhere else")
+            .reason("the index serves no goal, and its word occurs nowhere else")
             .fix(fix.replace(written.span, meant.printed()));
         Some((written.span.place(), diagnostic))
     }

@@ -23,7 +23,7 @@ pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
     if !text.bytes().any(|byte| matches!(byte, b'[' | b']' | b'{' | b'}')) {
         return Vec::new();
     }
-    let mut search = Search { stack: Vec::new(), found: Vec::new() };
+    let mut search = BracketMatcher { stack: Vec::new(), found: Vec::new() };
     let mut at = 0;
     for token in tokens(text) {
         search.take(&token, at);
@@ -50,13 +50,13 @@ pub(crate) fn with_parentheses(text: &str, found: &[Bracketed]) -> String {
     mended
 }
 
-struct Search {
+struct BracketMatcher {
     /// Open brackets: the place of a bracket, `None` for a parenthesis.
     stack: Vec<Option<usize>>,
     found: Vec<Bracketed>,
 }
 
-impl Search {
+impl BracketMatcher {
     fn take(&mut self, token: &Token<'_>, at: usize) {
         match token.kind {
             SyntaxKind::Open => self.stack.push(None),

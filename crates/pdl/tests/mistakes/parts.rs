@@ -1,8 +1,8 @@
 //! Mistakes in the parts of forms: something forgotten, given twice, or in the wrong order.
 
-use super::chance::Chance;
 use super::mistake::{Mistake, remove, replace, replaced};
 use super::program::Program;
+use super::rng::TestRng;
 use super::roles::{Role, Site};
 use super::tree::line_of;
 use apex_model::builtins::built_in;
@@ -26,8 +26,8 @@ fn clauses(program: &Program<'_>, names: &[&str]) -> Vec<usize> {
 }
 
 /// Returns a step forgotten that others wait for.
-pub fn without_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let tag = *chance.pick(&sites(program, Role::Tag))?;
+pub fn without_step(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let tag = *rng.pick(&sites(program, Role::Tag))?;
     let step = program.roles.tree.nodes[tag.node].parent?;
     let range = program.roles.tree.nodes[step].range.clone();
     let name = format!("?{}", program.roles.word(tag.node));
@@ -47,14 +47,14 @@ pub fn without_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
 }
 
 /// Returns a step renamed without the conditions that wait for it: the mistake is visible at them, or at the step.
-pub fn renamed_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let tag = *chance.pick(&sites(program, Role::Tag))?;
+pub fn renamed_step(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let tag = *rng.pick(&sites(program, Role::Tag))?;
     let name = format!("?{}", program.roles.word(tag.node));
     let uses: Vec<Site> = sites(program, Role::TagUse)
         .into_iter()
         .filter(|site| site.form == tag.form && program.roles.word(site.node) == name)
         .collect();
-    let new = *chance.pick(&["begin", "again", "inspect", "approach", "wrap-up"])?;
+    let new = *rng.pick(&["begin", "again", "inspect", "approach", "wrap-up"])?;
     if uses.is_empty() || program.knows(new) {
         return None;
     }
@@ -64,8 +64,8 @@ pub fn renamed_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
 }
 
 /// Returns a step that waits for its own end.
-pub fn waits_for_itself(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let tag = *chance.pick(&sites(program, Role::TagUse))?;
+pub fn waits_for_itself(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let tag = *rng.pick(&sites(program, Role::TagUse))?;
     let tree = &program.roles.tree;
     let end = tree.nodes[tag.node].parent.filter(|list| tree.head(*list, program.text) == "end")?;
     let mut step = end;
@@ -78,9 +78,9 @@ pub fn waits_for_itself(program: &Program<'_>, chance: &mut Chance) -> Option<Mi
 }
 
 /// Returns two steps with one tag.
-pub fn same_tag(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn same_tag(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let tags = sites(program, Role::Tag);
-    let (one, other) = (*chance.pick(&tags)?, *chance.pick(&tags)?);
+    let (one, other) = (*rng.pick(&tags)?, *rng.pick(&tags)?);
     if one.node == other.node || one.form != other.form {
         return None;
     }
@@ -91,10 +91,10 @@ pub fn same_tag(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
 }
 
 /// Returns a goal without one of its arguments.
-pub fn goal_without_argument(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn goal_without_argument(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let goals: Vec<usize> = program.roles.goals.iter().filter(|goal| !goal.is_index).map(|goal| goal.node).collect();
-    let goal = *chance.pick(&goals)?;
-    let item = *chance.pick(program.roles.tree.tail(goal))?;
+    let goal = *rng.pick(&goals)?;
+    let item = *rng.pick(program.roles.tree.tail(goal))?;
     let is_argument = !program.roles.word(item).starts_with(|c: char| c.is_ascii_alphabetic() || c == '=');
     let range = program.roles.tree.nodes[item].range.clone();
     let mistake = remove(program, range, "argument forgotten");
@@ -102,11 +102,11 @@ pub fn goal_without_argument(program: &Program<'_>, chance: &mut Chance) -> Opti
 }
 
 /// Returns two words of a goal in the wrong order.
-pub fn swapped_words(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn swapped_words(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let goals: Vec<usize> = program.roles.goals.iter().filter(|goal| !goal.is_index).map(|goal| goal.node).collect();
-    let goal = *chance.pick(&goals)?;
+    let goal = *rng.pick(&goals)?;
     let items = program.roles.tree.tail(goal);
-    let at = chance.below(items.len());
+    let at = rng.below(items.len());
     let (one, other) = (*items.get(at)?, *items.get(at + 1)?);
     let (a, b) = (program.roles.tree.nodes[one].range.clone(), program.roles.tree.nodes[other].range.clone());
     let (left, right) = (program.roles.word(one), program.roles.word(other));
@@ -118,8 +118,8 @@ pub fn swapped_words(program: &Program<'_>, chance: &mut Chance) -> Option<Mista
 }
 
 /// Returns a function called without one of the arguments that it needs.
-pub fn call_without_argument(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let function = *chance.pick(&sites(program, Role::Function))?;
+pub fn call_without_argument(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let function = *rng.pick(&sites(program, Role::Function))?;
     let list = program.roles.tree.nodes[function.node].parent?;
     let needed = built_in(program.roles.word(function.node))?.arguments_min;
     let arguments = program.roles.tree.tail(list);
@@ -131,8 +131,8 @@ pub fn call_without_argument(program: &Program<'_>, chance: &mut Chance) -> Opti
 }
 
 /// Returns an option without its value.
-pub fn option_without_value(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let option = *chance.pick(&sites(program, Role::Option))?;
+pub fn option_without_value(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let option = *rng.pick(&sites(program, Role::Option))?;
     let siblings = &program.roles.tree.nodes[program.roles.tree.nodes[option.node].parent?].children;
     let value = *siblings.get(siblings.iter().position(|item| *item == option.node)? + 1)?;
     if program.roles.word(value).starts_with(':') || siblings[0] == option.node {
@@ -142,10 +142,10 @@ pub fn option_without_value(program: &Program<'_>, chance: &mut Chance) -> Optio
 }
 
 /// Returns an episode without its quality.
-pub fn without_quality(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn without_quality(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let is_quality = |site: &Site| program.roles.word(site.node) == ":quality";
     let options: Vec<Site> = sites(program, Role::Option).into_iter().filter(is_quality).collect();
-    let option = chance.pick(&options)?;
+    let option = rng.pick(&options)?;
     let tree = &program.roles.tree;
     let episode = tree.nodes[option.node].parent?;
     let siblings = &tree.nodes[episode].children;
@@ -157,12 +157,12 @@ pub fn without_quality(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
 }
 
 /// Returns a repeated clause that may occur only once.
-pub fn clause_twice(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn clause_twice(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let once = clauses(
         program,
         &["waitfor", "forall", "repeating", "responding", "on-failure", "index", "restart-when", "duration"],
     );
-    let clause = *chance.pick(&once)?;
+    let clause = *rng.pick(&once)?;
     let range = program.roles.tree.nodes[clause].range.clone();
     let (first, last) = (line_of(program.text, range.start), line_of(program.text, range.end));
     let copy = format!(" {}", &program.text[range.clone()]);
@@ -171,8 +171,8 @@ pub fn clause_twice(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
 }
 
 /// Returns a procedure or primitive without its index.
-pub fn without_index(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let index = *chance.pick(&clauses(program, &["index"]))?;
+pub fn without_index(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let index = *rng.pick(&clauses(program, &["index"]))?;
     let form = program.roles.tree.nodes[index].parent?;
     let mut mistake = remove(program, program.roles.tree.nodes[index].range.clone(), "index forgotten");
     mistake.lines.push(line(program, form));
@@ -180,10 +180,10 @@ pub fn without_index(program: &Program<'_>, chance: &mut Chance) -> Option<Mista
 }
 
 /// Returns a concurrent procedure without the step that ends it.
-pub fn without_end(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn without_end(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let is_end = |site: &Site| program.roles.word(site.node) == "terminate";
     let ends: Vec<Site> = sites(program, Role::Activity).into_iter().filter(is_end).collect();
-    let end = chance.pick(&ends)?;
+    let end = rng.pick(&ends)?;
     let step = program.roles.tree.nodes[program.roles.tree.nodes[end.node].parent?].parent?;
     let mut mistake = remove(program, program.roles.tree.nodes[step].range.clone(), "end forgotten");
     mistake.lines.push(line(program, end.form));
@@ -192,8 +192,8 @@ pub fn without_end(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake
 
 /// Returns a program without a procedure, primitive or function that others need. Permitted are the lines that need it, in any text of
 /// the program; the scorer finds them.
-pub fn without_definition(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let form = *chance.pick(&program.roles.tree.forms)?;
+pub fn without_definition(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let form = *rng.pick(&program.roles.tree.forms)?;
     let own = |node: usize| program.roles.tree.nodes[form].range.contains(&program.roles.tree.nodes[node].range.start);
     let text = program.text;
     let needs: Vec<u32> = match program.roles.tree.head(form, text) {

@@ -7,36 +7,36 @@
 //! else, legitimately, is not a mistake and is not made: a word must be contradicted by another place of the program, or
 //! belong to the vocabulary of the language.
 
-use super::chance::Chance;
 use super::mistake::Mistake;
 use super::program::Program;
+use super::rng::TestRng;
 use super::roles::Role;
 use super::{parts, shapes, words};
 
-type Maker = fn(&Program<'_>, &mut Chance) -> Option<Mistake>;
+type Maker = fn(&Program<'_>, &mut TestRng) -> Option<Mistake>;
 
 /// Kinds of mistakes with their weights and makers.
 pub const KINDS: &[(&str, usize, Maker)] = &[
-    ("word of a goal", 14, |program, chance| words::typo(program, chance, Role::GoalWord)),
-    ("word of an index", 7, |program, chance| words::typo(program, chance, Role::IndexWord)),
-    ("variable", 14, |program, chance| words::typo(program, chance, Role::Variable)),
-    ("tag where it is used", 10, |program, chance| words::typo(program, chance, Role::TagUse)),
-    ("tag of a step", 5, |program, chance| words::typo(program, chance, Role::Tag)),
-    ("clause", 10, |program, chance| words::typo(program, chance, Role::Clause)),
-    ("top-level form", 4, |program, chance| words::typo(program, chance, Role::FormName)),
-    ("option", 8, |program, chance| words::typo(program, chance, Role::Option)),
-    ("condition", 4, |program, chance| words::typo(program, chance, Role::Condition)),
-    ("built-in activity", 3, |program, chance| words::typo(program, chance, Role::Activity)),
-    ("function", 8, |program, chance| words::typo(program, chance, Role::Function)),
-    ("indexical", 5, |program, chance| words::typo(program, chance, Role::Indexical)),
-    ("state variable", 7, |program, chance| words::typo(program, chance, Role::Attribute)),
-    ("declared state variable", 2, |program, chance| words::typo(program, chance, Role::AttributeDeclared)),
-    ("unit", 3, |program, chance| words::typo(program, chance, Role::Unit)),
-    ("type", 2, |program, chance| words::typo(program, chance, Role::TypeName)),
+    ("word of a goal", 14, |program, rng| words::typo(program, rng, Role::GoalWord)),
+    ("word of an index", 7, |program, rng| words::typo(program, rng, Role::IndexWord)),
+    ("variable", 14, |program, rng| words::typo(program, rng, Role::Variable)),
+    ("tag where it is used", 10, |program, rng| words::typo(program, rng, Role::TagUse)),
+    ("tag of a step", 5, |program, rng| words::typo(program, rng, Role::Tag)),
+    ("clause", 10, |program, rng| words::typo(program, rng, Role::Clause)),
+    ("top-level form", 4, |program, rng| words::typo(program, rng, Role::FormName)),
+    ("option", 8, |program, rng| words::typo(program, rng, Role::Option)),
+    ("condition", 4, |program, rng| words::typo(program, rng, Role::Condition)),
+    ("built-in activity", 3, |program, rng| words::typo(program, rng, Role::Activity)),
+    ("function", 8, |program, rng| words::typo(program, rng, Role::Function)),
+    ("indexical", 5, |program, rng| words::typo(program, rng, Role::Indexical)),
+    ("state variable", 7, |program, rng| words::typo(program, rng, Role::Attribute)),
+    ("declared state variable", 2, |program, rng| words::typo(program, rng, Role::AttributeDeclared)),
+    ("unit", 3, |program, rng| words::typo(program, rng, Role::Unit)),
+    ("type", 2, |program, rng| words::typo(program, rng, Role::TypeName)),
     ("number with unit", 6, words::misspelt_quantity),
-    ("resource", 5, |program, chance| words::typo(program, chance, Role::Resource)),
-    ("library", 3, |program, chance| words::typo(program, chance, Role::Library)),
-    ("event", 5, |program, chance| words::typo(program, chance, Role::EventWord)),
+    ("resource", 5, |program, rng| words::typo(program, rng, Role::Resource)),
+    ("library", 3, |program, rng| words::typo(program, rng, Role::Library)),
+    ("event", 5, |program, rng| words::typo(program, rng, Role::EventWord)),
     ("question mark forgotten", 8, words::without_question_mark),
     ("colon forgotten", 5, words::without_colon),
     ("`)` forgotten", 16, shapes::dropped_close),

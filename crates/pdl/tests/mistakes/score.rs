@@ -1,10 +1,10 @@
 //! Makes mistakes, checks, applies fixes, counts.
 
-use super::chance::Chance;
 use super::corpus::{Corpus, Place};
 use super::mistake::Mistake;
 use super::plan::KINDS;
 use super::program::Program;
+use super::rng::TestRng;
 use apex_pdl::{Applicability, Checked, Diagnostic, Fix, Severity, apply, render};
 use std::collections::BTreeMap;
 
@@ -39,7 +39,7 @@ pub struct Score {
 /// Makes `count` mistakes from `seed` and scores them.
 pub fn score(corpus: &Corpus, seed: u64, count: usize) -> Score {
     let mut score = Score { all: Tally::default(), kinds: BTreeMap::new(), failures: String::new() };
-    let mut chance = Chance::new(seed);
+    let mut rng = TestRng::new(seed);
     let programs: Vec<Program<'_>> = corpus.places.iter().map(|place| Program::new(corpus, place)).collect();
     let known: Vec<Vec<String>> = corpus
         .places
@@ -48,8 +48,8 @@ pub fn score(corpus: &Corpus, seed: u64, count: usize) -> Score {
         .collect();
     let weights: Vec<usize> = KINDS.iter().map(|(_, weight, _)| *weight).collect();
     while score.all.made < count {
-        let (kind, _, make) = KINDS[chance.weighted(&weights)];
-        let Some((at, mistake)) = attempt(&programs, &mut chance, make) else { continue };
+        let (kind, _, make) = KINDS[rng.weighted(&weights)];
+        let Some((at, mistake)) = attempt(&programs, &mut rng, make) else { continue };
         let tally = judge(corpus, &programs[at], &known[at], &mistake, kind, &mut score.failures);
         add(&mut score.all, tally);
         add(score.kinds.entry(kind).or_default(), tally);
@@ -60,12 +60,12 @@ pub fn score(corpus: &Corpus, seed: u64, count: usize) -> Score {
 /// Makes one mistake of a kind; most places are unsuitable, and another one is then tried.
 fn attempt(
     programs: &[Program<'_>],
-    chance: &mut Chance,
-    make: fn(&Program<'_>, &mut Chance) -> Option<Mistake>,
+    rng: &mut TestRng,
+    make: fn(&Program<'_>, &mut TestRng) -> Option<Mistake>,
 ) -> Option<(usize, Mistake)> {
     (0..200).find_map(|_| {
-        let at = chance.below(programs.len());
-        make(&programs[at], chance).map(|mistake| (at, mistake))
+        let at = rng.below(programs.len());
+        make(&programs[at], rng).map(|mistake| (at, mistake))
     })
 }
 

@@ -1,23 +1,23 @@
 //! Generated mistakes of one word: each returns the changed program and the lines on which a diagnostic must appear.
 
-use super::chance::Chance;
 use super::mistake::{Mistake, replace};
 use super::program::Program;
+use super::rng::TestRng;
 use super::roles::{Role, Site};
 use super::slips::misspelt;
 use super::tree::line_of;
 use apex_model::quantity::unit_named;
 
 /// Mistypes a word of the given role.
-pub fn typo(program: &Program<'_>, chance: &mut Chance, role: Role) -> Option<Mistake> {
+pub fn typo(program: &Program<'_>, rng: &mut TestRng, role: Role) -> Option<Mistake> {
     let sites: Vec<Site> = program.roles.sites.iter().filter(|site| site.role == role).copied().collect();
-    let site = chance.pick(&sites)?;
+    let site = rng.pick(&sites)?;
     let word = program.roles.word(site.node);
     let (name, before) = bare(word);
     if name.len() < 2 {
         return None;
     }
-    let slipped = misspelt(chance, name);
+    let slipped = misspelt(rng, name);
     let new = word.replacen(name, &slipped, 1);
     let is_unit = role == Role::Unit && unit_named(&slipped).is_some();
     if new.eq_ignore_ascii_case(word)
@@ -82,10 +82,10 @@ fn lines_of_contradiction(program: &Program<'_>, site: &Site) -> Option<Vec<u32>
 }
 
 /// Removes the question mark of a variable.
-pub fn without_question_mark(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn without_question_mark(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let is_variable = |site: &&Site| matches!(site.role, Role::Variable | Role::TagUse);
     let sites: Vec<Site> = program.roles.sites.iter().filter(is_variable).copied().collect();
-    let site = chance.pick(&sites)?;
+    let site = rng.pick(&sites)?;
     let word = program.roles.word(site.node);
     if site.role == Role::Variable && program.count_in_form(word, site) < 2 {
         return None;
@@ -97,18 +97,18 @@ pub fn without_question_mark(program: &Program<'_>, chance: &mut Chance) -> Opti
 }
 
 /// Removes the colon of a keyword.
-pub fn without_colon(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
+pub fn without_colon(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
     let has_colon = |site: &&Site| program.roles.word(site.node).starts_with(':');
     let sites: Vec<Site> = program.roles.sites.iter().filter(has_colon).copied().collect();
-    let site = chance.pick(&sites)?;
+    let site = rng.pick(&sites)?;
     let word = program.roles.word(site.node);
     Some(replace(program, program.roles.tree.nodes[site.node].range.clone(), &word[1..]))
 }
 
 /// Misspells the unit of a quantity.
-pub fn misspelt_quantity(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let (range, digits, unit) = quantity(program, chance, |_| true)?;
-    let slipped = misspelt(chance, unit);
+pub fn misspelt_quantity(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let (range, digits, unit) = quantity(program, rng, |_| true)?;
+    let slipped = misspelt(rng, unit);
     if unit_named(&slipped).is_some() || slipped.is_empty() {
         return None;
     }
@@ -116,9 +116,9 @@ pub fn misspelt_quantity(program: &Program<'_>, chance: &mut Chance) -> Option<M
 }
 
 /// Replaces a unit by one of another dimension, at places whose dimension the text determines.
-pub fn wrong_dimension(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
-    let (range, digits, unit) = quantity(program, chance, |node| needs_dimension(program, node))?;
-    let other = *chance.pick(&["deg", "kg", "ft", "kt", "min", "V", "s", "m"])?;
+pub fn wrong_dimension(program: &Program<'_>, rng: &mut TestRng) -> Option<Mistake> {
+    let (range, digits, unit) = quantity(program, rng, |node| needs_dimension(program, node))?;
+    let other = *rng.pick(&["deg", "kg", "ft", "kt", "min", "V", "s", "m"])?;
     let dimension = |name: &str| unit_named(name).map(|unit| unit.dimension);
     if dimension(other) == dimension(unit) {
         return None;
@@ -135,14 +135,14 @@ pub fn wrong_dimension(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
 
 type Quantity<'t> = (std::ops::Range<usize>, &'t str, &'t str);
 
-fn quantity<'t>(program: &Program<'t>, chance: &mut Chance, wanted: impl Fn(usize) -> bool) -> Option<Quantity<'t>> {
+fn quantity<'t>(program: &Program<'t>, rng: &mut TestRng, wanted: impl Fn(usize) -> bool) -> Option<Quantity<'t>> {
     let split = |word: &'t str| {
         let at = word.find(|c: char| !c.is_ascii_digit() && c != '.').filter(|at| *at > 0)?;
         unit_named(&word[at..]).map(|_| word.split_at(at))
     };
     let nodes = 0..program.roles.tree.nodes.len();
     let found: Vec<usize> = nodes.filter(|node| split(program.roles.word(*node)).is_some() && wanted(*node)).collect();
-    let node = *chance.pick(&found)?;
+    let node = *rng.pick(&found)?;
     let (digits, unit) = split(program.roles.word(node))?;
     Some((program.roles.tree.nodes[node].range.clone(), digits, unit))
 }

@@ -55,7 +55,7 @@ mod tests {
     use crate::examples::surveillance as examples;
 
     #[test]
-    fn a_cycle_goes_on_where_the_visits_that_are_left_end() {
+    fn a_cycle_continues_where_the_visits_that_are_left_end() {
         let problem = examples::random(4, 3);
         let scenario = Scenario::new(&problem).unwrap();
         let names = |indices: &[usize]| indices.iter().map(|index| problem.targets[*index].name.clone()).collect();

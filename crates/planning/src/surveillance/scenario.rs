@@ -412,7 +412,7 @@ mod tests {
     use crate::solver::WorkBudget;
 
     #[test]
-    fn the_quick_cost_is_the_metric() {
+    fn the_fast_cost_is_the_metric() {
         let problem = examples::random(5, 11);
         let scenario = Scenario::new(&problem).unwrap();
         let word = [0, 3, 1, 1, 4, 2, 0, 3];

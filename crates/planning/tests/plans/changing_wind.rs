@@ -70,7 +70,7 @@ fn a_change_after_the_end_of_the_plan_counts_for_a_way_that_began_before_it() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]
-    fn who_leaves_later_is_not_there_earlier_and_the_table_tells_what_the_ways_take(
+    fn a_later_departure_does_not_arrive_earlier_and_the_table_holds_the_times(
         winds in prop::collection::vec((100.0..4000.0f64, -8.0..8.0f64, -8.0..8.0f64), 1..4), begin_s in 0.0..1000.0f64,
         departures in prop::collection::vec(0.0..7000.0f64, 8),
     ) {
@@ -121,7 +121,7 @@ proptest! {
 }
 
 #[test]
-fn times_that_let_somebody_overtake_are_refused() {
+fn times_that_let_another_task_overtake_are_refused() {
     let refused = |change: &dyn Fn(&mut apex_model::problem::TravelTimes)| {
         let mut problem = examples::turning(3, 1, 4000.0, 1000.0);
         change(&mut problem.travel);

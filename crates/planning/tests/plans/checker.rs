@@ -167,7 +167,7 @@ fn a_turn_back_over_a_place_that_is_looked_at_from_overhead_takes_its_time() {
 }
 
 #[test]
-fn a_plan_of_who_turns_at_once_is_too_hasty_for_who_does_not() {
+fn a_plan_with_instant_turns_is_too_fast_for_a_vehicle_with_a_turn_radius() {
     let mut hasty = 0;
     for seed in 0..12 {
         let (_, plan) = turning(seed, 0.0);

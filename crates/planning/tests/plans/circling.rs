@@ -121,7 +121,7 @@ fn plans_of_every_planner_are_flown_in_time_from_wherever_on_the_circle_one_begi
 }
 
 #[test]
-fn who_has_no_room_to_circle_is_told_so_and_so_is_who_turns_too_wide() {
+fn a_vehicle_without_space_to_circle_or_with_too_wide_turns_gets_the_reason() {
     let (start, targets) = places();
     let beside = |south: f64| AirspaceZone {
         name: "range".to_string(),

@@ -82,7 +82,7 @@ pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, us
     problem
 }
 
-/// Turns the problem into one of a shortest tour of all: time costs 1 a second, and a visit is worth more than any detour.
+/// Turns the problem into one of a shortest tour of all: time costs 1 per second, and a visit is worth more than any detour.
 fn tour(problem: &mut SingleVisitProblem) {
     let legs = problem.travel.iter().flat_map(|travel| {
         let legs = travel.from_start_s.iter().chain(&travel.to_base_s).chain(travel.between_s.iter().flatten());

@@ -80,7 +80,7 @@ fn every_layout_of_a_matrix_says_the_same() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_place_and_what_to_do() {
+fn mistakes_are_reported_with_their_place_and_what_to_do() {
     let cases = [
         (SMALL.replace("20 1 2", "x 1 2"), "5:11: x is not a number (expected S, the profit): write a number"),
         (SMALL.replace("30 40", "40 30"), "5:25: the window of 1 closes at 30 before it opens at 40"),

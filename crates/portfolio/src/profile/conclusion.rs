@@ -69,7 +69,7 @@ pub fn written(profile: &Profile) -> String {
         profile.planners.iter().map(|planner| format!("{} {}", planner.name, planner.version)).collect();
     let mut text = format!(
         "# The best planner of each cell at each budget, as concluded from profile.txt; docs/reference/profile-table.md.\n\
-         # Generator {}, {} missions a cell; planners: {}.\n{HEADING}\n",
+         # Generator {}, {} missions per cell; planners: {}.\n{HEADING}\n",
         profile.generator,
         profile.missions,
         planners.join(", ")

@@ -67,10 +67,10 @@ impl FromStr for Profile {
         while let Some(line) = lines.next_of("planner") {
             let words = line.words();
             let [_, name, version] = words.as_slice() else {
-                return Err(line.trouble(0, "this is not a planner", "a name and a version belong here"));
+                return Err(line.trouble(0, "this is not a planner", "expected a name and a version"));
             };
             if planners.iter().any(|known: &Planner| known.name == *name) {
-                return Err(line.trouble(1, format!("{name} is there twice"), "each planner has one line"));
+                return Err(line.trouble(1, format!("{name} is given twice"), "each planner has one line"));
             }
             planners.push(Planner { name: (*name).to_string(), version: (*version).to_string() });
         }
@@ -81,9 +81,7 @@ impl FromStr for Profile {
             profile.rows.push(row);
         }
         match lines.next() {
-            Some(line) => {
-                Err(line.trouble(0, "this line is not expected here", "a line `cell NAME HASH` belongs here"))
-            }
+            Some(line) => Err(line.trouble(0, "this line is not expected here", "expected a line `cell NAME HASH`")),
             None if profile.rows.is_empty() || profile.planners.is_empty() => {
                 Err(lines.end("nothing is measured in it", "a profile has planners and cells"))
             }
@@ -96,17 +94,17 @@ impl FromStr for Profile {
 fn row(lines: &mut Lines<'_>, head: &ProfileLine<'_>, profile: &Profile) -> Result<Row, FormatError> {
     let words = head.words();
     let [_, cell, hash] = words.as_slice() else {
-        return Err(head.trouble(0, "this is not a cell", "a name and a hash belong here"));
+        return Err(head.trouble(0, "this is not a cell", "expected a name and a hash"));
     };
     let cell = cell.parse().map_err(|why| head.trouble(1, format!("{cell} is not a cell"), why))?;
     if profile.rows.iter().any(|row| row.cell == cell) {
-        return Err(head.trouble(1, format!("{cell} is there twice"), "each cell has one place"));
+        return Err(head.trouble(1, format!("{cell} is given twice"), "each cell has one place"));
     }
     let mut costs = Vec::with_capacity(profile.planners.len());
     for planner in &profile.planners {
         let mut budgets: Vec<Vec<f64>> = Vec::with_capacity(profile.budgets.len());
         for budget in &profile.budgets {
-            let wanted = format!("the costs of {} at {budget} units in {cell} belong here", planner.name);
+            let wanted = format!("expected the costs of {} at {budget} units in {cell}", planner.name);
             let Some(line) = lines.next() else { return Err(lines.end("it ends too early", &wanted)) };
             let words = line.words();
             if words.first() != Some(&planner.name.as_str()) || words.get(1) != Some(&budget.to_string().as_str()) {
@@ -152,7 +150,7 @@ impl<'a> Lines<'a> {
         if let Some(line) = self.next_of(word) {
             return Ok(line);
         }
-        let wanted = format!("a line `{word} ..` belongs here");
+        let wanted = format!("expected a line `{word} ..`");
         Err(match self.next() {
             Some(line) => line.trouble(0, "this is not a profile of planners", wanted),
             None => self.end("it ends too early", &wanted),
@@ -164,8 +162,9 @@ impl<'a> Lines<'a> {
         let read = line.words().get(1).and_then(|number| number.parse().ok());
         read.filter(|number| allowed.contains(number)).ok_or_else(|| {
             let (low, high) = (allowed.start(), allowed.end());
-            let wanted = if low == high { format!("{low} is read") } else { format!("from {low} to {high}") };
-            line.trouble(1, format!("{word} cannot be used"), wanted)
+            let wanted =
+                if low == high { format!("expected {low}") } else { format!("expected a number from {low} to {high}") };
+            line.trouble(1, format!("invalid value for {word}"), wanted)
         })
     }
 
@@ -205,7 +204,7 @@ impl<'a> ProfileLine<'a> {
         if costs.len() as u64 == missions {
             return Ok(costs);
         }
-        let message = format!("there are {} costs here and {missions} missions", costs.len());
+        let message = format!("the line has {} costs for {missions} missions", costs.len());
         Err(self.trouble(words.len().saturating_sub(1), message, "every mission has one cost"))
     }
 

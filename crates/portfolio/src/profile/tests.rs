@@ -40,15 +40,15 @@ fn broken_profiles_are_refused_with_their_place() {
     let text = small().to_string();
     let refused = |from: &str, to: &str| text.replacen(from, to, 1).parse::<Profile>().unwrap_err().to_string();
     for (from, to, expected) in [
-        ("format 1", "format 9", "2:8: format cannot be used (1 is read)"),
-        ("missions 3", "missions many", "4:10: missions cannot be used (from 1 to 10000)"),
+        ("format 1", "format 9", "2:8: invalid value for format (expected 1)"),
+        ("missions 3", "missions many", "4:10: invalid value for missions (expected a number from 1 to 10000)"),
         ("budgets 1000 10000", "budgets 1000 10", "5:14: 10 is not a budget (budgets are work units above 0, rising)"),
-        ("planner slow", "planner quick", "7:9: quick is there twice (each planner has one line)"), // english: allow
+        ("planner slow", "planner quick", "7:9: quick is given twice (each planner has one line)"), // english: allow
         ("cell large-", "cell huge-", "8:6: huge-clustered-clustered-4-two-cluster is not a cell"),
         ("quick 1000 1.000000e2", "quick 1000 cheap", "9:12: cheap is not a cost (costs are finite numbers above 0)"),
         ("quick 1000 1.000000e2", "quick 1000 -1", "9:12: -1 is not a cost"),
-        ("quick 1000 1.000000e2 ", "quick 1000 ", "there are 2 costs here and 3 missions"),
-        ("slow 1000 ", "slow 7 ", "11:1: this line is not expected here (the costs of slow at 1000 units"),
+        ("quick 1000 1.000000e2 ", "quick 1000 ", "the line has 2 costs for 3 missions"),
+        ("slow 1000 ", "slow 7 ", "11:1: this line is not expected here (expected the costs of slow at 1000 units"),
         ("quick 1000 1.0", "quick 1000 = 1.0", "9:12: = is not a cost"),
     ] {
         let message = refused(from, to);

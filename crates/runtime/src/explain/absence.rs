@@ -79,7 +79,7 @@ pub(super) fn named(sites: &[ProgramStep], name: &str, phrase: &Phrase) -> Vec<P
         .collect()
 }
 
-/// Returns the steps whose activities mention a word; steps of plans so mention their targets.
+/// Returns the steps whose activities mention a word; the activities of planned steps mention their targets.
 pub(super) fn mentioning(sites: &[ProgramStep], word: &str) -> Vec<ProgramStep> {
     sites.iter().filter(|site| site.activities().any(|activity| activity.mentions(word))).cloned().collect()
 }

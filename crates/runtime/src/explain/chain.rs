@@ -85,7 +85,7 @@ impl<'a> Chain<'a> {
                     let word = moved(*from, *to, decision_outcome(decision));
                     format!("{name} {word}")
                 }
-                DecisionKind::Satisfied { clause, .. } => format!("{clause} of {name} came true"),
+                DecisionKind::Satisfied { clause, .. } => format!("{clause} of {name} became true"),
                 DecisionKind::Bound { variable, value } => format!("{name} got ?{variable} = {value}"),
                 DecisionKind::Selected { .. } => match &row.method {
                     Some(method) => format!("{name} is pursued by {method}"),

@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn an_agent_before_a_name_is_told_from_a_path() {
+    fn an_agent_before_a_name_is_distinguished_from_a_path() {
         assert_eq!(agent_meant("pilot/T0"), Some("pilot"));
         assert_eq!(agent_meant("pilot-2/camera-1"), Some("pilot-2"));
         for other in ["T0", "(fly a/b)", "lib/fire.pdl:12", "/T0", "pilot/"] {

@@ -28,7 +28,7 @@ impl fmt::Display for Why {
             writeln!(f, "It is the step `{}` at {place}.", self.tag)?;
         }
         if let Some(method) = &self.method {
-            writeln!(f, "It is pursued by {method}.")?;
+            writeln!(f, "Its method: {method}.")?;
         }
         if !self.holds.is_empty() {
             writeln!(f, "It holds {}.", self.holds.join(", "))?;
@@ -126,8 +126,8 @@ impl fmt::Display for ResourceAnswer {
                 writeln!(f, "{} is held by {} at {at}.", self.resource, names.join(" and "))?;
             }
         }
-        write_holders(f, "Who holds it", &self.holders)?;
-        write_holders(f, "Who waits for it", &self.waiting)
+        write_holders(f, "Tasks that hold it", &self.holders)?;
+        write_holders(f, "Tasks that wait for it", &self.waiting)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Flight;
 use crate::error::RunError;
 use crate::ports::Input;
-use crate::terms::EndReason;
+use crate::run_settings::EndReason;
 use apex_model::time::Time;
 
 impl Flight<'_, '_> {

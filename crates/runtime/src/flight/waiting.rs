@@ -6,7 +6,7 @@ use crate::limits::{FLUSH_INTERVAL, SOLVER_LOOK};
 use crate::live::LiveInput;
 use crate::pacing::Wait;
 use crate::ports::Input;
-use crate::terms::Control;
+use crate::run_settings::Control;
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::time::Time;
 use apex_model::value::Value;

@@ -4,8 +4,8 @@ use super::*;
 use crate::flight::Flight;
 use crate::ports::{Input, Observer};
 use crate::program::{NoDeliberator, NoVehicle};
+use crate::run_settings::{Control, EndReason, RunSettings};
 use crate::solver_thread::SolverThread;
-use crate::terms::{Control, EndReason, FlyOptions};
 use apex_executive::Agent;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
@@ -72,13 +72,13 @@ fn an_operator_is_heard_in_a_flood_and_what_is_due_is_stepped() {
     let flooding = Arc::clone(&over);
     let flooder = std::thread::spawn(move || flood(&nav, &flooding));
     assert!(tower.say([LiveInput::Event(None, form("hello"))]));
-    let options = FlyOptions {
+    let options = RunSettings {
         pace: Some(1.0),
         until: Time::from_seconds(120.0),
         inputs: vec![Input::new(Time::from_seconds(0.1), form("deadline"))],
         controls: Some(controls),
         live: Some(sources),
-        ..FlyOptions::default()
+        ..RunSettings::default()
     };
     let awaited = vec!["(hello)", "(deadline)", "(live-source nav lost ", "value"];
     let (mut agent, mut log) = (Agent::default(), BatchLog { lines: Vec::new(), awaited, people });

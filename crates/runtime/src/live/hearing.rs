@@ -7,7 +7,7 @@ use super::queue::LiveInput;
 use super::sources::{LiveSource, LiveSources};
 use crate::limits::INPUT_LINE_BYTES_MAX;
 use crate::live_lines::OpenQuestions;
-use crate::terms::Control;
+use crate::run_settings::Control;
 use apex_model::event::EventKind;
 use apex_model::value::Value;
 use serde_json::json;

@@ -21,7 +21,7 @@ fn taken(sources: &LiveSources) -> Vec<String> {
 }
 
 #[test]
-fn the_rest_of_a_line_that_is_too_long_is_no_input() {
+fn the_rest_of_a_line_that_is_too_long_is_not_an_input() {
     let (sources, reader) = sources();
     let source = sources.admit(SourceClass::Operator).unwrap();
     for filling in ["x", " ", "#", "\u{e9}"] {
@@ -35,7 +35,7 @@ fn the_rest_of_a_line_that_is_too_long_is_no_input() {
 }
 
 #[test]
-fn text_that_is_not_utf_8_is_no_input() {
+fn text_that_is_not_utf_8_is_not_an_input() {
     let (sources, reader) = sources();
     let source = sources.admit(SourceClass::Operator).unwrap();
     hear_lines(b"(first)\n(a \xff)\n\xff\xfe\n(last)\n".as_slice(), &source, &reader);

@@ -54,7 +54,7 @@ impl Introduction {
         };
         let class = class.ok_or_else(|| {
             let words: Vec<&str> = SourceClass::ALL.into_iter().map(SourceClass::word).collect();
-            format!("\"class\" of source {name} is none of {}", words.join(", "))
+            format!("\"class\" of source {name} is not one of {}", words.join(", "))
         })?;
         Ok(Introduction { name, class })
     }
@@ -79,8 +79,8 @@ mod tests {
             assert_eq!(read(line), None, "{line}");
         }
         for (line, fault) in [
-            (r#"{"source": "nav"}"#, "none of operator, safing, vehicle, feed"),
-            (r#"{"source": "nav", "class": "pilot"}"#, "none of operator"),
+            (r#"{"source": "nav"}"#, "is not one of operator, safing, vehicle, feed"),
+            (r#"{"source": "nav", "class": "pilot"}"#, "is not one of operator"),
             (r#"{"source": "1", "class": "feed"}"#, "begins with a letter"),
             (r#"{"source": "a\u001bb", "class": "feed"}"#, "expected a name"),
             (r#"{"source": 3, "class": "feed"}"#, "\"source\" is 3"),

@@ -19,7 +19,7 @@ use std::sync::{Arc, PoisonError, RwLockReadGuard};
 /// Maximum number of blocks of decoded effects that stay in memory for further queries.
 const BLOCKS_KEPT: usize = 16;
 
-/// All effects of an agent up to now, open for questions.
+/// All effects of an agent up to now, opened for queries.
 pub(crate) struct Effects<'r> {
     reader: &'r RecordReader,
     pub(crate) table: RwLockReadGuard<'r, EffectTable>,

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_signature_that_is_missing_garbled_or_of_another_key_is_told() {
+    fn a_signature_that_is_missing_garbled_or_of_another_key_is_reported() {
         let (_folder, path, key) = signed();
         let public = key.public();
         let broken = |signed_by: &str| match check_signature(&path, Some(signed_by), FileSeal::Intact) {

@@ -71,7 +71,7 @@ pub(super) trait RowStore: Send {
         None
     }
 
-    /// Returns the first row that differs from the stored one; `None` for stores that do not compare.
+    /// Returns the first row that differs from the stored one; `None` for stores that cannot be compared.
     fn difference(&self) -> Option<&RowDifference> {
         None
     }

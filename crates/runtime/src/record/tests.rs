@@ -132,7 +132,7 @@ fn effect_rows_say_what_the_reference_promises() {
 }
 
 #[test]
-fn a_record_that_was_not_finished_says_so() {
+fn a_record_that_was_not_finished_states_it() {
     let (_folder, path) = place_for_record();
     drop(record_samples(&path));
     let reader = RecordReader::open(&path).unwrap();
@@ -176,7 +176,7 @@ fn other_files_are_left_alone() {
 }
 
 #[test]
-fn missing_empty_newer_and_unwritable_records_are_told_apart() {
+fn missing_empty_newer_and_unwritable_records_are_distinguished() {
     let (folder, path) = place_for_record();
     let missing = RecordReader::open(&path).err().unwrap().to_string();
     assert!(missing.contains("there is no flight record at"), "{missing}");
@@ -194,7 +194,7 @@ fn missing_empty_newer_and_unwritable_records_are_told_apart() {
 }
 
 #[test]
-fn damage_is_told_after_what_stands_before_it() {
+fn damage_is_reported_after_what_stands_before_it() {
     let (_folder, path) = place_for_record();
     record_samples(&path).finish(Time::ZERO, "stopped").unwrap();
     let connection = Connection::open(&path).unwrap();
@@ -235,7 +235,7 @@ fn a_file_with_a_hole_is_an_error_and_no_panic() {
 }
 
 #[test]
-fn a_full_disk_ends_the_record_with_whole_steps_and_is_told_at_the_end() {
+fn a_full_disk_ends_the_record_with_whole_steps_and_is_reported_at_the_end() {
     let (_folder, path) = place_for_record();
     let options = RecordOptions { bytes_max: Some(200_000), ..RecordOptions::default() };
     let mut recorder = Recorder::create(&path, &samples::library(), options).unwrap();

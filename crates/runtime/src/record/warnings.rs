@@ -69,7 +69,7 @@ impl RecordReader {
             return Ok(None);
         };
         Ok(Some(format!(
-            "The signature of the flight record {name} does not hold: {why}. What follows may not be what was recorded; `apex verify` decides."
+            "The signature of the flight record {name} is invalid: {why}. What follows may not be what was recorded; `apex verify` decides."
         )))
     }
 }
@@ -107,6 +107,6 @@ mod tests {
         connection.close().unwrap();
         let integrity = check_integrity(&path).unwrap();
         assert!(integrity.is_intact(), "{integrity}");
-        assert!(warning().contains("does not hold: the file was changed after it was closed"), "{}", warning());
+        assert!(warning().contains("is invalid: the file was changed after it was closed"), "{}", warning());
     }
 }

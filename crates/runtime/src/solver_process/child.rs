@@ -139,8 +139,8 @@ impl Running {
         }
     }
 
-    /// Returns misconduct that does not show in its lines.
-    pub(super) fn misconduct(&mut self) -> Option<String> {
+    /// Returns a violation of the protocol that its lines do not show.
+    pub(super) fn violation(&mut self) -> Option<String> {
         let written = self.last_words.lock().unwrap_or_else(PoisonError::into_inner).count;
         if written > SOLVER_ERROR_BYTES_MAX {
             return Some(format!("wrote more than {} MiB to standard error", SOLVER_ERROR_BYTES_MAX >> 20));

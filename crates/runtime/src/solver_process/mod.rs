@@ -12,7 +12,7 @@ mod serve;
 pub use child::ProcessLimits;
 pub use serve::serve;
 
-use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_PATIENCE, SOLVER_TIMEOUT};
+use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_TIMEOUT, SOLVER_TIMEOUT};
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Environment, Solver};
 use child::{Heard, Running};
@@ -94,14 +94,14 @@ impl Solver for SolverProgram {
                 Heard::End => break_down(running.end()),
                 Heard::Nothing => {}
             }
-            if let Some(what) = running.misconduct() {
+            if let Some(what) = running.violation() {
                 break_down(what);
             }
             if environment.budget.exhausted() && !std::mem::replace(&mut asked_to_stop, true) {
                 running.ask_to_stop();
             }
             if environment.budget.is_stopped()
-                && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_PATIENCE
+                && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_TIMEOUT
             {
                 // The program is killed when `running` is dropped.
                 return Err("it was stopped".to_string());

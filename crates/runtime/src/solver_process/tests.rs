@@ -123,7 +123,7 @@ fn work_beyond_the_budget_and_memory_end_a_program() {
 }
 
 #[test]
-fn a_program_is_told_when_its_budget_is_used_up() {
+fn a_program_is_notified_when_its_budget_is_used_up() {
     let plan = empty_plan();
     let script = r#"read request; echo '{"charge": 1000}'; read stop; echo "{\"plan\": $plan}""#.to_string();
     let answer = ask(&format!("plan='{plan}'; {script}"), usual());

@@ -11,7 +11,7 @@ use apex_executive::Agent;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
-use apex_runtime::mission_loop::{FlyOptions, fly};
+use apex_runtime::mission_loop::{RunSettings, fly};
 use apex_runtime::ports::{Deliberator, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{Durability, RecordOptions, RecordReader, RecordedStep, Recorder, recover};
@@ -91,7 +91,7 @@ fn child_that_is_logged() {
     let mut observer = Acknowledging { recorder: &mut recorder, acknowledgements, steps: 0, too_soon };
     let mut inputs = camera_inputs();
     inputs.extend((0..50).map(|number| altitude(0.35 * f64::from(number), 6000 + i64::from(number))));
-    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    let options = RunSettings { inputs, ..RunSettings::default() };
     let mut vehicle = NoVehicle::default();
     let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut observer], options).unwrap();
     recorder.finish(end.at, &end.reason.text()).unwrap();
@@ -180,9 +180,9 @@ impl Logged {
 
     /// Kills the program at `count` points: between operations, and in the middle of writes. The first fault.
     fn kill(&self, count: usize, seed: u64) -> Option<String> {
-        let mut dice = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut points: Vec<usize> =
-            (0..count).map(|_| dice.next_u32() as usize % (self.operations.len() + 1)).collect();
+            (0..count).map(|_| rng.next_u32() as usize % (self.operations.len() + 1)).collect();
         points.sort_unstable();
         let (mut files, mut done, mut acknowledged) = (Files::default(), 0, 0);
         for (number, point) in points.into_iter().enumerate() {
@@ -194,7 +194,7 @@ impl Logged {
             let mut found = files.clone();
             if let Some((name, Operation::Write { offset, data })) = self.operations.get(point) {
                 // The kernel has taken a part of the next write.
-                let part = data[..dice.next_u32() as usize % (data.len() + 1)].to_vec();
+                let part = data[..rng.next_u32() as usize % (data.len() + 1)].to_vec();
                 found.apply(name, &Operation::Write { offset: *offset, data: part });
             }
             if let Some(fault) = self.fault(&found, acknowledged, number % 16 == 0) {
@@ -206,9 +206,9 @@ impl Logged {
 
     /// Cuts the power at `count` points and returns the first fault. Acknowledged steps must exist only if the record is `safe`.
     fn cut(&self, count: usize, seed: u64, safe: bool) -> Option<String> {
-        let mut dice = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut points: Vec<usize> =
-            (0..count).map(|_| dice.next_u32() as usize % (self.operations.len() + 1)).collect();
+            (0..count).map(|_| rng.next_u32() as usize % (self.operations.len() + 1)).collect();
         points.sort_unstable();
         let (mut disk, mut done, mut acknowledged) = (Disk::default(), 0, 0);
         for (number, point) in points.into_iter().enumerate() {
@@ -218,7 +218,7 @@ impl Logged {
             }
             done = point;
             let must = if safe { acknowledged } else { 0 };
-            if let Some(fault) = self.fault(&disk.cut(&mut dice), must, number % 16 == 0) {
+            if let Some(fault) = self.fault(&disk.cut(&mut rng), must, number % 16 == 0) {
                 return Some(format!("the power was cut at operation {point}: {fault}"));
             }
         }

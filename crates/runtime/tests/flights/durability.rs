@@ -8,7 +8,7 @@ use apex_model::event::{Batch, EventKind};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::foreign::{self, Cues, SimulatorLink};
-use apex_runtime::mission_loop::{FlyOptions, fly};
+use apex_runtime::mission_loop::{RunSettings, fly};
 use apex_runtime::ports::{Deliberator, Input, Observer, Posed, SolverAnswer, Vehicle};
 use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::{Durability, FileSeal, RecordOptions, RecordReader, Recorder, check_integrity, recover};
@@ -162,7 +162,7 @@ fn a_command_leaves_after_its_step_is_committed() {
     let (_folder, path) = place();
     let (mut recorder, mut agent) = recorder(&path, COMMANDS);
     let mut vehicle = Witness { path, found: Vec::new() };
-    let options = FlyOptions { inputs: vec![event(2.0, "(go)"), event(9.0, "(over)")], ..FlyOptions::default() };
+    let options = RunSettings { inputs: vec![event(2.0, "(go)"), event(9.0, "(over)")], ..RunSettings::default() };
     fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut recorder], options).unwrap();
     assert_eq!(vehicle.found.len(), 2);
     assert!(
@@ -191,7 +191,7 @@ impl Write for Told {
 }
 
 #[test]
-fn an_outside_simulator_is_told_what_is_committed() {
+fn an_outside_simulator_receives_what_is_committed() {
     let (_folder, path) = place();
     let (mut recorder, agent) = recorder(&path, COMMANDS);
     let mut input: &[u8] = b"{\"advance\": 1}\n{\"advance\": 2, \"inputs\": [{\"t\": 2, \"event\": \"(go)\"}]}\n";
@@ -204,7 +204,7 @@ fn an_outside_simulator_is_told_what_is_committed() {
         cues: Cues::default(),
         may_reset: false,
     };
-    foreign::run(&mut [agent], &mut link, &mut NoDeliberator, &mut [&mut recorder], FlyOptions::default()).unwrap();
+    foreign::run(&mut [agent], &mut link, &mut NoDeliberator, &mut [&mut recorder], RunSettings::default()).unwrap();
     let commands: Vec<&(String, usize)> = output.lines.iter().filter(|(line, _)| line.contains("(act ")).collect();
     assert!(!commands.is_empty());
     assert!(commands.iter().all(|(_, steps)| *steps > 0), "{:?}", output.lines);
@@ -232,7 +232,7 @@ fn nothing_waits_uncommitted_for_a_solver() {
     let found = Arc::new(Mutex::new(Vec::new()));
     let mut slow = Slow(path, Arc::clone(&found));
     let mut vehicle = apex_runtime::program::NoVehicle::default();
-    let options = FlyOptions { until: Time::from_seconds(10.0), ..FlyOptions::default() };
+    let options = RunSettings { until: Time::from_seconds(10.0), ..RunSettings::default() };
     fly(&mut agent, &mut vehicle, &mut slow, &mut [&mut recorder], options).unwrap();
     assert_eq!(*found.lock().unwrap(), [1], "the problem is in the record while its solver works");
 }
@@ -243,7 +243,7 @@ fn what_stands_before_a_damage_is_recovered_and_replays() {
     let (mut recorder, mut agent) = recorder(&path, CAMERA);
     let mut vehicle = Witness { path: path.clone(), found: Vec::new() };
     let mut flushing = Flushing(&mut recorder);
-    let options = FlyOptions { inputs: camera_inputs(), ..FlyOptions::default() };
+    let options = RunSettings { inputs: camera_inputs(), ..RunSettings::default() };
     let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut flushing], options).unwrap();
     recorder.finish(end.at, "stopped").unwrap();
     let all = steps(&path);

@@ -26,7 +26,7 @@ fn why_a_task_waits_and_since_when() {
 }
 
 #[test]
-fn why_a_task_is_interrupted_and_by_whom() {
+fn why_a_task_is_interrupted_and_by_which_task() {
     let reader = camera().reader_kept();
     let interrupted = why(&reader.0, "patrol", 5.0);
     assert_eq!(interrupted.state, "interrupted");

@@ -8,7 +8,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::explain::{Explainer, Question};
-use apex_runtime::mission_loop::FlyOptions;
+use apex_runtime::mission_loop::RunSettings;
 use apex_runtime::ports::{Deliberator, Input, Observer, Posed};
 use apex_runtime::program::run_with;
 use apex_runtime::record::view::{EventsQuery, RecordView, TasksQuery, TimelineQuery, TrackQuery};
@@ -75,7 +75,7 @@ fn honest(path: &Path) {
     inputs.sort_by_key(|input| input.at);
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
-    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    let options = RunSettings { inputs, ..RunSettings::default() };
     let end = run_with(&mut agent, &mut OneTarget::new(), &mut observers, options).unwrap();
     recorder.note(end.at, "the computer was slow").unwrap();
     recorder.report("score", "{\"score\": 0.87}").unwrap();
@@ -310,7 +310,7 @@ fn a_record_that_ends_within_a_step_is_confirmed_and_one_without_an_earlier_row_
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let inputs: Vec<Input> = (0..50_u32).map(|tick| altitude(f64::from(tick) * 0.1, 6000)).collect();
     let mut crash = Crash(&mut recorder);
-    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    let options = RunSettings { inputs, ..RunSettings::default() };
     assert!(run_with(&mut agent, &mut LateTarget::default(), &mut [&mut crash], options).is_err());
     drop(recorder);
     let replayed = |deliberator: &mut dyn Deliberator| {

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use apex_planning::solver::{Environment, Solver, time_of};
 use apex_runtime::invocation::{Invocations, SolverLimits};
 use apex_runtime::limits::STEPS_PER_INSTANT_MAX;
-use apex_runtime::mission_loop::{Control, EndReason, FlyOptions};
+use apex_runtime::mission_loop::{Control, EndReason, RunSettings};
 use apex_runtime::pacing::{Clock, ManualClock};
 use apex_runtime::ports::{Deliberator, Observer, Posed, SolverAnswer};
 use apex_runtime::program::NoDeliberator;
@@ -125,7 +125,7 @@ fn one_site(goal: &Value) -> PlannedProcedure {
 
 /// A clock that gives solvers real time where the test requires an answer, and opens the gate for solvers that hang.
 #[derive(Debug, Default)]
-struct Patron {
+struct GateClock {
     clock: ManualClock,
     answered: Arc<AtomicBool>,
     answer_comes: bool,
@@ -133,7 +133,7 @@ struct Patron {
     pace: f64,
 }
 
-impl Clock for Patron {
+impl Clock for GateClock {
     fn elapsed(&self) -> std::time::Duration {
         self.clock.elapsed()
     }
@@ -178,8 +178,8 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
 }
 
 fn fly_at(pace: f64, name: &'static str, answer_comes: bool) -> String {
-    let patron = Patron { answer_comes, pace, ..Patron::default() };
-    let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));
+    let clock = GateClock { answer_comes, pace, ..GateClock::default() };
+    let (answered, gate) = (Arc::clone(&clock.answered), Arc::clone(&clock.gate));
     let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
     let timeout = std::time::Duration::from_secs(120);
     let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
@@ -187,7 +187,7 @@ fn fly_at(pace: f64, name: &'static str, answer_comes: bool) -> String {
     let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);
-    let options = FlyOptions { until, pace: Some(pace), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
+    let options = RunSettings { until, pace: Some(pace), clock: Arc::new(clock), inputs, ..RunSettings::default() };
     let mut listener = Listener(answered, 0);
     let flight = record_with(TOUR, &mut deliberator, &mut [&mut listener], options);
     gate.store(true, Ordering::SeqCst);
@@ -236,7 +236,7 @@ fn a_good_plan_is_flown_as_soon_as_it_is_there() {
 }
 
 #[test]
-fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
+fn a_solver_that_hangs_does_not_stop_the_executive() {
     let told = fly("hangs", false);
     assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
     assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
@@ -253,7 +253,7 @@ fn a_solver_has_the_same_wall_time_at_every_pace() {
 }
 
 #[test]
-fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
+fn a_solver_whose_plan_is_no_longer_needed_is_asked_to_stop() {
     // It never ends, because its budget is endless.
     let told = fly("obeys", false);
     assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");
@@ -268,7 +268,7 @@ fn any_number_of_messages_reaches_a_paused_flight() {
         people.send(Control::Input(event(0.0, "(hello)").kind)).unwrap();
     }
     people.send(Control::Stop).unwrap();
-    let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+    let options = RunSettings { pace: Some(1.0), controls: Some(controls), ..RunSettings::default() };
     let flight = record_with(CAMERA, &mut NoDeliberator, &mut [], options);
     assert_eq!(flight.end.reason, EndReason::Stopped);
     assert!(flight.end.at < Time::from_seconds(1.0) && flight.end.steps > count, "{:?}", flight.end);

@@ -4,7 +4,7 @@ use crate::support::{CAMERA, altitude, camera_inputs, load, program};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
-use apex_runtime::mission_loop::{FlyOptions, fly};
+use apex_runtime::mission_loop::{RunSettings, fly};
 use apex_runtime::ports::Observer;
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RECORDING_LOST, RECORDING_RESUMED, RecordOptions, RecordReader, Recorder, check_integrity};
@@ -93,7 +93,7 @@ fn flown(has_thread: bool, full: Option<(f64, f64)>, is_closed: bool) -> Flown {
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let mut inputs = camera_inputs();
     inputs.extend((1..=3_000).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))));
-    let options = FlyOptions { inputs, until: Time::from_seconds(300.0), ..FlyOptions::default() };
+    let options = RunSettings { inputs, until: Time::from_seconds(300.0), ..RunSettings::default() };
     let mut witness =
         Witness { recorder: &mut recorder, path: path.clone(), steps: 0, full, found: Vec::new(), news: Vec::new() };
     let mut vehicle = NoVehicle::default();

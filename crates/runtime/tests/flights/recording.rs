@@ -23,7 +23,7 @@ fn transitions(reader: &RecordReader) -> String {
 }
 
 #[test]
-fn a_program_runs_without_a_vehicle_and_its_trace_tells_why() {
+fn a_program_runs_without_a_vehicle_and_its_trace_states_why() {
     let flight = camera();
     assert!(matches!(flight.end.reason, EndReason::Application { .. }), "{:?}", flight.end);
     assert_eq!(flight.end.at, Time::from_seconds(20.0));
@@ -74,7 +74,7 @@ fn reseal(connection: &Connection) {
 }
 
 #[test]
-fn replay_finds_a_changed_effect_and_tells_both() {
+fn replay_finds_a_changed_effect_and_reports_both() {
     let flight = camera();
     let connection = Connection::open(&flight.path).unwrap();
     let sql = "SELECT batch, body FROM effects WHERE instr(body, CAST('high' AS BLOB)) > 0 ORDER BY batch DESC";

@@ -5,7 +5,7 @@ use apex_executive::Agent;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
-use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly};
+use apex_runtime::mission_loop::{EndReason, RunEnd, RunSettings, fly};
 use apex_runtime::ports::{Deliberator, News, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RECORDING_LOST, RecordOptions, RecordReader, Recorder};
@@ -71,7 +71,7 @@ struct Flown {
     closed: Result<(), String>,
 }
 
-/// Returns a flight of 60 s with 10 samples a second.
+/// Returns a flight of 60 s with 10 samples per second.
 fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize, has_thread: bool) -> Flown {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");
@@ -86,7 +86,7 @@ fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize, has_thread: boo
     recorder.program(&library).unwrap();
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
-    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let options = RunSettings { inputs, until: Time::from_seconds(60.0), ..RunSettings::default() };
     let (full_from, full_until) = (Time::from_seconds(full.0), Time::from_seconds(full.1));
     let mut disk = Disk { recorder: &mut recorder, full_from, full_until, news: Vec::new() };
     let mut vehicle = NoVehicle::default();
@@ -135,7 +135,7 @@ fn has_no_gap(flown: Flown) {
 }
 
 #[test]
-fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
+fn memory_that_is_too_small_leaves_a_gap_that_every_reader_is_shown() {
     for has_thread in [false, true] {
         has_a_told_gap(fly_with_a_full_disk((20.0, 40.0), 4_000, has_thread));
     }
@@ -163,7 +163,7 @@ fn has_a_told_gap(flown: Flown) {
 }
 
 #[test]
-fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
+fn a_record_that_never_resumes_reports_it_at_the_end_and_holds_what_came_before() {
     for has_thread in [false, true] {
         holds_what_came_before(fly_with_a_full_disk((20.0, 1e6), 64 << 20, has_thread));
     }

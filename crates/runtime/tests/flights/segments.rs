@@ -6,7 +6,7 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::RecordError;
-use apex_runtime::mission_loop::{FlyOptions, RunEnd, fly};
+use apex_runtime::mission_loop::{RunEnd, RunSettings, fly};
 use apex_runtime::ports::{Deliberator, News, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder, check_integrity, recover};
@@ -71,7 +71,7 @@ struct Flown {
     news: Vec<String>,
 }
 
-/// Flies for 60 s with 10 samples a second; the disk is full from 20 s on.
+/// Flies for 60 s with 10 samples per second; the disk is full from 20 s on.
 fn fly_on_a_full_disk(kept_bytes_max: Option<usize>) -> Flown {
     let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     let first = folder.path().join("flight.apex");
@@ -91,7 +91,7 @@ fn fly_recorded(path: &Path, options: RecordOptions, waits: &[f64]) -> (RunEnd, 
     recorder.program(&library).unwrap();
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
-    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let options = RunSettings { inputs, until: Time::from_seconds(60.0), ..RunSettings::default() };
     let waits_at = waits.iter().copied().map(Time::from_seconds).collect();
     let mut disk = Disk { recorder: &mut recorder, full_from: Time::from_seconds(20.0), waits_at, news: Vec::new() };
     let mut vehicle = NoVehicle::default();
@@ -207,7 +207,7 @@ fn child_with_small_files() {
     let (tenths, waits) = if std::env::var_os("APEX_TEST_WITHOUT_WAITS").is_some() { (20_000, 0) } else { (6_000, 12) };
     let inputs = (1..=tenths).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
     let until = Time::from_seconds(f64::from(tenths) * 0.1);
-    let options = FlyOptions { inputs, until, ..FlyOptions::default() };
+    let options = RunSettings { inputs, until, ..RunSettings::default() };
     let waits_at = (1..waits).map(|number| Time::from_seconds(50.0 * f64::from(number))).collect();
     let mut disk = Disk { recorder: &mut recorder, full_from: Time::END, waits_at, news: Vec::new() };
     let mut vehicle = NoVehicle::default();
@@ -294,7 +294,7 @@ fn a_reader_of_a_growing_segment_sees_its_new_groups() {
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
     // Another height than in the older flight: equal flights have equal chains.
     let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth) + 1)).collect();
-    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let options = RunSettings { inputs, until: Time::from_seconds(60.0), ..RunSettings::default() };
     let waits_at = [30.0, 40.0].map(Time::from_seconds).to_vec();
     let disk = Disk { recorder: &mut recorder, full_from: Time::from_seconds(20.0), waits_at, news: Vec::new() };
     let mut watch = Watch { disk, first: first.clone(), readers: Vec::new(), steps: 0, seen: Vec::new() };

@@ -7,7 +7,7 @@ use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_runtime::mission_loop::{FlyOptions, RunEnd};
+use apex_runtime::mission_loop::{RunEnd, RunSettings};
 use apex_runtime::ports::{Deliberator, Input, Observer};
 use apex_runtime::program::{NoDeliberator, run_with};
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder, RestoredProgram};
@@ -79,14 +79,14 @@ pub(crate) fn record(
     deliberator: &mut dyn Deliberator,
     more: &mut [&mut dyn Observer],
 ) -> Recorded {
-    record_with(pdl, deliberator, more, FlyOptions { inputs, ..FlyOptions::default() })
+    record_with(pdl, deliberator, more, RunSettings { inputs, ..RunSettings::default() })
 }
 
 pub(crate) fn record_with(
     pdl: &str,
     deliberator: &mut dyn Deliberator,
     more: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    options: RunSettings,
 ) -> Recorded {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");

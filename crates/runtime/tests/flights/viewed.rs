@@ -5,7 +5,7 @@ use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_runtime::mission_loop::FlyOptions;
+use apex_runtime::mission_loop::RunSettings;
 use apex_runtime::ports::Input;
 use apex_runtime::program::{NoDeliberator, run_with};
 use apex_runtime::record::view::{EventsQuery, QuestionEnd, RecordView, TasksQuery, TroubleKind};
@@ -51,7 +51,7 @@ fn questions_are_open_from_their_effect_until_they_are_answered_or_withdrawn() {
 }
 
 #[test]
-fn a_question_states_who_answered_it_and_why_others_were_withdrawn() {
+fn a_question_states_its_answerer_and_why_others_were_withdrawn() {
     let asking = r#"
 (procedure (index (do-domain))
   (step first (ask operator "Continue?" :options (yes no)))
@@ -120,7 +120,7 @@ fn record_targets(inputs: Vec<Input>) -> (tempfile::TempDir, std::path::PathBuf)
         recorder.target(&TargetRow { id: id.into(), ..TargetRow::default() }).unwrap();
     }
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
-    let options = FlyOptions { inputs, ..FlyOptions::default() };
+    let options = RunSettings { inputs, ..RunSettings::default() };
     let end = run_with(&mut agent, &mut NoDeliberator, &mut [&mut recorder], options).unwrap();
     recorder.finish(end.at, &end.reason.text()).unwrap();
     (folder, path)

@@ -121,7 +121,7 @@ pub(crate) fn digest(secret: &str) -> [u8; 32] {
 /// Returns a secret from the random numbers of the system.
 pub(crate) fn new_secret() -> Result<String, String> {
     let mut bytes = [0; SECRET_BYTES];
-    getrandom::fill(&mut bytes).map_err(|error| format!("the system gives no random numbers: {error}"))?;
+    getrandom::fill(&mut bytes).map_err(|error| format!("the operating system provides no random numbers: {error}"))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 

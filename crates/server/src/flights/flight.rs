@@ -8,7 +8,7 @@ use apex_mission::error::MissionResult;
 use apex_mission::recording;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
-use apex_runtime::FlyOptions;
+use apex_runtime::RunSettings;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Recorder;
 use apex_runtime::record::view::{Report, Section};
@@ -45,7 +45,7 @@ enum End {
 pub(crate) struct Preparation {
     pub(crate) mission: Arc<Mission>,
     pub(crate) means: PlanningResources,
-    pub(crate) terms: FlyOptions,
+    pub(crate) terms: RunSettings,
     pub(crate) recorder: Recorder,
 }
 

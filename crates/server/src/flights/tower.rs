@@ -9,7 +9,7 @@ use crate::flights::request::{FlightRequest, PlanParams};
 use crate::operation::FlightDoor;
 use apex_mission::Mission;
 use apex_mission::flight::MissionFlight;
-use apex_runtime::FlyOptions;
+use apex_runtime::RunSettings;
 use axum::http::StatusCode;
 use std::collections::VecDeque;
 use std::io;
@@ -88,7 +88,7 @@ impl Tower {
         let (door, controls) = FlightDoor::new(&mission, pace, Arc::clone(&self.options.read));
         // The server sends no further commands, so the run need not wait for any.
         door.be_quiet();
-        let terms = FlyOptions {
+        let terms = RunSettings {
             pace,
             controls: Some(controls),
             authority: door.authority(),

@@ -30,7 +30,7 @@ pub type ReadDatum = Arc<dyn Fn(&str) -> Result<Value, String> + Send + Sync>;
 pub(crate) struct CommandRequest {
     pub(crate) wish: Wish,
     pub(crate) author: Author,
-    /// Time of the door's clock until which the run may accept the command, as the caller reckons it; `None`: not stated.
+    /// Time of the door's clock until which the run may accept the command, as the caller estimates it; `None`: not stated.
     pub(crate) valid_until: Option<Duration>,
     /// Reason for which the run is not to execute it; `None`: no objection.
     pub(crate) objection: Option<String>,
@@ -92,7 +92,7 @@ pub(crate) struct CommandState {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Operation {
     now_ns: i64,
-    /// Milliseconds of the server's clock, from which callers reckon `until_ms` of their commands.
+    /// Milliseconds of the server's clock, from which callers compute `until_ms` of their commands.
     clock_ms: f64,
     /// Mission seconds per second of wall time; `None` is as fast as possible.
     pace: Option<f64>,

@@ -120,7 +120,7 @@ async fn send(
     };
     let author = Author { actor, epoch: terms.epoch };
     let number = door.send(CommandRequest { wish, author, valid_until: terms.valid_until, objection });
-    let forgotten = || ApiError::not_found(format!("command {number} is forgotten"), "the record holds its end");
+    let forgotten = || ApiError::not_found(format!("command {number} is no longer kept"), "the record holds its end");
     let ended = tokio::spawn(async move {
         loop {
             let state = door.command(number)?;

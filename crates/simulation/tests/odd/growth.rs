@@ -79,7 +79,7 @@ fn growth_for_which_no_time_is_left_is_named() {
 
 /// Growth by less than a hundredth is within the accuracy of outlines.
 #[test]
-fn a_little_growth_is_no_target() {
+fn a_little_growth_is_not_a_target() {
     let (_, end_s) = visit(&survey(50_000, "4h"), "brush").unwrap();
     let (west, south, east, north) = BRUSH;
     let flown = survey_with(end_s as u32 + 60, "4h", (west, south, east + 0.0005, north));

@@ -61,7 +61,7 @@ fn a_look_is_flown_where_the_look_before_cannot_be_made() {
 
 /// A look that is not worth its time is left out for that reason, and not for a lack of time.
 #[test]
-fn a_look_that_is_not_worth_its_time_says_so() {
+fn a_look_that_is_not_worth_its_time_reports_it() {
     let a = r#""id": "a", "kind": "fire", "acres": 4000, "looks": [
         {"id": "first", "value": 20, "resolution_m": 15},
         {"id": "second", "value": 0.0001, "resolution_m": 15, "interval_h": [1, 2]}]"#;

@@ -15,7 +15,7 @@ const OPTIONS: &str = ":vehicle (sim :model predator-b :at home) :start \"2026-0
 
 /// The way home fails, and the program has no answer to that. The report says that the vehicle is in the air, and why.
 #[test]
-fn a_flight_that_ends_in_the_air_says_so() {
+fn a_flight_that_ends_in_the_air_states_it_in_its_report() {
     let targets = collection(&[home(), fire("near", -120.5, 37.4, "")]);
     let program = program(OPTIONS, "4000m").replace("(return to home at 4000m)", "(fail after 6s)");
     let program = format!("{program}(primitive (index (fail after ?span)) (duration (- 1s ?span)))\n");
@@ -152,7 +152,7 @@ fn plans_land_before_the_base_closes() {
     let landed_s = flown.said("landed").last().unwrap_or_else(|| panic!("{text}")).0;
     assert!(landed_s < 4_500.0, "{landed_s}\n{text}");
     assert!(flown.left_out("far").contains("zone closed closes the base at 1:15:00 until the mission ends"), "{text}");
-    // Too little time for any visit: the aircraft is home before, and the reason is said.
+    // Too little time for any visit: the aircraft is home before, and the report states the reason.
     let flown = fly_until(0.4);
     let text = flown.text();
     assert!(flown.outcome.report.visits.is_empty(), "{text}");

@@ -21,7 +21,7 @@ fn families() -> impl Strategy<Value = CostFunction> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
     #[test]
-    fn no_word_costs_less(
+    fn no_tour_costs_less(
         seed in 0..1000_u64, cost in families(), other in families(), home: bool, age in 0.0..300.0f64,
         later in 0.1..3.0f64, horizon in 200.0..900.0f64, turn in prop::option::of(0.2..0.9f64),
     ) {
@@ -99,7 +99,7 @@ fn within(problem: &SurveillanceProblem, units: u64) -> (f64, u64, bool) {
 }
 
 #[test]
-fn a_small_budget_proves_less_says_so_and_is_kept() {
+fn a_small_budget_proves_less_reports_it_and_is_kept() {
     for count in [3, 4, 12] {
         let problem = examples::random(count, 5);
         let mut environment =
@@ -122,7 +122,7 @@ fn a_small_budget_proves_less_says_so_and_is_kept() {
 }
 
 #[test]
-fn nothing_to_spend_leaves_the_quick_bound() {
+fn nothing_to_spend_leaves_the_fast_bound() {
     let problem = examples::random(6, 5);
     let (proven, _, complete) = within(&problem, 0);
     assert_eq!((proven, complete), (price::expected_cost(&problem).expected_cost, false));

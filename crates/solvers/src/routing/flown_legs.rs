@@ -139,7 +139,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
         #[test]
-        fn no_departure_is_quicker_than_the_least(seed in 0..10_000u64, shares in prop::collection::vec(0.0..1.0f64, 24)) {
+        fn no_departure_is_faster_than_the_least(seed in 0..10_000u64, shares in prop::collection::vec(0.0..1.0f64, 24)) {
             // Zones with active times, landing places and a wind that changes.
             let problem = examples::random(4, seed);
             let mut schedule = Schedule::new(&problem).unwrap();

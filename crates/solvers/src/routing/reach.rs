@@ -3,7 +3,7 @@
 //! A vehicle that cannot fly to a target directly may reach it through another one, if given times or heights permit it. So times are
 //! minima over all departures and over any detours; each target on a detour counts with its shortest observation, and order and value are
 //! ignored. A target that is out of reach in these times is out of reach in every plan.
-//! Bound: O(nodes^2); with more than [`NODES_MAX`] nodes nothing is said to be out of reach.
+//! Bound: O(nodes^2); with more than [`NODES_MAX`] nodes no node is reported as out of reach.
 
 use super::schedule::Schedule;
 use super::travel::PointKey;

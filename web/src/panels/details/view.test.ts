@@ -153,7 +153,7 @@ describe('why', () => {
     const view = whyView(full, '2007-09-08T01:00:00Z');
     expect(view.sentences).toEqual([
       why.now,
-      'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3',
+      'camera is held by T9 (pan), priority 7 + interrupt cost 0.1 against 3',
     ]);
     const text = treeText(whyTree(full.explanation, new Map()));
     expect(text.split('\n').filter(line => line.startsWith('○ it waits for')).length).toBe(1);

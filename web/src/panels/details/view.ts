@@ -78,7 +78,7 @@ function joined(...parts: (string | null)[]): string {
 function blockedSentences(blocked: Blocked | null): string[] {
   if (!blocked) return [];
   const { resource, by, goal, strengths } = blocked;
-  return [`${resource} is with ${by} ${goal}, priority ${strengths}`];
+  return [`${resource} is held by ${by} ${goal}, priority ${strengths}`];
 }
 
 function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['facts'] {
@@ -285,7 +285,7 @@ export function hasSource(place: string): boolean {
   return !place.startsWith('<');
 }
 
-/** How well a task's state fits the question why its target is as it is: the smaller, the better. */
+/** Rank of a task's state as an explanation of the state of its target: the lowest rank is chosen. */
 const STATE_RANKS: Record<Task['state'], number> = {
   ongoing: 0,
   interrupted: 1,

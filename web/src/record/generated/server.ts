@@ -33,7 +33,7 @@ export type WantedWindow = { target: string, look: string, from_ns: number, to_n
  */
 export type Operation = { now_ns: number, 
 /**
- * Milliseconds of the server's clock, from which callers reckon `until_ms` of their commands.
+ * Milliseconds of the server's clock, from which callers compute `until_ms` of their commands.
  */
 clock_ms: number, 
 /**

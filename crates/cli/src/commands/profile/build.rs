@@ -16,7 +16,7 @@ pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> CliRe
     let cells = named::cells(&options.cells)?;
     let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<CliResult<_>>()?;
     let budgets = named::rising(budgets, &options.budgets)?;
-    named::missions(options.missions, "; 50 is what the published table has")?;
+    named::missions(options.missions, "; the published table was measured with 50")?;
     let planners = named::planners(&options.planners, registry)?;
     let before = refuse_other(&options.profile)?;
     let mut profile = Profile::empty(&cells, options.missions, &budgets);
@@ -65,7 +65,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
         let unit_ns = 1e9 * cpu_s / used.max(1) as f64;
         let name = planner.name();
         output::print_error(format_args!(
-            "{name}: {used} units of work in {cpu_s:.1} CPU seconds, {unit_ns:.0} ns a unit"
+            "{name}: {used} units of work in {cpu_s:.1} CPU seconds, {unit_ns:.0} ns per unit"
         ));
     }
     let version = env!("CARGO_PKG_VERSION").to_string();

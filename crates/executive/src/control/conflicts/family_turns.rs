@@ -1,5 +1,5 @@
 //! Turns of ranked families (TC)
-//! What: lists the claimants of ranked families by their own priorities, and tells which begun work precedes its equals.
+//! What: lists the claimants of ranked families by their own priorities, and determines which begun work precedes its equals.
 //! Runs: contend phase, for `families`.  Reads: ResourceTable, priorities, ranks.  Writes: nothing.
 //! Bound: O(log c) for a turn of c claimants, and O(m) for begun work, with m claimants of one family.
 //! PDL: `rank`, `priority`, section 9, conflict; decision 0204.  Paper: section III, detecting and resolving conflicts.

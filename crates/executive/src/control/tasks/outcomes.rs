@@ -1,6 +1,6 @@
 //! Outcomes between siblings (TC)
 //! What: finds pending steps that wait for an outcome or a result that can no longer occur; they are skipped.
-//! Runs: when a step has ended for good.  Reads: ProcedureIndex, Task.  Writes: nothing.
+//! Runs: when a step has ended finally.  Reads: ProcedureIndex, Task.  Writes: nothing.
 //! Bound: O(steps that name the outcome); O(steps) where a step with a result ends without success.
 //! PDL: `(failed ?s)`, `(succeeded ?s)`, `(skipped ?s)`, `=>`.  Paper: section III, off-nominal conditions.
 
@@ -23,7 +23,7 @@ pub(crate) fn is_awaited(cycle: &Cycle<'_>, child: TaskId) -> bool {
     index.and_then(|index| index.steps.get(step.step as usize)).is_some_and(|step| step.failure_awaited)
 }
 
-/// Returns the siblings that can no longer begin since the step's task has ended for good, each with the cause.
+/// Returns the siblings that can no longer begin since the step's task has ended finally, each with the cause.
 pub(crate) fn dependents(
     cycle: &Cycle<'_>,
     parent: TaskId,

@@ -114,7 +114,7 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Val
     let Some(value) = chosen(&state.options, answer) else {
         let options: Vec<String> = state.options.iter().map(Value::to_string).collect();
         let message = format!(
-            "the answer {answer} to question {} is none of {}; the question stays open",
+            "the answer {answer} to question {} is not one of {}; the question stays open",
             question.0,
             options.join(", ")
         );

@@ -72,7 +72,7 @@ pub(crate) fn advance_state(
     }
 }
 
-/// Returns true if the condition names an outcome: only then outcomes count, since a variable in the place of the state is a state.
+/// Returns true if the condition names an outcome: outcomes count only then, because a variable in the place of the state is bound to a state.
 fn names_outcome(part: &TaskStatePart) -> bool {
     matches!(&part.state, Pattern::Literal(Value::Symbol(name)) if OUTCOME_STATES.contains(&name.folded()))
 }

@@ -24,7 +24,10 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
         return PartFacts::no_sample();
     };
     let Some(held) = leaf.objects.values().max_by_key(|held| held.at) else {
-        let what = format!("{variable} = {} at {}, which is not among what this waits for", sample.value, sample.at);
+        let what = format!(
+            "{variable} = {} at {}, which is not a sample that this condition waits for",
+            sample.value, sample.at
+        );
         return PartFacts::words(what).since(Some(sample.at));
     };
     let mut now = format!("{variable} = {}, persisted since {}", held.value, held.at);
@@ -52,7 +55,8 @@ pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut V
     };
     let sayings = regression::all(leaf, site, query);
     let Some(saying) = sayings.into_iter().last() else {
-        let what = format!("{variable} = {} at {}, which is not among what is fitted", sample.value, sample.at);
+        let what =
+            format!("{variable} = {} at {}, which is not a sample that the line is fitted to", sample.value, sample.at);
         return PartFacts::words(what).since(Some(sample.at));
     };
     match saying {

@@ -235,8 +235,8 @@ fn gone_beyond(
     gone.map(|(place, _)| place).collect()
 }
 
-/// Returns the indices of results of step `number`, which lies between the points of a limit, if the greatest time has passed since the
-/// last first point before them, without a second point behind them. That first point permits the latest second ones.
+/// Returns the indices of the results of step `number` that can no longer lie between the two points of a limit: since the newest first
+/// point before them the greatest time has passed, and no second point has followed. The newest first point permits the latest second ones.
 fn gone_between(
     composite: &Composite,
     limits: &[(Duration, Duration)],

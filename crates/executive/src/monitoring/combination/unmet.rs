@@ -74,7 +74,7 @@ pub(crate) fn collect(part: &Part, query: &mut VerdictQuery<'_>, list: &mut Vec<
             let what = format!("(:not {})", text(inner));
             let now = match logic::truth(inner, query) {
                 Truth::True => "the inner condition holds".into(),
-                Truth::False | Truth::Unknown => "the data do not say whether the inner condition holds".into(),
+                Truth::False | Truth::Unknown => "the data do not show whether the inner condition holds".into(),
             };
             let since = logic::results(inner, query).first().map(|result| result.recognised_at);
             list.push(PartFacts { now, since, ..PartFacts::default() }.unmet(what, part.place));
@@ -170,7 +170,7 @@ fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> PartFacts {
     let since = Some(leaf.since);
     let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
         (true, _) => (format!("{} continues", text(&leaf.part)), None, leaf.decides_at),
-        (_, true) => (format!("the data do not say whether {} continues", text(&leaf.part)), since, leaf.decides_at),
+        (_, true) => (format!("the data do not show whether {} continues", text(&leaf.part)), since, leaf.decides_at),
         _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
     };
     PartFacts { until: until.filter(|at| *at > query.now), ..PartFacts::words(now).since(since) }
@@ -217,8 +217,8 @@ fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> PartF
     let Occurrence { form, at, sequence } = newest;
     let reason = match first_mismatch(&leaf.pattern, form, query.context) {
         Some(mismatch) => format!("it {mismatch}"),
-        None if *at < start => "that was before this was waited for".into(),
-        None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
+        None if *at < start => "that was before the wait began".into(),
+        None if !part.window.contains(*at, *sequence) => "a step has answered that one".into(),
         None => "its guards, segments or timing do not fit".into(),
     };
     let now = format!("no such event yet; the last one like it was {form} at {at}: {reason}");
@@ -260,11 +260,11 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuer
     let distance = distance(&leaf.tests, &sample.value);
     let mut now = format!("{variable} = {}", sample.value);
     if sample.at < window.start {
-        now.push_str(", measured before this was waited for");
+        now.push_str(", measured before the wait began");
     } else if leaf.blind {
         now.push_str("; older samples are no longer kept");
     } else if !measurement::has_seen_any(leaf, window, query.context) {
-        now.push_str(", which is not among what this waits for");
+        now.push_str(", which is not a sample that this condition waits for");
     } else if let Some(distance) = &distance {
         now.push_str(&format!(", {distance} off"));
     }
@@ -351,6 +351,6 @@ fn time_state(leaf: &TimePart, kind: TimeForm, start: Time, query: &VerdictQuery
         Ok((from, _)) if from > query.now => {
             PartFacts { until: Some(from), ..PartFacts::words(format!("it is {}, {from} is to come", query.now)) }
         }
-        Ok((from, _)) => PartFacts::words(format!("it is {}, {from} had passed before this was waited for", query.now)),
+        Ok((from, _)) => PartFacts::words(format!("it is {}, {from} had passed before the wait began", query.now)),
     }
 }

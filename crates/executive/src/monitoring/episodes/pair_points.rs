@@ -1,5 +1,5 @@
 //! Points of pairs (M&I)
-//! What: keeps the instants at which intervals of an episode of any two samples begin and end, instead of all pairs of samples.
+//! What: keeps the instants at which intervals of an episode can begin and end, where any two samples of a run make an interval.
 //! Runs: on every sample of an episode that is a part of an order of points.
 //! Reads: the run of the newest sample.
 //! Writes: the points of the episode.
@@ -18,7 +18,7 @@ fn point(at: Time) -> Satisfaction {
 }
 
 impl PairPoints {
-    /// Returns the points of an episode without samples, of which the least and the greatest duration are given.
+    /// Returns the points of an episode that has no samples yet, with its least and greatest duration.
     pub(crate) fn lasting(durations: (Duration, Duration)) -> PairPoints {
         PairPoints { durations, ..PairPoints::default() }
     }

@@ -77,39 +77,38 @@ impl Why {
         match self {
             Why::Window => ("it names its window", "a shorter window"),
             Why::Lateness => (
-                "when a sample comes late, conditions that wait look back over all they have waited for",
-                "no `:lateness`, where the variable's samples come in order",
+                "after a late sample, waiting conditions evaluate their whole window again",
+                "no `:lateness`, if the variable's samples arrive in order",
             ),
             Why::AnyTime => {
-                ("its samples may lie any time ago", "an earliest time before now: `:timestamp (> (- +now+ P10M))`")
+                ("its samples may be of any age", "an earliest time before now: `:timestamp (> (- +now+ P10M))`")
             }
             Why::EpisodeTimes => (
-                "its run may have begun any time ago",
+                "its run may have begun at any time before",
                 "no `:start` and no `:end`: without them it counts from its task's creation",
             ),
             Why::EventTimes => {
-                ("its message may lie any time ago", "an earliest time before now: `:timing (:es (- +now+ P10M))`")
+                ("its message may be of any age", "an earliest time before now: `:timing (:es (- +now+ P10M))`")
             }
             Why::SinceCreation => (
                 "it counts from its task's creation, but names a task that is known only later",
                 "two steps: one that waits for the task, and a later one that waits for this condition",
             ),
             Why::QueryTime => (
-                "how far back it asks is known only when it asks",
+                "the span of its query is known only when the query is evaluated",
                 "a window such as `P10M`, or an instant such as `(- +now+ P10S)`",
             ),
             Why::QueryVariable => {
-                ("which state variable it asks for is known only when it asks", "the name of the state variable")
+                ("its state variable is known only when the query is evaluated", "the name of the state variable")
             }
             Why::FitInterval => (
-                "the samples of its line may begin any time ago",
+                "the samples of its line may be of any age",
                 "a `:start` before now that is written out: `:start (- +now+ P10M)`",
             ),
-            Why::Values => (
-                "its predicate is asked about all values of the episode",
-                "a statistic or another trend, which keep no values",
-            ),
-            Why::Cycles => ("it looks for cycles in all that is remembered", "a condition with a window"),
+            Why::Values => {
+                ("its predicate takes all values of the episode", "a statistic or another trend, which keep no values")
+            }
+            Why::Cycles => ("it searches all kept samples for cycles", "a condition with a window"),
             Why::Join => ("a derived state variable joins it with others", "a shorter limit in its `:join`"),
             Why::Log => ("its policy has no `:time-limit` and no `:count-limit`", "`:time-limit P10M`"),
         }

@@ -98,7 +98,7 @@ pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, seq
 /// Returns the message for the first dropped sample of `variable` that a condition may still need.
 pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> String {
     let most = limits.of(Limit::HistorySamples);
-    let over = format!("more than {most} samples of {variable} within what conditions or logs ask for");
+    let over = format!("more than {most} samples of {variable} within the time that conditions or logs need");
     forgotten(&over, Limit::HistorySamples, limits)
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> 
 pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
     let most = limits.of(Limit::EventHistory);
     forgotten(
-        &format!("more than {most} messages within what conditions, queries or logs ask for"),
+        &format!("more than {most} messages within the time that conditions, queries or logs need"),
         Limit::EventHistory,
         limits,
     )
@@ -115,8 +115,8 @@ pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
 fn forgotten(over: &str, limit: Limit, limits: &Limits) -> String {
     let raise = if limits.of(limit) < limit.most() { format!(", or raise `:{}`", limit.word()) } else { String::new() };
     format!(
-        "{over}: the oldest of them are forgotten, and a question that reaches back to them is \
-         answered with \"unknown\"; ask less far back{raise}"
+        "{over}: the oldest of them are forgotten, and a query that reaches back to them is \
+         answered with \"unknown\"; query a shorter time{raise}"
     )
 }
 

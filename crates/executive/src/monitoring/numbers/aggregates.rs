@@ -277,7 +277,7 @@ impl CriterionContext<'_> {
 fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static str> {
     let RunStatistics { moments, held, median, .. } = numbers;
     let none = "no number yet";
-    let no_time = "no value has held for any time yet";
+    let no_time = "no value has held for longer than an instant yet";
     let one_instant = "fewer than two distinct instants";
     match measure {
         Measure::Mean => moments.mean().ok_or(none),

@@ -217,9 +217,9 @@ pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQue
             )
         }
         (None, _, [_, Some(turn)]) => {
-            format!("{variable} has turned at {} for the last time, no cycle is complete", turn.at)
+            format!("the last turning point of {variable} was at {}; no cycle is complete", turn.at)
         }
-        (None, ..) => format!("{variable} has not turned yet"),
+        (None, ..) => format!("{variable} has no turning point yet"),
     })
 }
 

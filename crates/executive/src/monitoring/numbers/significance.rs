@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_line_is_no_chance_and_a_level_one_is_nothing_else() {
+    fn a_perfect_line_is_not_a_chance_and_a_level_one_is_nothing_else() {
         let of = |numbers: &[f64]| {
             let mut moments = Moments::default();
             numbers.iter().zip(1..).for_each(|(number, at)| moments.add(Time(at * 1_000_000_000), *number));

@@ -35,13 +35,13 @@ fn over(world: &mut World, values: impl Fn(i64) -> i64, quiet: i64, end: i64) ->
 }
 
 #[test]
-fn that_the_first_sample_of_a_pair_is_forgotten_is_told_once() {
+fn that_the_first_sample_of_a_pair_is_forgotten_is_reported_once() {
     let mut world = World::new(&warm("a", 1_000_000, true));
     assert_eq!(over(&mut world, |_| 5, MOST, MOST + 9), (vec![], results_limit()));
 }
 
 #[test]
-fn that_windows_of_an_absence_are_forgotten_is_told_once() {
+fn that_windows_of_an_absence_are_forgotten_is_reported_once() {
     // Every second sample matches, so that the part is absent for an instant between them. No monitor receives the event.
     let absent = condition(ConditionKind::Absent(Box::new(points("a", false)), span(1)));
     let seen = condition(event(vec![word("seen")]));
@@ -60,7 +60,7 @@ fn points(attribute: &str, alternative: bool) -> Condition {
 }
 
 #[test]
-fn that_related_results_are_forgotten_is_told_once() {
+fn that_related_results_are_forgotten_is_reported_once() {
     for final_ones in [true, false] {
         let parts = vec![points("a", false), points("b", !final_ones)];
         let (relation, tolerance, constraints) = (AllenRelation::Before, None, vec![]);
@@ -88,7 +88,7 @@ fn that_related_results_are_forgotten_is_told_once() {
 }
 
 #[test]
-fn that_results_are_forgotten_while_looking_back_is_told_once() {
+fn that_results_are_forgotten_while_looking_back_is_reported_once() {
     let mut view = TestView::default();
     view.histories.require_lookback_of_all(Duration::MAX);
     let mut world = World::in_view(&condition(event(vec![word("never")])), view);

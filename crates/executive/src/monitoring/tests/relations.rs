@@ -188,7 +188,7 @@ fn a_result_that_ends_first_does_not_stand_for_one_that_begins_later() {
 }
 
 #[test]
-fn a_run_that_silence_has_ended_goes_on_with_a_sample_that_was_on_its_way() {
+fn a_run_that_silence_has_ended_continues_with_a_sample_that_was_on_its_way() {
     let runs = Side::Runs { gap: Some(1), least: 0 };
     let mut world =
         World::new(&related(AllenRelation::During, 0, vec![Side::Points.condition("a"), runs.condition("b")]));

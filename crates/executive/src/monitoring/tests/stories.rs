@@ -181,7 +181,7 @@ fn first_and_last_values_are_of_the_run() {
 }
 
 #[test]
-fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
+fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_reported() {
     let mut view = TestView::default();
     let declaration = StateVariableDeclaration {
         unit: Some(Symbol::new("ft")),

@@ -90,7 +90,7 @@ fn a_sample_from_before_the_present_takes_back_what_time_decided() {
 }
 
 #[test]
-fn an_end_that_was_told_and_taken_back_is_not_told_again() {
+fn an_end_that_was_reported_and_withdrawn_is_not_reported_again() {
     let text = "(:episode (x uav) :quality (:max-gap 1s) :value (> 0))".to_string();
     let samples = [(3, 1, 24), (0, 1, 26), (3, 0, 28), (2, -1, 30), (0, 1, 28), (0, 0, 32)];
     let (told, _) = run(&samples, std::slice::from_ref(&text), &[], true);
@@ -99,7 +99,7 @@ fn an_end_that_was_told_and_taken_back_is_not_told_again() {
 }
 
 #[test]
-fn what_another_alternative_left_over_is_told_at_the_next_sample() {
+fn what_another_alternative_left_over_is_reported_at_the_next_sample() {
     let text = "(:and (:or (:episode (x uav) :quality (:max-gap 1s) :value (> 0) :timing (:duration (>= 1s))) \
                 (:not (:episode (y uav) :quality :no-constraints :value (> 0) :timing (:duration (>= 0s))))))";
     let samples = [(3, 1, 25), (1, 0, 27), (3, 0, 28)];
@@ -109,7 +109,7 @@ fn what_another_alternative_left_over_is_told_at_the_next_sample() {
 
 proptest! {
     #[test]
-    fn banks_tell_of_combinations_what_monitors_would_tell(
+    fn banks_report_of_combinations_what_monitors_would_tell(
         samples in samples(),
         conditions in prop::collection::vec(condition(), 1..4),
         asked in prop::collection::vec(prop::bool::weighted(0.1), 50),

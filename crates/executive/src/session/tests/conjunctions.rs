@@ -1,4 +1,4 @@
-//! Conjunctions of which only the first result for each set of bindings is asked: they keep few results, and agree with the definition.
+//! Conjunctions of which only the first result for each set of bindings is needed: they keep few results, and agree with the definition.
 
 use super::absent_orders::windows;
 use super::point_orders::{results_over, stories};
@@ -117,7 +117,7 @@ fn limits_between_two_parts_need_few_samples() {
     }
 }
 
-/// 600 results of each part would be 360,000 combinations at each look, more than the limit.
+/// 600 results of each part would be 360,000 combinations at each evaluation, more than the limit.
 #[test]
 fn no_combination_is_tried_while_a_part_or_the_last_delay_is_to_come() {
     let parts = "(:measurement a (speed uav) :value (> 4)) (:measurement b (height uav) :value (>= 0)) (:delay 300s)";
@@ -164,7 +164,7 @@ const CONJUNCTIONS: [&str; 12] = [
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A constraint that is always true keeps every result of the parts: every combination is tried at every look.
+    /// A constraint that is always true keeps every result of the parts: every combination is tried at every evaluation.
     #[test]
     fn first_results_are_those_of_all_combinations(
         story in stories(), number in 0..CONJUNCTIONS.len(), late: bool, log: bool,

@@ -153,7 +153,7 @@ impl Log {
 }
 
 #[cfg(test)]
-#[allow(clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#[allow(clippy::indexing_slicing, reason = "a test stops at an unexpected result")]
 mod tests {
     use super::*;
     use apex_model::value::Value;
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn more_than_the_limit_is_told_once() {
+    fn more_than_the_limit_is_reported_once() {
         let mut logs = EventLogs::default();
         logs.open(1, policy(0, ALL, u64::MAX), std::iter::empty(), None, 3);
         let told: Vec<bool> = (0..6).map(|at| logs.record(&event("seen", at), 3)).collect();

@@ -243,12 +243,12 @@ impl HeldMoments {
         self.weight_ns
     }
 
-    /// Returns the mean over time; `None` if no value held for any time.
+    /// Returns the mean over time; `None` if no value has held for longer than an instant.
     pub fn mean(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then_some(self.anchor + self.mean)
     }
 
-    /// Returns the variance over time; `None` if nothing held for any time.
+    /// Returns the variance over time; `None` if no value has held for longer than an instant.
     pub fn variance(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then(|| (self.spread / self.weight_ns).max(0.0))
     }

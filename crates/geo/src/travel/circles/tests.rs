@@ -130,7 +130,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 60 } else { 600 }))]
 
     #[test]
-    fn the_worst_is_no_less_than_any_and_hardly_more_than_the_worst_tried(
+    fn the_worst_is_at_least_any_and_hardly_more_than_the_worst_tried(
         wind in winds(), distance in 0.0..60.0f64, opposite in any::<bool>(), track in prop::option::of(0.0..TAU),
     ) {
         let rounds = Rounds::new(2.0, 10.0, wind).unwrap();

@@ -82,7 +82,7 @@ fn naive(to: Point, headings: (f64, f64), radius: f64, wind: Point) -> (f64, f64
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 48 } else { 400 }))]
     #[test]
-    fn no_turns_that_a_search_finds_are_quicker(
+    fn no_turns_that_a_search_finds_are_faster(
         x in -9.0..9.0f64, y in -9.0..9.0f64, start in 0.0..TAU, end in 0.0..TAU, blows in 0.0..0.6f64, to in 0.0..TAU,
     ) {
         let wind_mps = Point { x: blows * libm::cos(to), y: blows * libm::sin(to) };

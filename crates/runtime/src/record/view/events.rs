@@ -14,8 +14,8 @@ const LIMIT_DEFAULT: usize = 200;
 /// Maximum number of rows of any answer.
 const LIMIT_MAX: usize = 5_000;
 
-/// Most effects that one answer reads in search of a text. A text that is nowhere would otherwise read the whole log: the answer states
-/// where the search continues.
+/// Maximum number of effects that one answer reads in search of a text. A search for a text that does not occur would otherwise read the
+/// whole log; the answer states where the search continues.
 const SEARCHED_MAX: usize = 4_096;
 
 /// An effect that is not in the index counts as this many of [`SEARCHED_MAX`]: while the log is being indexed, each answer would otherwise
@@ -45,7 +45,7 @@ pub struct EventsQuery {
     pub limit: Option<usize>,
     /// Only effects with lower numbers: continues a search at its [`Events::next`].
     pub before: Option<i64>,
-    /// Most effects that are read in search of a text; default 4,096.
+    /// Maximum number of effects that are read in search of a text; default 4,096.
     pub searched_max: Option<usize>,
 }
 

@@ -112,7 +112,7 @@ pub struct Plans {
     pub left_out: i64,
 }
 
-/// Most plans in one answer.
+/// Maximum number of plans in one answer.
 pub const PLANS_MAX: i64 = 100;
 
 impl RecordView {

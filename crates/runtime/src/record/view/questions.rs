@@ -5,7 +5,7 @@ use super::question_index::{AskedQuestion, QuestionIndex};
 use crate::error::RecordError;
 use serde::Serialize;
 
-/// Most questions in one answer; open ones first, then the newest.
+/// Maximum number of questions in one answer; open ones first, then the newest.
 const QUESTIONS_MAX: usize = 100;
 
 /// Questions by an instant.

@@ -111,18 +111,18 @@ impl Disk {
 
     /// Returns the files after the power is cut now: of the waiting writes, the disk has performed a random part, in any order, sector by
     /// sector.
-    pub(crate) fn cut(&self, dice: &mut ChaCha8Rng) -> Files {
+    pub(crate) fn cut(&self, rng: &mut ChaCha8Rng) -> Files {
         let mut files = self.safe.clone();
         // All writes, none, or each with this chance.
-        let kept = [0, 255, 32, 128, 224][(dice.next_u32() % 5) as usize];
-        let chance = |dice: &mut ChaCha8Rng| kept == 255 || (dice.next_u32() & 0xff) < kept;
+        let kept = [0, 255, 32, 128, 224][(rng.next_u32() % 5) as usize];
+        let chance = |rng: &mut ChaCha8Rng| kept == 255 || (rng.next_u32() & 0xff) < kept;
         for (name, operation) in &self.waiting {
             if !files.0.contains_key(name) && !matches!(operation, Operation::Create) {
                 // The creation of the file is lost, and so is its content.
                 continue;
             }
             let Operation::Write { offset, data } = operation else {
-                if chance(dice) {
+                if chance(rng) {
                     files.apply(name, operation);
                 }
                 continue;
@@ -130,7 +130,7 @@ impl Disk {
             let mut from = 0;
             while from < data.len() {
                 let to = data.len().min(((offset + from) / SECTOR_BYTES + 1) * SECTOR_BYTES - offset);
-                if chance(dice) {
+                if chance(rng) {
                     files.apply(name, &Operation::Write { offset: offset + from, data: data[from..to].to_vec() });
                 }
                 from = to;

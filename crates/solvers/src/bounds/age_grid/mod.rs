@@ -285,8 +285,8 @@ fn levels(problem: &SurveillanceProblem, target: usize, number: usize, longest_s
             high_s = middle_s;
         }
     }
-    let grows_for_ever = low_s > 0.5 * LONG_S;
-    let last_s = if grows_for_ever { TOURS * tour_s(problem) } else { low_s };
+    let grows_without_limit = low_s > 0.5 * LONG_S;
+    let last_s = if grows_without_limit { TOURS * tour_s(problem) } else { low_s };
     let span_s = (last_s.min(longest_s + of.initial_age_s) - least_s).max(least_s).max(1.0);
     let share = |level: usize| level as f64 / (number - 1) as f64;
     (0..number).map(|level| least_s + span_s * share(level) * share(level)).collect()

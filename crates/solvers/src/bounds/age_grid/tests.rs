@@ -41,7 +41,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
-    fn no_word_costs_less(
+    fn no_tour_costs_less(
         seed in 0..10_000_u64, count in 1..5_usize, horizon_s in 400.0..1_400.0f64, age_s in 0.0..900.0f64, home: bool,
     ) {
         let mut problem = problem(count, seed, 180.0, age_s);
@@ -110,7 +110,7 @@ fn nonsense_as_a_proof_proves_nothing() {
 
 /// A plan that never waits is compared with the bound for such plans; a plan that waits with the bound for all plans.
 #[test]
-fn who_waits_is_not_held_to_those_who_do_not() {
+fn flights_that_wait_are_not_bounded_by_flights_that_do_not() {
     let problem = examples::random(3, 5);
     let scenario = Scenario::new(&problem).unwrap();
     let plan = scenario.cycle_plan("test", &[0, 1, 2]);

@@ -5,8 +5,8 @@
 //! of targets, all of them have a gap. A group that is entered `f` times has `f + 1` such absences (`f` if the flight ends in it), and
 //! they last as long as the legs within the group leave over. Each target has a chain of growing groups, and each of its gaps a level:
 //! the greatest group of the chain whose absence the gap contains. So at most `f + 1` gaps have a group's level or a higher one, and
-//! together they last at least as long as its absences; and longer by the ways between the target and the points where the group is left
-//! and entered, except for stays that do not visit the target, of which there are at most `f + 1` less these gaps. The cost of the gaps
+//! together they last at least as long as its absences. They are longer by the ways between the target and the points where the group is
+//! left and entered, except for stays that do not visit the target; there are at most `f + 1` less these gaps of such stays. The cost of the gaps
 //! of one level is jointly convex in their number and total length; tangents bound it from below, and further tangents are added where
 //! the optimum needs them.
 //! Bound: O(targets^2 + targets x levels x tangents) rows, [`ROUNDS_MAX`] programs.

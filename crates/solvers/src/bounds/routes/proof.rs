@@ -3,8 +3,8 @@
 //! First, subgradient steps find multipliers under which walks gain little from revisits. Then labels run from the start,
 //! from the end, and so on; each run prunes labels by the completion bounds of the run before. After each run, a target that
 //! the best walk revisits joins the ng-sets of the targets between its visits (decremental state space relaxation: Righini and
-//! Salani 2008). If the best walk visits no target twice and still has less profit than its bound, because multipliers of unvisited
-//! targets are refunded, a last run counts full values and refunds only multipliers of targets that may still be visited.
+//! Salani 2008). The best walk may visit no target twice and still have less profit than its bound, because multipliers of unvisited
+//! targets are refunded. A last run then counts full values and refunds only multipliers of targets that may still be visited.
 
 use super::label_completion::LabelCompletion;
 use super::labels::{CompletionBound, Labelling, LabellingResult, MultiplierRefund, STEPS_PER_UNIT};

@@ -94,7 +94,7 @@ impl SubgradientAscent<'_> {
                 (share, stale) = (0.5 * share, 0);
                 multipliers.clone_from(&kept);
                 if share >= SLACK_SHARE_MIN {
-                    // The slack is smaller from now on: bounds before and after do not compare.
+                    // The slack is smaller from now on: bounds before and after cannot be compared.
                     best = f64::INFINITY;
                 }
                 ng_sets::grow(ng_sets, network, &found.walk, REMEMBERED_MAX);

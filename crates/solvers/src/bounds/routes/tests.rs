@@ -139,7 +139,7 @@ proptest! {
     }
 
     #[test]
-    fn no_route_is_lost_where_ways_over_others_are_quicker(seed in 0..100_000u64) {
+    fn no_route_is_lost_where_ways_over_others_are_faster(seed in 0..100_000u64) {
         let (nodes, legs, targets) = parts(seed);
         let tight = Network::given(nodes.clone(), legs.clone(), targets);
         let mut wide = Network::given(nodes.clone(), legs, targets);
@@ -256,7 +256,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_missed_is_in_no_route_that_goes_on(seed in 0..100_000u64) {
+    fn what_is_missed_is_in_no_route_that_continues(seed in 0..100_000u64) {
         let network = random(seed);
         let latest_departures = LatestDepartures::new(&network);
         for (_, route) in routes(&network) {
@@ -314,7 +314,7 @@ fn between_multiples_there_is_no_route() {
 }
 
 #[test]
-fn values_whose_sums_cannot_be_told_have_no_grain() {
+fn values_whose_sums_cannot_be_distinguished_have_no_step() {
     assert_eq!(valued(&[1.0; 1_000]).below(2.5), 2.0);
     assert!(valued(&[1.0; 1_001]).below(2.5) > 2.4, "remainders of more targets may add up");
     assert!(valued(&[2e9, 4e9]).below(3e9) > 2.9e9, "large values lose their last decimals");

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn times_stay_as_they_are_or_are_made_anew() {
+    fn times_stay_as_they_are_or_are_computed_again() {
         let problem = Problem::Surveillance(examples::random(4, 2));
         let mut edited = of(planned(&TwoOpt, &problem));
         edited.cycle.clear();
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_manoeuvre_that_somebody_chose_is_flown() {
+    fn a_manoeuvre_that_an_operator_chose_is_flown() {
         let problem = fires::western_states(40_000.0);
         let asked = Problem::SingleVisit(problem.clone());
         let Plan::SingleVisit(mut edited) = planned(&SingleVisit, &asked) else {

@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_round_drawn_by_a_person_is_flown_until_the_end_and_scored() {
+    fn a_round_drawn_by_an_operator_is_flown_until_the_end_and_scored() {
         let problem = examples::random(4, 2);
         let names: Vec<&str> = problem.targets.iter().map(|target| target.name.as_str()).collect();
         let asked = Problem::Surveillance(problem.clone());
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn fires_in_the_order_of_a_person_are_seen_in_the_best_way() {
+    fn fires_in_the_order_of_an_operator_are_seen_in_the_best_way() {
         let asked = Problem::SingleVisit(fires::western_states(40_000.0));
         let score = |plan: &Plan| match plan {
             Plan::SingleVisit(plan) => plan.score,

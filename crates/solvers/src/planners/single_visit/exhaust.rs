@@ -1,8 +1,8 @@
 //! All orders of few targets, by labels: a plan of up to seven targets is the best one, also where a detour is shorter than a direct way.
 //!
-//! A label is the end of a sequence of visits: the visited targets, the last visit, its end, and the value so far. Of the labels with
-//! the same targets and the same last visit only those remain that no other one equals in both time and value, because a vehicle
-//! that departs later does not arrive earlier, and costs grow with time. A sequence counts as a plan where its end permits the way to the
+//! A label is the end of a sequence of visits: the visited targets, the last visit, its end, and the value so far. Labels with
+//! the same targets and the same last visit compete: a label is dropped if another one is as early or earlier and has at least its value. This is valid
+//! because a vehicle that departs later does not arrive earlier, and costs grow with time. A sequence counts as a plan where its end permits the way to the
 //! base; where it does not, it may still lead to targets from which there is a way.
 //! Bound: [`EXHAUSTED_TARGETS_MAX`] targets, the given number of labels, and the budget.
 

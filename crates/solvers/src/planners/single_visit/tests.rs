@@ -179,7 +179,7 @@ fn nothing_feasible_names_what_binds() {
 }
 
 #[test]
-fn where_every_visit_costs_more_than_it_brings_none_is_flown() {
+fn where_every_visit_costs_more_than_it_brings_no_visit_is_flown() {
     let mut problem = few(4, 86_400.0);
     problem.base = Some(problem.start);
     problem.crew = vec![CrewMember { role: "pilot".into(), wage_per_hour: 1e6, fixed_hours: 1.0, flight_share: 1.0 }];

@@ -22,7 +22,7 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    /// Returns the formula of the head of this file.
+    /// Returns the cost of intervals of these lengths.
     #[inline(always)]
     pub(super) fn cost(&self, length_s: f64x4) -> f64x4 {
         let decayed = exponential(f64x4::ZERO - self.rate_per_s * length_s) - f64x4::ONE;
@@ -159,7 +159,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_quick_formula_is_the_metric(cost in families(), events in 0.0..3.0f64, length in 1.0..20_000.0f64) {
+        fn the_fast_formula_is_the_metric(cost in families(), events in 0.0..3.0f64, length in 1.0..20_000.0f64) {
             let target = SurveillanceTarget {
                 name: String::new(), position: Position::default(), dwell_s: 0.0,
                 rate: EventRate::constant(events), cost, initial_age_s: 0.0,

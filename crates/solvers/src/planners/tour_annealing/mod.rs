@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_best_of_all_short_words_is_found() {
+    fn the_best_of_all_short_tours_is_found() {
         // Three visits fit into the horizon; the test enumerates all sequences of three of the four targets.
         let mut problem = examples::random(4, 21);
         problem.horizon_s = 260.0;

@@ -416,7 +416,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_priced_change_costs_what_the_changed_word_costs(
+        fn a_priced_change_costs_what_the_changed_tour_costs(
             seed in 0..1000_u64, count in 1..9_usize, length in 0..60_usize, home: bool, old in 0.0..900.0f64,
             side in 500.0..16_000.0f64,
         ) {

@@ -15,7 +15,7 @@ fn times(histories: &Histories) -> Vec<i64> {
 }
 
 #[test]
-fn keeps_two_samples_where_nobody_asks_for_more_and_says_what_it_forgot() {
+fn keeps_two_samples_where_no_caller_asks_for_more_and_says_what_it_forgot() {
     let mut histories = Histories::default();
     for at in 0..5 {
         histories.record(&variable(), sample(at, 1.0), Duration::ZERO);

@@ -278,7 +278,7 @@ fn few_targets_with_wide_windows_are_proven() {
 }
 
 #[test]
-fn equal_seed_and_budget_give_an_equal_plan_and_more_budget_none_worse() {
+fn equal_seed_and_budget_give_an_equal_plan_and_more_budget_no_worse_one() {
     let problem = small(5, 40);
     let short = solved(&problem, 2_000, 9);
     assert_eq!(short, solved(&problem, 2_000, 9));
@@ -286,7 +286,7 @@ fn equal_seed_and_budget_give_an_equal_plan_and_more_budget_none_worse() {
 }
 
 #[test]
-fn the_checker_refuses_a_leg_that_is_too_quick_and_a_return_too_late() {
+fn the_checker_refuses_a_leg_that_is_too_fast_and_a_return_too_late() {
     let problem = small(4, 8);
     let asked = Problem::SingleVisit(problem.clone());
     let plan = solved(&problem, 1_000, 1);
@@ -302,7 +302,7 @@ fn the_checker_refuses_a_leg_that_is_too_quick_and_a_return_too_late() {
 }
 
 #[test]
-fn a_plan_is_mended_after_a_change_and_told_before_it_is_improved() {
+fn a_plan_is_repaired_after_a_change_and_reported_before_it_is_improved() {
     let text = generate::oplib(120, 0.4, 3);
     let problem = formats::read("op", &text).unwrap().problem;
     let before = solved(&problem, 30_000, 1);

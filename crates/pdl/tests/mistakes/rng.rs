@@ -3,11 +3,11 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-pub struct Chance(ChaCha8Rng);
+pub struct TestRng(ChaCha8Rng);
 
-impl Chance {
-    pub fn new(seed: u64) -> Chance {
-        Chance(ChaCha8Rng::seed_from_u64(seed))
+impl TestRng {
+    pub fn new(seed: u64) -> TestRng {
+        TestRng(ChaCha8Rng::seed_from_u64(seed))
     }
 
     pub fn below(&mut self, count: usize) -> usize {

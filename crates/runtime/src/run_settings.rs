@@ -16,7 +16,7 @@ use std::sync::mpsc::Receiver;
 
 /// Settings of a run.
 #[derive(Debug)]
-pub struct FlyOptions {
+pub struct RunSettings {
     /// The last instant that is executed.
     pub until: Time,
     /// Mission seconds per second of wall time; `None` is as fast as possible, 0 waits for [`Control::Pace`].
@@ -44,9 +44,9 @@ pub struct FlyOptions {
     pub solver_timeout: std::time::Duration,
 }
 
-impl Default for FlyOptions {
-    fn default() -> FlyOptions {
-        FlyOptions {
+impl Default for RunSettings {
+    fn default() -> RunSettings {
+        RunSettings {
             until: Time::END,
             pace: None,
             clock: Arc::new(WallClock::new()),
@@ -83,7 +83,7 @@ pub enum Control {
     Input(EventKind),
     /// An input for one agent.
     InputFor(Symbol, EventKind),
-    /// Another pace; see [`FlyOptions::pace`].
+    /// Another pace; see [`RunSettings::pace`].
     Pace(Option<f64>),
     /// An operator's command, which ends as accepted, rejected or expired.
     Command(Arc<Command>),
@@ -152,7 +152,7 @@ pub struct RunEnd {
 /// Delay of a paced run against wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lateness {
-    /// Number of steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
+    /// Number of steps that came later than [`crate::limits::LATENESS_REPORTED_MIN`].
     pub steps: u64,
     /// The greatest delay, in wall time.
     pub worst: std::time::Duration,

@@ -3,13 +3,13 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Dice that give the same results for the same seed.
+/// Random number generator that gives the same results for the same seed.
 #[derive(Debug)]
-pub(crate) struct Dice(ChaCha8Rng);
+pub(crate) struct TestRng(ChaCha8Rng);
 
-impl Dice {
-    pub(crate) fn new(seed: u64) -> Dice {
-        Dice(ChaCha8Rng::seed_from_u64(seed))
+impl TestRng {
+    pub(crate) fn new(seed: u64) -> TestRng {
+        TestRng(ChaCha8Rng::seed_from_u64(seed))
     }
 
     /// Returns a number below `limit`, which is above 0.
@@ -33,7 +33,7 @@ impl Dice {
     }
 
     /// Returns the outcome of `make` with a probability of `percent` per cent.
-    pub(crate) fn maybe<T>(&mut self, percent: usize, make: impl FnOnce(&mut Dice) -> T) -> Option<T> {
+    pub(crate) fn maybe<T>(&mut self, percent: usize, make: impl FnOnce(&mut TestRng) -> T) -> Option<T> {
         self.chance(percent).then(|| make(self))
     }
 }
