@@ -308,7 +308,6 @@ impl SimulatedWorld {
             (true_airspeed_min(&self.model, self.state.altitude_m), self.model.true_airspeed_m_s_max);
         let too_slow = speed < slowest || speed <= 0.0;
         if too_slow || speed > fastest {
-            // Rounded to speeds that are inside.
             let (slowest, fastest) = (libm::ceil(10.0 * slowest) / 10.0, libm::floor(10.0 * fastest) / 10.0);
             return Err(arguments.wrong(&format!(
                 "{speed:.2} m/s true airspeed is outside of {slowest:.1} to {fastest:.1} m/s, which {} can fly here",

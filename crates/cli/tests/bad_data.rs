@@ -271,7 +271,7 @@ fn a_zone_on_the_other_side_of_the_earth_is_doubted_and_shuts_no_way() {
 fn a_landing_distance_in_which_the_vehicle_cannot_circle_is_refused() {
     let desk = Desk::with_mission("western-states");
     desk.change("m/mission.pdl", ":landing-distance 220nm", ":landing-distance 120");
-    desk.apex(&["check", "m"]).complained(
+    desk.apex(&["plan", "m", "--budget", "50ms"]).complained(
         2,
         &[
             "the requirement `landing-distance` cannot be met from the start",

@@ -38,7 +38,7 @@ impl Mission {
         found
     }
 
-    /// Returns a sentence for each zone that is far from the start and from all targets: its coordinates are probably wrong.
+    /// Returns a message for each zone that is far from the start and from all targets: its coordinates are probably wrong.
     fn distant_zones(&self) -> impl Iterator<Item = String> {
         let places: Vec<_> =
             std::iter::once(self.start).chain(self.targets.iter().map(|target| target.position)).collect();

@@ -255,6 +255,7 @@ impl Mission {
             landing_places: self.landing_places(),
             forecast: &self.forecast,
             duration_s: self.settings.duration.seconds(),
+            circle_m: 2.0 * self.model.turns.circle_width * vehicle::turn_radius_m(&self.model),
             start: self.start,
             start_altitude_m: self.start_altitude_m,
         })

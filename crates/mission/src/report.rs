@@ -82,9 +82,14 @@ pub fn report(
         .iter()
         .flat_map(|target| names_of(target).into_iter().map(move |name| (target, name)))
         .filter(|(_, name)| !situation.observed().any(|visit| visit.target == *name))
-        .map(|(target, name)| match is_seen_in_passing(target, &name, flown) {
-            true => (name, "seen completely, although no observation of it was completed".to_string()),
-            false => (name.clone(), reason_left_out(mission, target, &name, situation)),
+        .map(|(target, name)| {
+            let begun = |change: &TargetChange| change.target == name && change.state == TargetState::Observing;
+            let why = match (is_seen_completely(target, &name, flown), situation.target_changes.iter().any(begun)) {
+                (true, true) => "seen completely, although its observation was not completed".to_string(),
+                (true, false) => "seen completely in passing, without an observation of it".to_string(),
+                (false, _) => reason_left_out(mission, target, &name, situation),
+            };
+            (name, why)
         })
         .collect();
     let ending = situation.ending();
@@ -124,7 +129,7 @@ fn names_of(target: &Target) -> Vec<String> {
 }
 
 /// Returns true if a look that no visit observed was nevertheless seen completely.
-fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
+fn is_seen_completely(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
     let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
     let look = fire.looks().find(|(of_look, _)| of_look == name);
     let result = flown.result(&target.id);

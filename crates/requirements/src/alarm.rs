@@ -188,7 +188,7 @@ mod tests {
         for at_s in (10..2_000).step_by(10) {
             // A quarter of the time is within the requirement.
             take(&mut alarm, f64::from(at_s), if at_s % 40 == 0 { 50.0 } else { -1.0 }, false);
-            assert_eq!(alarm.is_escalated(), at_s >= 1_610, "at {at_s} s");
+            assert_eq!(alarm.is_escalated(), at_s >= 1_600, "at {at_s} s");
         }
         take(&mut alarm, 2_000.0, 500.0, false);
         assert_eq!(take(&mut alarm, 2_020.0, 500.0, false), Some(AlarmState::Kept));

@@ -72,7 +72,7 @@ mod tests {
             let variable = StateVariable::new(Symbol::new(attribute), Value::nil());
             check(&EventKind::Measurement(variable, Value::Real(1e9)), Entrance::Script)
         };
-        assert!(measured("mission-pace").unwrap_err().contains("by Apex alone"));
+        assert!(measured("mission-pace").unwrap_err().contains("only Apex"));
         assert_eq!(measured("altitude"), Ok(()));
         // Of other names the list is about messages: `authority` may be measured.
         assert_eq!(measured("authority"), Ok(()));

@@ -5,6 +5,7 @@
 
 mod answer;
 mod candidates;
+mod checks;
 mod data_mode;
 mod form;
 mod goal;
@@ -27,7 +28,7 @@ pub(crate) use goal::{AcquisitionGoal, ProductKind};
 pub(crate) use paths::register;
 pub(crate) use predicted::forecast_of;
 pub use predicted::{PerformedManoeuvre, forecast};
-pub(crate) use solve::{closed_by, ground_kept, sun_miss};
+pub(crate) use checks::{closed_by, ground_kept, sun_miss};
 pub(crate) use vehicle::{craft_of, scene_of};
 
 /// Name of the planner of acquisition goals in missions.

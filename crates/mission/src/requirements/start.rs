@@ -2,7 +2,6 @@
 
 use super::statement::{LandingReach, Requirements};
 use crate::error::{MissionError, MissionResult};
-use crate::vehicle::turn_radius_m;
 use apex_geo::landing;
 use apex_geo::plane::{Plane, inside};
 use apex_geo::wind;
@@ -25,6 +24,8 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) forecast: &'a WindField,
     /// Length of the mission, s.
     pub(crate) duration_s: f64,
+    /// Diameter of the circles that the vehicle flies, m, without wind; 0 for a vehicle that hovers.
+    pub(crate) circle_m: f64,
     /// Start of the vehicle.
     pub(crate) start: Position,
     /// Altitude of the start above mean sea level.
@@ -46,7 +47,7 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
         match nearest {
             Some((place, distance_m)) if distance_m <= distance_m_max => {
                 // Turns that the vehicle flies around the landing place, without wind.
-                let circle_m = 2.0 * mission.model.turns.circle_width * turn_radius_m(mission.model);
+                let circle_m = mission.circle_m;
                 if distance_m_max < circle_m {
                     let why = format!(
                         "the distance may be {:.2} km, and {} needs {:.1} km to circle at the landing place {}",

@@ -52,7 +52,7 @@ pub(crate) enum NoPlanReason {
     NotAcquired {
         /// Its target.
         target: String,
-        /// Why its data were not acquired.
+        /// Reason for which its data were not acquired.
         why: String,
     },
 }
