@@ -22,13 +22,13 @@ mod vehicle;
 pub(crate) use answer::pose;
 pub use answer::synthesised;
 pub(crate) use candidates::{ManoeuvreCandidate, at_height, heights_m};
+pub(crate) use checks::{closed_by, ground_kept, sun_miss};
 pub(crate) use form::form_of;
 pub(crate) use goal::is_goal;
 pub(crate) use goal::{AcquisitionGoal, ProductKind};
 pub(crate) use paths::register;
 pub(crate) use predicted::forecast_of;
 pub use predicted::{PerformedManoeuvre, forecast};
-pub(crate) use checks::{closed_by, ground_kept, sun_miss};
 pub(crate) use vehicle::{craft_of, scene_of};
 
 /// Name of the planner of acquisition goals in missions.
