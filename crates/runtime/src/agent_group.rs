@@ -13,6 +13,7 @@ use apex_executive::Agent;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
 use apex_model::event::{Batch, EventKind, Message};
 use apex_model::symbol::Symbol;
+use apex_model::task::Outcome;
 use apex_model::time::Time;
 
 /// Translation of command and request numbers: every agent counts from 0, and outside of the group the numbers are unique.
@@ -97,8 +98,12 @@ impl<'a> AgentGroup<'a> {
     /// Returns the end of the application for `reason`: a failure if the initial task of an agent failed.
     pub(crate) fn ended(&self, reason: String) -> EndReason {
         let initial_task = |agent: &Agent| agent.tasks.iter().next().and_then(|(_, task)| task.outcome.clone());
-        let failed = self.agents.iter().any(|agent| initial_task(agent).is_some_and(|outcome| outcome.is_failure()));
-        EndReason::Application { reason, failed }
+        let outcomes: Vec<Option<Outcome>> = self.agents.iter().map(initial_task).collect();
+        let failed = outcomes.iter().flatten().any(Outcome::is_failure);
+        // A task that is cut has no outcome yet when the application ends.
+        let is_cut = |outcome: &Option<Outcome>| outcome.as_ref().is_none_or(|outcome| *outcome == Outcome::Cut);
+        let cut = !failed && outcomes.iter().any(is_cut);
+        EndReason::Application { reason, failed, cut }
     }
 
     /// Returns the next instant at which an agent requests a wake.

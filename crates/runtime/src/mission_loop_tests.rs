@@ -172,7 +172,7 @@ fn the_time_limit_is_the_last_instant() {
 fn the_end_of_the_application_ends_the_run_and_late_answers_are_named() {
     let inputs = vec![said(1.0, "plan"), said(2.0, "stop"), said(3.0, "go")];
     let (end, lines) = fly_balloon(0, RunSettings { inputs, ..RunSettings::default() });
-    assert_eq!(end.unwrap().reason, EndReason::Application { reason: "asked to".into(), failed: false });
+    assert_eq!(end.unwrap().reason, EndReason::Application { reason: "asked to".into(), failed: false, cut: true });
     assert_eq!(lines[3..], ["note: the answer of auto to request 1, due at 34s, came too late: the run ended at 2s"]);
     let inputs = vec![said(1.0, "plan"), said(2.0, "forget")];
     let (_, lines) = fly_balloon(0, RunSettings { inputs, ..RunSettings::default() });

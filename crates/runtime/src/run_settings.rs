@@ -104,6 +104,8 @@ pub enum EndReason {
         reason: String,
         /// True if the initial task of an agent failed, whatever text the reason has.
         failed: bool,
+        /// True if no initial task failed, and `(end-application)` cut that of an agent.
+        cut: bool,
     },
     /// The time limit.
     Until,

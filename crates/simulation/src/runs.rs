@@ -11,8 +11,8 @@ use apex_mission::report::MissionValue;
 use apex_mission::verification::{CheckResult, FlightCheck};
 use apex_model::time::Time;
 use apex_portfolio::parallel;
-use apex_runtime::Control;
 use apex_runtime::ports::Observer;
+use apex_runtime::{Control, EndReason};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -109,6 +109,8 @@ pub struct RunRow {
     pub said_broken: u64,
     /// Statement about a vehicle that did not land, or that crashed; `None` if it is on the ground.
     pub not_landed: Option<String>,
+    /// True if the program ended the flight before the end of its initial task, as after an early landing.
+    pub ended_early: bool,
 }
 
 impl RunRow {
@@ -147,6 +149,7 @@ impl RunRow {
             beyond_landing_distance: check.beyond_landing_distance,
             said_broken: check.said_broken.len() as u64,
             not_landed: report.not_landed.clone(),
+            ended_early: matches!(flight.end.reason, EndReason::Application { cut: true, .. }),
         }
     }
 
@@ -174,6 +177,7 @@ impl RunRow {
             beyond_landing_distance: 0,
             said_broken: 0,
             not_landed: None,
+            ended_early: false,
         }
     }
 
@@ -262,6 +266,8 @@ pub struct RunSummary {
     pub violations: BTreeMap<&'static str, Violated>,
     /// Flights that were not completed, by reason.
     pub lost: BTreeMap<String, NotCompleted>,
+    /// Completed flights that the program ended before the end of their initial task, by reason.
+    pub ended_early: BTreeMap<String, NotCompleted>,
     /// Flights after which the vehicle was not on the ground, or crashed: their number and first seed, and the statement about the first.
     pub not_landed: Option<(NotCompleted, String)>,
     /// Flights without an observation of any target.
@@ -304,7 +310,7 @@ impl RunSummary {
         values.sort_by(f64::total_cmp);
         let rank = |share: f64| (share * values.len() as f64).ceil().max(1.0) as usize - 1;
         let mut violations: BTreeMap<&'static str, Violated> = BTreeMap::new();
-        let mut lost: BTreeMap<String, NotCompleted> = BTreeMap::new();
+        let [mut lost, mut early] = [const { BTreeMap::<String, NotCompleted>::new() }; 2];
         for row in rows {
             let kinds = [
                 ("inside a restricted zone", row.inside_zones),
@@ -318,9 +324,11 @@ impl RunSummary {
                 found.flights += 1;
                 found.positions += positions;
             }
+            let none = NotCompleted { flights: 0, first_seed: row.seed };
             if row.outcome != RunOutcome::Completed {
-                let none = NotCompleted { flights: 0, first_seed: row.seed };
                 lost.entry(row.reason.clone()).or_insert(none).flights += 1;
+            } else if row.ended_early {
+                early.entry(row.reason.clone()).or_insert(none).flights += 1;
             }
         }
         let pairs = rows.iter().filter_map(|row| row.realised_cost.zip(row.expected_cost_stated));
@@ -342,6 +350,7 @@ impl RunSummary {
             ignorance: IgnoranceSummary::of(&pairs, (sum(|row| row.fires), sum(|row| row.fires_seen))),
             violations,
             lost,
+            ended_early: early,
             not_landed: not_landed.map(|(found, row)| (found, row.not_landed.clone().unwrap_or_default())),
             without_observation: without_observation.map(|(found, _)| found),
         }
@@ -356,7 +365,7 @@ impl fmt::Display for RunSummary {
                 out,
                 "{}: least {least:.1}, 5 % {five:.1}, 25 % {quarter:.1}, median {median:.1}, 75 % {three:.1}, \
                  95 % {most:.1}, greatest {greatest:.1}, mean {mean:.1}",
-                capitalised(self.measure)
+                if self.measure == "score" { "Score" } else { "Expected cost" }
             )?;
         }
         if let Some(ignorance) = &self.ignorance {
@@ -382,6 +391,9 @@ impl fmt::Display for RunSummary {
         for (reason, NotCompleted { flights, first_seed: seed }) in &self.lost {
             writeln!(out, "Not completed: {flights} because {reason}; --seed {seed} is the first")?;
         }
+        for (reason, NotCompleted { flights, first_seed: seed }) in &self.ended_early {
+            writeln!(out, "Ended early: {flights} because {reason}; --seed {seed} is the first")?;
+        }
         if let Some((NotCompleted { flights, first_seed: seed }, statement)) = &self.not_landed {
             writeln!(out, "Not landed: {flights}; --seed {seed} is the first: {statement}")?;
         }
@@ -390,11 +402,6 @@ impl fmt::Display for RunSummary {
         }
         Ok(())
     }
-}
-
-fn capitalised(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map(|first| first.to_ascii_uppercase()).into_iter().chain(letters).collect()
 }
 
 #[cfg(test)]
@@ -430,6 +437,9 @@ mod tests {
         assert!(text.contains("Not completed: 2 because") && text.contains("--seed 8 is the first"), "{text}");
         assert!(RunSummary::of(&rows[..1]).to_string().contains("Violated: no requirement"));
         assert!(text.contains("Without an observation: 3; --seed 7 is the first"), "{text}");
+        (rows[0].ended_early, rows[0].reason) = (true, "it landed".to_string());
+        let early = RunSummary::of(&rows).to_string();
+        assert!(early.contains("Ended early: 1 because it landed; --seed 7 is the first"), "{early}");
         rows[1].not_landed = Some("the vehicle crashed".to_string());
         rows.iter_mut().for_each(|row| row.observed = 1);
         let text = RunSummary::of(&rows).to_string();

@@ -42,7 +42,7 @@ pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> 
 /// Returns violations of two rules: an application that ends leaves no vehicle in the air, and a failed initial task has a reported
 /// reason.
 fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
-    let EndReason::Application { reason, failed } = &end.reason else { return Vec::new() };
+    let EndReason::Application { reason, failed, .. } = &end.reason else { return Vec::new() };
     let end_s = end.at.seconds();
     let mut rules = Vec::new();
     if story.airborne {
