@@ -274,7 +274,7 @@ fn a_landing_distance_in_which_the_vehicle_cannot_circle_is_refused() {
     desk.apex(&["plan", "m", "--budget", "50ms"]).complained(
         2,
         &[
-            "the requirement `landing-distance` cannot be met from the start",
+            "m/mission.pdl:17:3: the requirement `landing-distance` cannot be met from the start",
             "predator-b needs",
             "to circle at the landing place",
         ],

@@ -247,6 +247,8 @@ impl Mission {
 
     /// Checks that the requirements hold at the start.
     fn check_start(&self) -> MissionResult {
+        let is_option = self.settings.option_places.iter().any(|(name, _)| name == "landing-distance");
+        let landing_option = if is_option { "landing-distance" } else { "requirements" };
         requirements::check_start(&requirements::StartConditions {
             place: self.settings.place_of("requirements"),
             requirements: &self.requirements,
@@ -255,6 +257,7 @@ impl Mission {
             landing_places: self.landing_places(),
             forecast: &self.forecast,
             duration_s: self.settings.duration.seconds(),
+            landing_place: self.settings.place_of(landing_option),
             circle_m: 2.0 * self.model.turns.circle_width * vehicle::turn_radius_m(&self.model),
             start: self.start,
             start_altitude_m: self.start_altitude_m,

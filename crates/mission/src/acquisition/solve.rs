@@ -92,9 +92,16 @@ fn works(mission: &Mission, goal: &AcquisitionGoal, least_m: f64, start: Start) 
     const SHARES: [f64; 8] = [1.0, 1.05, 1.15, 1.35, 1.7, 2.2, 3.0, 4.5];
     SHARES.iter().map(|share| rounded_up(share * least_m, 3)).find(|text| {
         let Some(coarser) = text.parse().ok().and_then(|pixel_m| goal.at_resolution(pixel_m)) else { return false };
-        let candidates = all_candidates(mission, &coarser, start, &mut Vec::new()).unwrap_or_default();
-        !predicted(mission, &coarser, candidates, start, &mut Vec::new()).0.is_empty()
+        is_met(mission, &coarser, start)
     })
+}
+
+/// Returns true if a candidate meets the goal: the first one found suffices.
+fn is_met(mission: &Mission, goal: &AcquisitionGoal, start: Start) -> bool {
+    let candidates = all_candidates(mission, goal, start, &mut Vec::new()).unwrap_or_default();
+    let requirements = PathRequirements::of(mission);
+    let mut timed = by_time(mission, goal, candidates, start).into_iter().filter_map(Result::ok);
+    timed.any(|timed| judged(mission, (goal, &requirements), timed, start).is_ok())
 }
 
 /// Returns the candidates of all sensors at all heights, at most [`CANDIDATES_MAX`]; adds the misses of heights.

@@ -24,6 +24,8 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) forecast: &'a WindField,
     /// Length of the mission, s.
     pub(crate) duration_s: f64,
+    /// Place of the landing distance in the program.
+    pub(crate) landing_place: &'a str,
     /// Diameter of the circles that the vehicle flies, m, without wind; 0 for a vehicle that hovers.
     pub(crate) circle_m: f64,
     /// Start of the vehicle.
@@ -31,6 +33,9 @@ pub(crate) struct StartConditions<'a> {
     /// Altitude of the start above mean sea level.
     pub(crate) start_altitude_m: f64,
 }
+
+/// Name of the requirement that also has an option of the application.
+const LANDING_DISTANCE: &str = "landing-distance";
 
 /// Checks the conditions before the first second of flight.
 ///
@@ -58,9 +63,9 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
                     );
                     return Err(unmet(
                         mission,
-                        "landing-distance",
+                        LANDING_DISTANCE,
                         why,
-                        "raise the distance; a number without unit is in metres, such as `120nm` for nautical miles",
+                        "raise the distance; a number without a unit is in metres, and nautical miles are written as `120nm`",
                     ));
                 }
             }
@@ -73,14 +78,14 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
                 );
                 return Err(unmet(
                     mission,
-                    "landing-distance",
+                    LANDING_DISTANCE,
                     why,
                     "raise the distance, or add a landing place to `:airfields`",
                 ));
             }
             None => {
                 let why = "the mission has no landing place".to_string();
-                return Err(unmet(mission, "landing-distance", why, "add `:airfields`, or a target of kind `base`"));
+                return Err(unmet(mission, LANDING_DISTANCE, why, "add `:airfields`, or a target of kind `base`"));
             }
         }
     }
@@ -175,8 +180,9 @@ fn energy(mission: &StartConditions<'_>) -> MissionResult<()> {
 }
 
 fn unmet(mission: &StartConditions<'_>, name: &str, why: String, help: &str) -> MissionError {
+    let place = if name == LANDING_DISTANCE { mission.landing_place } else { mission.place };
     MissionError::setting(format!("the requirement `{name}` cannot be met from the start"))
-        .at(mission.place)
+        .at(place)
         .because(why)
         .help(help)
 }

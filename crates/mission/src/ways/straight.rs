@@ -77,7 +77,7 @@ impl Leg {
         let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
             !plane::inside(a, &corners) && is_apart(plane::segment_to_edges(a, b, &corners), distance_m)
         };
-        !meets || self.is_beyond_reach(zone) || self.flat(zone).is_some_and(clear)
+        !meets || self.flat(zone).map_or_else(|| self.is_beyond_reach(zone), clear)
     }
 
     /// Returns true if the plane around the leg contains the leg, and no corner of the zone.
