@@ -27,11 +27,12 @@ class Runs:
         ``fires_seen``, ``realised_cost`` and ``expected_cost_stated`` where a world file has ignitions,
         ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements:
         ``positions``,
-        ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``; and
-        ``not_landed``, what is known of a vehicle that is not on the ground at the end.
+        ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``;
+        ``not_landed``, what is known of a vehicle that is not on the ground at the end; and ``ended_early``, true if the program
+        ended the flight before its initial task was done (1 or 0 in a table).
     summary : dict
         ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``ignorance``
-        (realised next to expected), ``violations`` by kind and ``lost`` by reason.
+        (realised next to expected), ``violations`` by kind, ``lost`` and ``ended_early`` by reason.
     text : str
         The summary as text.
     """

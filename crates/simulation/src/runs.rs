@@ -153,7 +153,7 @@ impl RunRow {
         }
     }
 
-    fn failed(seed: u64, error: &MissionError) -> RunRow {
+    pub(crate) fn failed(seed: u64, error: &MissionError) -> RunRow {
         RunRow {
             seed,
             outcome: RunOutcome::Error,

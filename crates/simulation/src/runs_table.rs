@@ -115,5 +115,25 @@ fn columns(rows: &[RunRow]) -> Vec<(&'static str, Cells)> {
         ("beyond_landing_distance", integers(|row| row.beyond_landing_distance)),
         ("said_broken", integers(|row| row.said_broken)),
         ("not_landed", texts(|row| row.not_landed.clone().unwrap_or_default())),
+        ("ended_early", integers(|row| u64::from(row.ended_early))),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::runs::RunOutcome;
+
+    /// Users read the names of the members in JSON and Python, and expect the same columns.
+    #[test]
+    fn every_member_of_a_row_has_a_column() {
+        let row = RunRow::failed(7, &MissionError::flight("the task failed"));
+        assert_eq!(row.outcome, RunOutcome::Error);
+        let json = serde_json::to_value(&row).unwrap();
+        let mut members: Vec<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
+        let mut names: Vec<&str> = columns(&[row]).into_iter().map(|(name, _)| name).collect();
+        members.sort_unstable();
+        names.sort_unstable();
+        assert_eq!(names, members);
+    }
 }

@@ -7,12 +7,14 @@ use crate::observing::looks_with;
 use crate::problem::{survey, visit_altitude_m};
 use crate::site_pictures::Daylight;
 use crate::vehicle::Airframe;
+use crate::ways::is_inside;
 use crate::{Mission, Target, TargetKind};
 use apex_geo::sun::is_light;
+use apex_geo::{geodesy, wind};
 use apex_model::planned::{Location, LookFrom, PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::problem::{
-    Manoeuvre, PictureWork, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
-    SingleVisitTarget, SurveillancePlan,
+    AirspaceZone, Manoeuvre, PictureWork, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
+    SingleVisitTarget, SurveillancePlan, ZoneKind,
 };
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -84,6 +86,7 @@ fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<NamedActivity>, r
 fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<NamedActivity> {
     let mut steps = Vec::new();
     let mut altitude_m = problem.vehicle.cruise_altitude_m;
+    let mut from_m = problem.start_altitude_m;
     let mut ready_s = problem.start_s;
     for visit in &plan.visits {
         let target = problem.targets.iter().find(|target| target.name == visit.target);
@@ -91,15 +94,52 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         hold(&mut steps, &visit.route, altitude_m, visit.depart_s - ready_s);
         ready_s = visit.end_s;
         altitude_m = manoeuvre.altitude_m;
-        detour(&mut steps, &visit.route, altitude_m);
+        detour(&mut steps, &visit.route, &bends_m(problem, (&visit.route, visit.depart_s), (from_m, altitude_m)));
+        from_m = altitude_m;
         if target.is_some_and(|target| waits(problem, target, manoeuvre, visit)) {
             wait(&mut steps, &visit.route, altitude_m, (problem, manoeuvre, visit.begin_s));
         }
         steps.push(observation(visit, manoeuvre));
     }
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
-    detour(&mut steps, &plan.return_route, problem.vehicle.cruise_altitude_m);
+    let change = (from_m, problem.vehicle.cruise_altitude_m);
+    let altitudes_m = bends_m(problem, (&plan.return_route, plan.return_depart_s), change);
+    detour(&mut steps, &plan.return_route, &altitudes_m);
     steps
+}
+
+/// Returns the altitudes at the bends of a route: a vehicle that had to be at the altitude of the end there would circle at the first one,
+/// but the plan counts the change of altitude on the whole route. Out of the space over or under a zone the altitude changes at the end.
+fn bends_m(
+    problem: &SingleVisitProblem,
+    (route, depart_s): (&[Position], f64),
+    (from_m, to_m): (f64, f64),
+) -> Vec<f64> {
+    let bends = route.len().saturating_sub(2);
+    let vehicle = &problem.vehicle;
+    let rate_mps = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
+    if rate_mps <= 0.0 {
+        return vec![to_m; bends];
+    }
+    let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
+    let is_over = |zone: &&AirspaceZone| {
+        zone.kind == ZoneKind::Restricted
+            && zone.altitude_m_min <= high_m
+            && low_m < zone.altitude_m_max
+            && route.first().is_some_and(|begin| is_inside(*begin, &zone.corners))
+    };
+    if problem.zones.iter().any(|zone| is_over(&zone)) {
+        return vec![from_m; bends];
+    }
+    let mut at_s = depart_s;
+    let legs = route.iter().zip(route.iter().skip(1)).take(bends);
+    let altitudes_m = legs.map(|(from, to)| {
+        let leg_s = wind::leg_time_s(*from, *to, to_m, vehicle.true_airspeed_mps, &problem.wind, at_s);
+        at_s += leg_s.unwrap_or_else(|| geodesy::distance_m(*from, *to) / vehicle.true_airspeed_mps);
+        let change_m = rate_mps * (at_s - depart_s);
+        if to_m > from_m { (from_m + change_m).min(to_m) } else { (from_m - change_m).max(to_m) }
+    });
+    altitudes_m.collect()
 }
 
 /// Returns the step that observes the target of a visit: with the scanner, or with a camera.
@@ -180,12 +220,12 @@ fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, sec
     steps.push((tag, PlannedActivity::Loiter { at: at(*here, altitude_m), time }));
 }
 
-/// Adds the way points strictly between the ends of a route: the bends around airspace.
-fn detour(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64) {
+/// Adds the way points strictly between the ends of a route, the bends around airspace, at these altitudes.
+fn detour(steps: &mut Vec<NamedActivity>, route: &[Position], altitudes_m: &[f64]) {
     let bends = route.len().saturating_sub(2);
-    for bend in route.iter().skip(1).take(bends) {
+    for (bend, altitude_m) in route.iter().skip(1).take(bends).zip(altitudes_m) {
         let tag = Symbol::new(&format!("around-{}", steps.len() + 1));
-        steps.push((tag, PlannedActivity::FlyTo(at(*bend, altitude_m))));
+        steps.push((tag, PlannedActivity::FlyTo(at(*bend, *altitude_m))));
     }
 }
 
@@ -240,7 +280,8 @@ fn surveillance_steps(
         let Some((target, dwell_s)) = sites.get(*number) else { continue };
         let altitude_m = visit_altitude_m(mission, target);
         if before.is_some() || !repeat {
-            detour(&mut steps, &route(before, *number, index), altitude_m);
+            let route = route(before, *number, index);
+            detour(&mut steps, &route, &vec![altitude_m; route.len()]);
         }
         before = Some(*number);
         let visit = PlannedActivity::Visit {
@@ -254,7 +295,8 @@ fn surveillance_steps(
     }
     if let (true, Some(first), Some(last)) = (repeat, order.first(), order.last()) {
         let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(mission, target));
-        detour(&mut steps, &route(Some(*last), *first, order.len()), altitude_m);
+        let route = route(Some(*last), *first, order.len());
+        detour(&mut steps, &route, &vec![altitude_m; route.len()]);
     }
     (steps, repeat)
 }

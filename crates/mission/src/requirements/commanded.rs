@@ -94,10 +94,14 @@ impl Commanded {
         }
     }
 
-    /// Drops the points of the path that are passed: those behind the end of their leg, and those closely behind the vehicle at the
-    /// beginning of the command; only these depend on the track, so `track_deg` is called for them alone.
-    pub(super) fn pass(&mut self, here: Position, track_deg: impl Fn() -> f64) {
+    /// Drops the points of the path that are passed: those behind the end of their leg, those at which a vehicle that hovers has arrived,
+    /// and, at the beginning of the command, those less than `behind_m` behind the vehicle (0 for a vehicle that hovers: it flies back);
+    /// only these depend on the track, so `track_deg` is called for them alone. While the vehicle waits, it passes nothing.
+    pub(super) fn pass(&mut self, here: Position, (now_s, behind_m): (f64, f64), track_deg: impl Fn() -> f64) {
         self.circle.get_or_insert(here);
+        if self.order_at(now_s).is_none() {
+            return;
+        }
         let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
         let track = || {
             let track_rad = track_deg().to_radians();
@@ -105,9 +109,11 @@ impl Commanded {
         };
         while let (1.., Some(first)) = (self.via.0, points.first().copied()) {
             let beyond = offset_m(first, here);
+            let distance_m = libm::hypot(beyond.0, beyond.1);
             let is_passed = match self.leg_from {
+                _ if behind_m <= 0.0 && distance_m <= ARRIVED_M => true,
                 Some(from) => dot(beyond, offset_m(from, first)) >= 0.0,
-                None => libm::hypot(beyond.0, beyond.1) < BEHIND_M && dot(beyond, track()) > 0.0,
+                None => distance_m < behind_m && dot(beyond, track()) > 0.0,
             };
             if !is_passed {
                 self.leg_from.get_or_insert(here);
@@ -229,8 +235,10 @@ impl FlightOrder {
 
 /// Minimum time between two temperatures that are compared.
 const WARMING_SPAN_S: f64 = 5.0;
-/// Distance up to which a point behind the vehicle counts as passed: it was passed while the command was on its way.
-const BEHIND_M: f64 = 2_000.0;
+/// Time of flight up to which a point behind a fixed wing counts as passed: it was passed while the command was on its way.
+pub(super) const BEHIND_S: f64 = 20.0;
+/// Distance from a point at which a vehicle that hovers has arrived there.
+const ARRIVED_M: f64 = 5.0;
 const DEGREE_M: f64 = 111_195.0;
 
 /// Returns the offset to the east and north of one position from another on a plane chart, used only to determine the side of a line.

@@ -15,20 +15,38 @@ fn points_of_the_way_are_left_behind() {
         Some(FlightOrder::FlyBy(left)) => left.len(),
         other => panic!("{other:?}"),
     };
-    commanded.pass(at(33.0, -119.0), || 90.0);
-    commanded.pass(at(33.01, -118.1), || 90.0);
+    commanded.pass(at(33.0, -119.0), (0.0, 2_000.0), || 90.0);
+    commanded.pass(at(33.01, -118.1), (0.0, 2_000.0), || 90.0);
     assert_eq!((ahead(&commanded), commanded.altitude_m()), (3, Some(5000.0)), "both points are ahead");
-    commanded.pass(at(33.02, -117.9), || 90.0);
+    commanded.pass(at(33.02, -117.9), (0.0, 2_000.0), || 90.0);
     assert_eq!(ahead(&commanded), 2, "10 km beyond the first");
-    commanded.pass(at(33.1, -116.99), || 10.0);
+    commanded.pass(at(33.1, -116.99), (0.0, 2_000.0), || 10.0);
     assert_eq!((ahead(&commanded), commanded.altitude_m()), (1, Some(7000.0)), "the goal stays");
-    commanded.pass(at(34.5, -117.0), || 0.0);
+    commanded.pass(at(34.5, -117.0), (0.0, 2_000.0), || 0.0);
     assert_eq!(ahead(&commanded), 1);
     // A point closely behind when the command begins is passed already.
     commanded.order = Some(FlightOrder::FlyBy(points));
     (commanded.via, commanded.leg_from) = ((2, None), None);
-    commanded.pass(at(33.0, -117.99), || 90.0);
+    commanded.pass(at(33.0, -117.99), (0.0, 2_000.0), || 90.0);
     assert_eq!(ahead(&commanded), 2);
+}
+
+/// A helicopter climbs on the spot before it leaves; the track that it reports last is that of its arrival.
+#[test]
+fn a_vehicle_that_waits_or_hovers_has_passed_nothing() {
+    let mut commanded = Commanded::default();
+    let (here, there) = (Position::new(37.4, -121.1), Position::new(37.41, -121.11));
+    commanded.order = Some(FlightOrder::Stay(vec![there, there]));
+    commanded.via = (1, Some(149.0));
+    commanded.altitude_m = Some(44.0);
+    commanded.hold_until_s = Some(70.0);
+    let away = || 135.0;
+    commanded.pass(here, (10.0, 2_000.0), away);
+    assert_eq!(commanded.altitude_m(), Some(149.0), "a fixed wing that waits");
+    commanded.pass(here, (71.0, 0.0), away);
+    assert_eq!(commanded.altitude_m(), Some(149.0), "1.4 km before the place");
+    commanded.pass(Position::new(37.40997, -121.10997), (160.0, 0.0), away);
+    assert_eq!(commanded.altitude_m(), Some(44.0), "4 m before the place the descent begins");
 }
 
 #[test]
@@ -81,10 +99,10 @@ fn circles_have_their_centres() {
     commanded.begin_turns(at(34.1));
     assert_eq!(commanded.order, Some(FlightOrder::TakeOff(vec![at(35.0)])));
     commanded.take(0.0, &command(3, "(fly-to (34 -118 7000) :hold 90s :hold-around (36 -118 7000))"), place);
-    commanded.pass(at(34.0), || 0.0);
+    commanded.pass(at(34.0), (0.0, 2_000.0), || 0.0);
     assert_eq!(commanded.circle(), Some(at(36.0)));
     commanded.hear(&EventKind::CommandAcknowledged(CommandId(3), Ok(Value::nil())));
-    commanded.pass(at(34.3), || 0.0);
-    commanded.pass(at(34.4), || 0.0);
+    commanded.pass(at(34.3), (0.0, 2_000.0), || 0.0);
+    commanded.pass(at(34.4), (0.0, 2_000.0), || 0.0);
     assert_eq!(commanded.circle(), Some(at(34.3)), "where the command ended");
 }

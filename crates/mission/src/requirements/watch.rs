@@ -5,7 +5,7 @@
 //! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, `(landing-commanded AGENT)`, and the messages
 //! `(requirement-at-risk ..)` and `(requirement-kept ..)`.
 
-use super::commanded::{Commanded, Flown};
+use super::commanded::{BEHIND_S, Commanded, Flown};
 use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use super::surface_wind::too_much_wind_at_start;
@@ -13,6 +13,7 @@ use super::unjudged::{UNKNOWN, Unjudged};
 use crate::Mission;
 use crate::in_air::AirState;
 use crate::position::PositionFilter;
+use crate::vehicle::turn_radius_m;
 use crate::ways::STRAIGHT_CLIMB_M;
 use crate::wind_error::WindError;
 use apex_geo::wind;
@@ -154,7 +155,12 @@ impl Watch {
         }
         if let Some(here) = self.flown.position.filter(|_| moved) {
             let flown = &self.flown;
-            self.commanded.pass(here, || flown.track_deg());
+            let behind_m = if turn_radius_m(&mission.model) > 0.0 {
+                BEHIND_S * mission.model.true_airspeed_m_s_cruise
+            } else {
+                0.0
+            };
+            self.commanded.pass(here, (now_s, behind_m), || flown.track_deg());
             if flown.height_above_ground_m.is_some_and(|height_m| height_m >= STRAIGHT_CLIMB_M) {
                 self.commanded.begin_turns(here);
             }

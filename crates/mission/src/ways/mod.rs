@@ -9,6 +9,7 @@ mod answers;
 mod areas;
 mod circles;
 mod crossed;
+mod early_change;
 mod landing;
 mod landing_places;
 mod least;

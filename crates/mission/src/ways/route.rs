@@ -19,6 +19,9 @@ pub(super) struct Strictness {
     pub(super) circles: bool,
     /// True if landing places must be in reach.
     pub(super) reach: bool,
+    /// True if zones do not count that the vehicle cannot reach before it has climbed above them or descended below them, because it changes
+    /// its altitude as soon as it leaves. Plans count on it.
+    pub(super) early_change: bool,
     /// Zones that do not count.
     pub(super) without: Vec<String>,
 }
@@ -26,7 +29,7 @@ pub(super) struct Strictness {
 impl Strictness {
     /// Returns every requirement, with this share of the margins.
     pub(super) fn all(margins: f64) -> Strictness {
-        Strictness { margins, turns: true, circles: true, reach: true, without: Vec::new() }
+        Strictness { margins, turns: true, circles: true, reach: true, early_change: false, without: Vec::new() }
     }
 
     /// Returns every requirement except for space for changes of altitude, with this share of the margins.
@@ -66,7 +69,7 @@ impl Limits {
         // The ground under a detour around zones may be higher than that under the straight leg.
         let mut over_ground_m: Option<f64> = None;
         for altitude_m in self.altitudes_m(request) {
-            let way = self.way_at(request, altitude_m, strict);
+            let way = self.way_by_change(request, altitude_m, strict);
             match way {
                 Ok(way) if found.as_ref().is_none_or(|best| cost_s(&way) < cost_s(best)) => found = Some(way),
                 Ok(_) => {}
@@ -305,7 +308,7 @@ impl Limits {
         strict: &Strictness,
     ) -> Result<Network, TravelError> {
         let above_m = strict.margins * self.above_zone_m;
-        let zones = self.counted(request, strict);
+        let zones = self.counted(request, altitude_m, strict);
         let around: Vec<Position> = [request.from, request.to].into();
         let rim_m = strict.margins * (self.rim_m + 0.005 * self.landing_distance_m_max.unwrap_or(0.0));
         let setting = Setting {
@@ -324,8 +327,11 @@ impl Limits {
     }
 
     /// Returns the zones with their tolerances: restricted zones with times last longer, permitted ones shorter and are smaller.
-    fn counted(&self, request: &Request, strict: &Strictness) -> Vec<AirspaceZone> {
-        let counts = |zone: &&AirspaceZone| !strict.without.contains(&zone.name);
+    fn counted(&self, request: &Request, altitude_m: f64, strict: &Strictness) -> Vec<AirspaceZone> {
+        let is_left = |zone: &AirspaceZone| {
+            strict.early_change && self.is_left_by_change(request, altitude_m, (zone, strict.margins))
+        };
+        let counts = |zone: &&AirspaceZone| !strict.without.contains(&zone.name) && !is_left(zone);
         let mut zones: Vec<AirspaceZone> = self.zones.iter().filter(counts).cloned().collect();
         for zone in &mut zones {
             // The time of passage is less certain the later it is.
@@ -350,7 +356,7 @@ pub(crate) fn time_error_s(ahead_s: f64) -> f64 {
     (EARLY_S + LATE_SHARE * ahead_s.max(0.0)).min(LATE_S)
 }
 
-fn cost_s(way: &Way) -> f64 {
+pub(super) fn cost_s(way: &Way) -> f64 {
     way.hold_s + way.time_s
 }
 

@@ -110,6 +110,7 @@ fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found
 #[derive(Clone, Copy, PartialEq)]
 enum ChangeOfAltitude {
     AtOnce,
+    /// Within the last part of the leg, which takes the time of the change in addition: vehicles circle near the end.
     Late,
     /// In circles over the end of the leg, which take their own time.
     OverTheEnd,
@@ -165,9 +166,9 @@ fn fly(
     let change_s = if rate > 0.0 { (leg.to_m - leg.from_m).abs() / rate } else { 0.0 };
     let mut needed_s = (time_s - depart_s).max(change_s);
     let at_once = against(ChangeOfAltitude::AtOnce);
-    if !at_once.is_empty() && !against(ChangeOfAltitude::Late).is_empty() {
+    if !at_once.is_empty() {
         needed_s = time_s - depart_s + change_s;
-        if !against(ChangeOfAltitude::OverTheEnd).is_empty() {
+        if !against(ChangeOfAltitude::Late).is_empty() && !against(ChangeOfAltitude::OverTheEnd).is_empty() {
             at_once.into_iter().for_each(|message| note(found, message));
         }
     }

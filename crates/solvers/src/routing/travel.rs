@@ -207,7 +207,7 @@ impl<'a> Travel<'a> {
     }
 
     /// Returns the layer, the times and the trip; climbs and descents take their time. The altitude changes at the beginning of the way.
-    /// Where zones leave no such way, it changes at the end, as below a zone that is flown under, or in circles over the end.
+    /// Where zones leave no such way, it changes in circles over the end, as below a zone that is flown under.
     fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
         let is_at_base = |base| geodesy::distance_m(self.problem.start, base) <= 1.0;
         let is_flying = match from {
@@ -223,10 +223,12 @@ impl<'a> Travel<'a> {
         let at_once = self.zones_between(from, start.altitude_m, end.altitude_m, climb_s);
         let at_end = self.zones_between(to, end.altitude_m, start.altitude_m, climb_s);
         let mut found = self.find_where(at_once, (from, to), ready_s);
-        if found.is_err() && is_flying && at_end != at_once {
-            found = self.find_where(at_end, (from, to), ready_s).or(found);
-        }
         let mut circles_s = 0.0;
+        if found.is_err() && is_flying && at_end != at_once {
+            let late = self.find_where(at_end, (from, to), ready_s);
+            circles_s = if late.is_ok() { climb_s } else { 0.0 };
+            found = late.or(found);
+        }
         if found.is_err() && is_flying {
             let level = self.zones_below_circles(to, start.altitude_m, end.altitude_m);
             if let Some(level) = level.and_then(|zones| self.find_where(zones, (from, to), ready_s).ok()) {
