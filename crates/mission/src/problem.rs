@@ -18,7 +18,7 @@ pub use crate::visit_altitude::visit_altitude_m;
 use crate::ways::time_error_s;
 use apex_geo::geodesy;
 use apex_model::problem::{
-    AirspaceZone, EventRate, FOREVER_S, Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget,
+    AirspaceZone, EventRate, FOREVER_S, Manoeuvre, MustVisit, Position, Problem, SingleVisitProblem, SingleVisitTarget,
     SingleVisitVehicle, SurveillanceProblem, SurveillanceTarget, TimeWindow, ZoneKind,
 };
 use apex_model::time::Time;
@@ -166,6 +166,9 @@ fn wanted(
             continue;
         }
         let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
+        // What was seen so far may suffice for a look that must not be missed.
+        let seen_share = if look.value > 0.0 { seen / look.value } else { 0.0 };
+        let must = look.must.filter(|must| seen_share <= must.factor_min);
         let manoeuvres = match manoeuvres {
             Ok(manoeuvres) => manoeuvres,
             Err(why) => {
@@ -178,6 +181,7 @@ fn wanted(
         targets.push(SingleVisitTarget {
             position: target.position,
             value: (look.value - seen).max(0.0),
+            must: must.map(|must| MustVisit { factor_min: must.factor_min, cost: must.cost }),
             manoeuvres,
             windows: timing::begins_after(look, &seen_s(situation, fire, &name)),
             light: timing::hard_light(look),

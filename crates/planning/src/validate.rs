@@ -113,6 +113,10 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     for target in &problem.targets {
         on_map(&format!("Target {}", target.name), target.position)?;
         not_negative(&format!("the value of target {}", target.name), target.value)?;
+        not_negative(&format!("the cost of missing target {}", target.name), target.miss_cost())?;
+        if target.must.is_some_and(|must| !(0.0..=1.0).contains(&must.factor_min)) {
+            return Err(format!("the least factor with which target {} is not missed lies outside 0..1", target.name));
+        }
         if target.manoeuvres.is_empty() {
             return Err(format!("target {} has no manoeuvre; give at least one way to observe it", target.name));
         }

@@ -3,13 +3,17 @@
 //! Planners know windows, not intervals. The looks without an interval are planned first; then the others, round by round, with windows
 //! that follow from the looks planned so far, which keep their instants within a tolerance. If a look is missing then, its target is
 //! planned from this look on, and the others follow in its windows: the earliest look of a target may leave no time for a valuable later
-//! one.
+//! one. Operators state the order of their visits: for them the timing of each look states the factor of its interval.
+
+mod imposed_timing;
 
 use super::operator_plan::HUMAN;
 use super::solve::{Deliberation, SolveOptions, solve};
 use crate::problem::{NoPlan, interval_windows, is_bound_to_seen};
 use crate::{Mission, TargetKind};
-use apex_model::problem::{LeftOut, Plan, PlannedVisit, Problem, SingleVisitPlan, SingleVisitProblem, TimeWindow};
+use apex_model::problem::{
+    LeftOut, Plan, PlannedVisit, Problem, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, TimeWindow,
+};
 use apex_observation::target::IntervalNeed;
 use apex_planning::obstacle::LeftOutReason;
 use apex_runtime::invocation::Invocations;
@@ -47,7 +51,7 @@ pub(super) fn solve_with_intervals(
     cancel: &CancelToken,
 ) -> Result<Deliberation, NoPlan> {
     let rounds = match (mission, &problem) {
-        (Some(mission), Problem::SingleVisit(problem)) if wish.solver != Some(HUMAN) => later_looks(mission, problem),
+        (Some(mission), Problem::SingleVisit(problem)) => later_looks(mission, problem),
         _ => Vec::new(),
     };
     let Problem::SingleVisit(whole) = &problem else { return solve(problem, wish, invocations, cancel) };
@@ -55,6 +59,9 @@ pub(super) fn solve_with_intervals(
         return solve(problem, wish, invocations, cancel);
     }
     let whole = whole.clone();
+    if let Some(mission) = mission.filter(|_| wish.solver == Some(HUMAN)) {
+        return imposed_timing::solve_in_order(mission, whole, wish, invocations, cancel);
+    }
     let SolveOptions { means, solver, budget, seed, .. } = &wish;
     let again = SolveOptions { means, solver: *solver, budget: *budget, seed: *seed, previous: None };
     let mut best = solve_in_rounds(&whole, &rounds, wish, invocations, cancel)?;
@@ -89,7 +96,10 @@ fn solve_in_rounds(
         let wish = SolveOptions { means, solver, budget, seed, previous: Some(best.plan.clone()) };
         if let Ok(found) = solve(Problem::SingleVisit(next), wish, invocations, cancel) {
             let work = best.work + found.work;
-            if score(&found.plan) > score(&best.plan) {
+            // The plan without these looks misses those of them that must be made.
+            let added = whole.targets.iter().filter(|target| looks.iter().any(|look| look.name == target.name));
+            let missed = added.map(SingleVisitTarget::miss_cost).sum::<f64>();
+            if score(&found.plan) > score(&best.plan) - missed {
                 best = found;
             } else {
                 reasons.extend(looks.iter().map(|look| without_gain(&look.name, &found.plan)));

@@ -59,6 +59,13 @@ pub struct NamedLimit {
     pub cause: String,
 }
 
+impl SingleVisitProblem {
+    /// Returns the points that missing every target costs: the benefits of a plan without visits, with the opposite sign.
+    pub fn miss_costs(&self) -> f64 {
+        self.targets.iter().map(SingleVisitTarget::miss_cost).fold(0.0, std::ops::Add::add)
+    }
+}
+
 /// A target to be observed once.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,9 +86,38 @@ pub struct SingleVisitTarget {
     /// `(time_s, factor 0..1)` by rising time: the timing factor `o(t)` of an observation that begins at `time_s`; linear between points,
     /// constant outside. Empty means 1.
     pub timing: Vec<(f64, f64)>,
+    /// Cost of missing it; `None` for a target that may be left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub must: Option<MustVisit>,
+}
+
+/// Cost of a target that must be observed and is missed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MustVisit {
+    /// It is missed unless the product of quality and timing is above this, 0 to 1.
+    pub factor_min: f64,
+    /// Points that a miss costs.
+    pub cost: f64,
 }
 
 impl SingleVisitTarget {
+    /// Returns what a visit adds to the benefits of a plan, given the product of its quality and timing: its worth, and the cost of a miss
+    /// that it avoids.
+    pub fn gain(&self, product: f64) -> f64 {
+        self.value * product + if self.is_missed_by(product) { 0.0 } else { self.miss_cost() }
+    }
+
+    /// Returns the points that missing the target costs.
+    pub fn miss_cost(&self) -> f64 {
+        self.must.map_or(0.0, |must| must.cost)
+    }
+
+    /// Returns true if a target that must be observed counts as missed by a visit of this product of quality and timing.
+    pub fn is_missed_by(&self, product: f64) -> bool {
+        self.must.is_some_and(|must| product <= must.factor_min)
+    }
+
     /// Returns the timing factor of an observation that begins at `begin_s`.
     pub fn timing_at(&self, begin_s: f64) -> f64 {
         let after = self.timing.iter().position(|(time_s, _)| *time_s > begin_s);

@@ -81,7 +81,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     }
     order(problem, plan, &mut found);
     limits(problem, plan, &mut found);
-    sums(problem, plan, benefits, &mut found);
+    sums(problem, plan, benefits - missed(problem, plan), &mut found);
     found
 }
 
@@ -332,6 +332,24 @@ fn observe(
             inside_rules(problem, place, heights, visit.begin_s, name, found);
         }
     }
+}
+
+/// Returns the points lost by targets that must be observed: those without a visit, and those whose visit has too small a factor.
+fn missed(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> f64 {
+    let mut points = 0.0;
+    for target in &problem.targets {
+        let Some(must) = target.must else { continue };
+        let is_made = plan.visits.iter().filter(|visit| visit.target == target.name).any(|visit| {
+            let quality = target.manoeuvres.get(visit.manoeuvre).map(|manoeuvre| &manoeuvre.quality);
+            let factor = quality
+                .map_or(0.0, |quality| quality.coverage.factor * quality.resolution.factor * quality.clarity.factor);
+            factor * target.timing_at(visit.begin_s) > must.factor_min
+        });
+        if !is_made {
+            points += must.cost;
+        }
+    }
+    points
 }
 
 fn order(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<String>) {

@@ -227,7 +227,7 @@ fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyN
     let moments = target::moments(&snapshot, id)?;
     let is_known = !moments.is_empty() || snapshot.decisions().announced(id)?.is_some_and(|known| known <= snapshot.at);
     let sentence = match is_known {
-        true => target_sentence(id, snapshot.at, moments.last()),
+        true => target_sentence(id, snapshot.at, &moments),
         false => format!("{id} has not been announced by {}: no planner knows it yet.", snapshot.at),
     };
     let mut answer = draft(&snapshot, "target", asked, sentence);
@@ -244,8 +244,8 @@ fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyN
     finished(snapshot, Draft { answer, task })
 }
 
-fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
-    let Some(TargetMoment { t, state, detail }) = last else {
+fn target_sentence(id: &str, at: Time, moments: &[TargetMoment]) -> String {
+    let Some(TargetMoment { t, state, detail }) = moments.last() else {
         return format!("{id} is a target, and no plan has said anything about it by {at}.");
     };
     let detail = match (state.as_str(), detail.as_str()) {
@@ -255,11 +255,20 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
         (_, detail) => format!(": {detail}"),
     };
     let since = Time::from_seconds(*t);
+    // A target of surveillance is visited again and again; a plan may leave out a further visit.
+    let observed = moments.iter().rev().find(|moment| moment.state == "observed");
+    let observed = observed.map(|moment| Time::from_seconds(moment.t));
     match state.as_str() {
         "observed" => format!("{id} was observed at {since}."),
         "observing" => format!("{id} is being observed at {at}, since {since}."),
-        "skipped" => format!("{id} has not been visited by {at}: it was left out at {since}{detail}."),
-        _ => format!("{id} has not been visited by {at}: at {since} it was {state}{detail}."),
+        "skipped" => match observed {
+            Some(seen) => format!("{id} was last observed at {seen}; a further visit was left out at {since}{detail}."),
+            None => format!("{id} has not been visited by {at}: it was left out at {since}{detail}."),
+        },
+        _ => match observed {
+            Some(seen) => format!("{id} was last observed at {seen}; at {since} it was {state}{detail}."),
+            None => format!("{id} has not been visited by {at}: at {since} it was {state}{detail}."),
+        },
     }
 }
 

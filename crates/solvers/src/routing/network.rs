@@ -70,7 +70,7 @@ impl Network {
         for index in usable {
             let Some(target) = problem.targets.get(*index) else { continue };
             for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
-                let value = target.value * data.quality.product();
+                let value = target.gain(data.quality.product());
                 if !lines_are_free(schedule, *index, manoeuvre) {
                     continue;
                 }
@@ -113,7 +113,7 @@ impl Network {
             let Some(target) = problem.targets.get(index) else { continue };
             let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
             for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
-                let value = target.value * data.quality.product() * timing;
+                let value = target.gain(data.quality.product() * timing);
                 for window in schedule.windows(index, manoeuvre).to_vec() {
                     let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
                     let open = floor_ticks(open.clamp(0.0, span_s + 1.0), tick_s);

@@ -245,7 +245,7 @@ impl<'a> Schedule<'a> {
             return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
         }
         self.check_lines(choice, begin_s, end_s)?;
-        let worth = target.value * manoeuvre.quality.product() * target.timing_at(begin_s);
+        let worth = target.gain(manoeuvre.quality.product() * target.timing_at(begin_s));
         Ok(Timed { depart_s, arrive_s, begin_s, end_s, worth })
     }
 

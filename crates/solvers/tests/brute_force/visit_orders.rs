@@ -3,9 +3,9 @@
 //! It shares only the problem's data types with planners and checkers: legs, windows, order, limits and values are computed here, as
 //! `docs/reference/planning-problems.md` defines them.
 
-use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
+use apex_model::problem::{SingleVisitProblem, SingleVisitTarget, TravelTimes, UNREACHABLE_S};
 
-/// Returns the greatest sum of values of any plan. Times must be kept with a reserve of `margin_s`; a negative margin is a tolerance.
+/// Returns the greatest sum of values of any plan, less the costs of missed targets that must be observed. Times must be kept with a reserve of `margin_s`; a negative margin is a tolerance.
 pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> f64 {
     let worth_max = problem
         .targets
@@ -13,22 +13,35 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
         .map(|target| {
             let quality = target.manoeuvres.iter().map(quality).fold(0.0, f64::max);
             let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
-            target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
+            let cost = target.must.map_or(0.0, |must| must.cost);
+            target.value * quality * if target.timing.is_empty() { 1.0 } else { timing } + cost
         })
         .collect();
     let earlier = (0..problem.targets.len()).map(|later| earlier_of(problem, later)).collect();
-    let mut orders = Orders { problem, margin_s, limit_s: limit_s(problem), worth_max, earlier, best: 0.0 };
-    orders.extend(None, problem.start_s, 0, 0.0);
+    let idle = -all_missed(problem);
+    let mut orders = Orders { problem, margin_s, limit_s: limit_s(problem), worth_max, earlier, best: idle };
+    orders.extend(None, problem.start_s, 0, idle);
     orders.best
 }
 
-/// Returns the sum of values of the visits in a plan, at their stated beginnings.
+/// Returns the costs of missing all targets that must be observed.
+pub(crate) fn all_missed(problem: &SingleVisitProblem) -> f64 {
+    problem.targets.iter().filter_map(|target| target.must).map(|must| must.cost).sum()
+}
+
+/// Returns the value of an observation, and the cost that it avoids.
+fn gained_by(target: &SingleVisitTarget, factor: f64) -> f64 {
+    let avoided = target.must.filter(|must| factor > must.factor_min).map_or(0.0, |must| must.cost);
+    target.value * factor + avoided
+}
+
+/// Returns the sum of values of the visits in a plan, at their stated beginnings, less the costs of missed targets.
 pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f64)]) -> f64 {
     let worth = |(name, manoeuvre, begin_s): &(String, usize, f64)| {
         let target = problem.targets.iter().find(|target| target.name == *name).expect("a target of the problem");
-        target.value * quality(&target.manoeuvres[*manoeuvre]) * timing(&target.timing, *begin_s)
+        gained_by(target, quality(&target.manoeuvres[*manoeuvre]) * timing(&target.timing, *begin_s))
     };
-    visits.iter().map(worth).sum()
+    visits.iter().map(worth).sum::<f64>() - all_missed(problem)
 }
 
 /// Returns the time from one target (`None`: the start) to another (`None`: the base) for a departure at `depart_s`.
@@ -123,7 +136,7 @@ impl Orders<'_> {
                 for begin_s in self.begins_s(target, ready_s + travel_s) {
                     let end_s = begin_s + manoeuvre.duration_s;
                     if end_s <= self.limit_s - self.margin_s {
-                        let worth = data.value * quality(manoeuvre) * timing(&data.timing, begin_s);
+                        let worth = gained_by(data, quality(manoeuvre) * timing(&data.timing, begin_s));
                         self.extend(Some(target), end_s, seen | 1 << target, gained + worth);
                     }
                 }

@@ -2,8 +2,8 @@
 
 use crate::chance::Chance;
 use apex_model::problem::{
-    CrewMember, LaterTimes, Manoeuvre, Position, QualityFactor, QualityFactors, SingleVisitProblem, SingleVisitTarget,
-    SingleVisitVehicle, TimeWindow, TravelTimes, UNREACHABLE_S,
+    CrewMember, LaterTimes, Manoeuvre, MustVisit, Position, QualityFactor, QualityFactors, SingleVisitProblem,
+    SingleVisitTarget, SingleVisitVehicle, TimeWindow, TravelTimes, UNREACHABLE_S,
 };
 
 /// Returns a problem of up to 8 targets whose times are multiples of an eighth of a second.
@@ -14,6 +14,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
     let start_s = if chance.percent(30) { chance.eighths(200.0) - 100.0 } else { 0.0 };
     let has_windows = chance.percent(60);
     let has_timing = chance.percent(15);
+    let has_must = chance.percent(25);
     let mut targets: Vec<SingleVisitTarget> = (0..count)
         .map(|index| SingleVisitTarget {
             name: format!("T{index}"),
@@ -22,6 +23,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
             manoeuvres: manoeuvres(chance, count),
             windows: if has_windows { windows(chance, start_s, span_s) } else { Vec::new() },
             timing: if has_timing { timing(chance, start_s, span_s) } else { Vec::new() },
+            must: if has_must && chance.percent(40) { Some(must(chance)) } else { None },
             ..SingleVisitTarget::default()
         })
         .collect();
@@ -60,6 +62,10 @@ fn value(chance: &mut Chance) -> f64 {
         4 => 1e6 * chance.unit(),
         _ => 1.0 + chance.below(20) as f64,
     }
+}
+
+fn must(chance: &mut Chance) -> MustVisit {
+    MustVisit { factor_min: chance.of(&[0.0, 0.0, 0.4, 0.75, 1.0]), cost: chance.of(&[0.0, 2.0, 15.0, 1e6]) }
 }
 
 fn manoeuvres(chance: &mut Chance, count: usize) -> Vec<Manoeuvre> {

@@ -34,7 +34,9 @@ pub(crate) fn of_problem(chance: &mut Chance, problem: &SingleVisitProblem) -> V
     let units = chance.of(&[1, 300, 3_000, 10_000]);
     match solved(&SingleVisit, &posed, units) {
         Ok(plan) => found.extend(claims(problem, plan, (reached, most), "planned")),
-        Err(why) if reached > 0.0 => found.push(format!("no plan, and {reached} is possible: {why}")),
+        Err(why) if reached > -visit_orders::all_missed(problem) => {
+            found.push(format!("no plan, and {reached} is possible: {why}"))
+        }
         Err(_) => {}
     }
     // All orders of few targets are compared; without costs the best one has the greatest benefits.
@@ -42,7 +44,7 @@ pub(crate) fn of_problem(chance: &mut Chance, problem: &SingleVisitProblem) -> V
     let is_free = problem.crew.is_empty() && problem.failure.probability_per_hour <= 0.0;
     if problem.travel.is_some() && is_enumerated && is_free {
         match solved(&SingleVisit, &posed, ENOUGH) {
-            Ok(plan) if plan.benefits < reached - SAME * reached.max(1.0) => {
+            Ok(plan) if plan.benefits < reached - SAME * scale_of(problem, reached) => {
                 found.push(format!("planned {} with enough budget, and {reached} is possible", plan.benefits));
             }
             Ok(_) | Err(_) => {}
@@ -72,6 +74,11 @@ fn order(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
     names
 }
 
+/// Returns the size of the sums whose rounding is tolerated.
+fn scale_of(problem: &SingleVisitProblem, benefits: f64) -> f64 {
+    (benefits.abs() + visit_orders::all_missed(problem)).max(1.0)
+}
+
 fn claims(
     problem: &SingleVisitProblem,
     mut plan: SingleVisitPlan,
@@ -80,7 +87,7 @@ fn claims(
 ) -> Vec<String> {
     let posed = Problem::SingleVisit(problem.clone());
     let mut found: Vec<String> = Vec::new();
-    let scale = SAME * most.max(1.0);
+    let scale = SAME * scale_of(problem, most);
     let visits: Vec<(String, usize, f64)> =
         plan.visits.iter().map(|visit| (visit.target.clone(), visit.manoeuvre, visit.begin_s)).collect();
     let worth = visit_orders::worth_of(problem, &visits);

@@ -10,7 +10,7 @@ pub(super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<us
     let worthless = |target: usize| {
         let data = schedule.problem.targets.get(target);
         data.is_some_and(|data| {
-            data.value * data.manoeuvres.iter().map(|it| it.quality.product()).fold(0.0, f64::max) <= 0.0
+            data.gain(data.manoeuvres.iter().map(|it| it.quality.product()).fold(0.0, f64::max)) <= 0.0
         })
     };
     for target in troubles.possible() {

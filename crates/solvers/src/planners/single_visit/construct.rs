@@ -84,12 +84,12 @@ impl LocalSearch<'_, '_, '_> {
         let data = problem.targets.get(target)?;
         let price = self.price_per_s();
         let best = data.manoeuvres.iter().enumerate().max_by(|(_, a), (_, b)| {
-            let net = |it: &apex_model::problem::Manoeuvre| data.value * it.quality.product() - price * it.duration_s;
+            let net = |it: &apex_model::problem::Manoeuvre| data.gain(it.quality.product()) - price * it.duration_s;
             net(a).total_cmp(&net(b))
         });
         let (manoeuvre, with) = best?;
         let choice = Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
-        let worth = data.value * with.quality.product();
+        let worth = data.gain(with.quality.product());
         Some(Open { choice, worth, duration_s: with.duration_s, added_s: f64::INFINITY, at: 0 })
     }
 

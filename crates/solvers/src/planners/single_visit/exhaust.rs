@@ -114,7 +114,7 @@ pub(super) fn exhaust(
 /// Returns the most that a target can be worth.
 pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
     let Some(target) = problem.targets.get(target) else { return 0.0 };
-    target.value * target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max)
+    target.gain(target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max))
 }
 
 /// Returns true if all targets that must precede the one at `place` are visited.

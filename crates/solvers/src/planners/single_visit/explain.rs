@@ -14,7 +14,7 @@ const GAPS_EXPLAINED: usize = 6;
 /// Time by which limits are extended, in addition to twice the time of the flight, to explain which time a target needs.
 const MORE_S: f64 = 86_400.0;
 
-/// Begin of the reason of a target that could be visited alone.
+/// Begin of the reason of a target beside others.
 const BETWEEN: &str = "does not fit between the others: ";
 
 /// Obstacles of visits of single targets.
@@ -104,7 +104,7 @@ impl Troubles {
 fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<LeftOutReason> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-    (data.value * best_quality * best_timing(data) <= 0.0).then(|| Obstacle::Worthless.into())
+    (data.gain(best_quality * best_timing(data)) <= 0.0).then(|| Obstacle::Worthless.into())
 }
 
 /// Returns the greatest timing factor in the windows of a target: between its corners the factor changes linearly.
@@ -330,10 +330,10 @@ fn reason_beside(
     let within = inserted_somewhere(schedule, order, target);
     if let Some((score, _)) = within.best {
         let loss = judged.score - score;
-        return if loss > 0.0 {
-            Obstacle::Score { loss }.into()
-        } else {
-            "was not reached within the planning budget".into()
+        return match loss {
+            _ if loss > 0.0 => Obstacle::Score { loss }.into(),
+            _ if loss < 0.0 => "was not reached within the planning budget".into(),
+            _ => "would not raise the score".into(),
         };
     }
     let limit_s = schedule.limit_s;
@@ -341,7 +341,10 @@ fn reason_beside(
         // More time would not make the visit pay.
         Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.into(),
         Some((_, end_s)) if end_s > limit_s => late_text(schedule, end_s - limit_s, false),
-        _ => within.trouble.unwrap_or_else(|| "does not fit between the others".into()),
+        _ => within.trouble.unwrap_or_else(|| match order.is_empty() {
+            true => "no way leads there and back".into(),
+            false => "does not fit between the others".into(),
+        }),
     }
 }
 
@@ -358,6 +361,7 @@ fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usi
     let budget: &mut dyn Budget = &mut free;
     let manoeuvres = schedule.problem.targets.get(target).map_or(0, |target| target.manoeuvres.len());
     let mut inserted = Inserted { best: None, trouble: None };
+    let between = if order.is_empty() { "" } else { BETWEEN };
     for manoeuvre in 0..manoeuvres {
         for at in nearest_gaps(schedule, order, target, manoeuvre) {
             let mut with = order.to_vec();
@@ -367,10 +371,10 @@ fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usi
                     inserted.best = Some((score, end_s));
                 }
                 Err(Infeasibility::Impossible(why)) => {
-                    inserted.trouble = Some(LeftOutReason::from(why).after(BETWEEN));
+                    inserted.trouble = Some(LeftOutReason::from(why).after(between));
                 }
                 Err(Infeasibility::Closed { target: closed }) => {
-                    inserted.trouble = Some(closed_window(schedule, target, closed).after(BETWEEN));
+                    inserted.trouble = Some(closed_window(schedule, target, closed).after(between));
                 }
                 Ok(_) | Err(Infeasibility::TooLate { .. } | Infeasibility::Order) => {}
             }

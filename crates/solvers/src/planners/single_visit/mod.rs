@@ -99,6 +99,7 @@ fn solve(
     if let Some((best, bound)) = search::enumerated(&mut schedule, &usable, environment) {
         let best = search::or_idle(&mut schedule, best)?;
         let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out)?;
+        let bound = bound - problem.miss_costs();
         plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
         plan.summary = plan::summary(problem, &plan);
         return Ok(Plan::SingleVisit(plan));
@@ -115,7 +116,7 @@ fn solve(
     let given = problem.travel.is_some();
     let reasons = if given { explain::left_out_quickly } else { explain::left_out };
     let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;
-    if let Some(bound) = found.bound {
+    if let Some(bound) = found.bound.map(|bound| bound - problem.miss_costs()) {
         plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
         plan.summary = plan::summary(problem, &plan);
     }
@@ -138,9 +139,11 @@ pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, me
     }
     let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
     let usable = Troubles::new(&mut schedule).possible();
-    let Some(found) = time_independent::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else {
-        return;
-    };
+    // Searches count what visits gain; a plan also counts what is missed.
+    let missed = problem.miss_costs();
+    let reached = plan.benefits + missed;
+    let Some(found) = time_independent::at_best_departures(&mut schedule, &usable, reached, meter) else { return };
+    let found = found - missed;
     plan.benefits_bound = Some(plan.benefits_bound.map_or(found, |claimed| claimed.min(found)));
     plan.summary = plan::summary(problem, plan);
 }

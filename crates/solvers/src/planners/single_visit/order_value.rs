@@ -58,7 +58,7 @@ pub fn order_value(problem: &SingleVisitProblem, visits: &[OrderedVisit]) -> Res
         let worth = |choice: &Choice| {
             let target = problem.targets.get(choice.target);
             let manoeuvre = target.and_then(|target| target.manoeuvres.get(choice.manoeuvre));
-            target.zip(manoeuvre).map_or(0.0, |(target, manoeuvre)| target.value * manoeuvre.quality.product())
+            target.zip(manoeuvre).map_or(0.0, |(target, manoeuvre)| target.gain(manoeuvre.quality.product()))
         };
         let least = order.iter().enumerate().min_by(|(_, a), (_, b)| worth(a).total_cmp(&worth(b)));
         let Some((least, _)) = least else { break };

@@ -30,6 +30,8 @@ pub(super) fn plan_of(
         ready_s = timed.end_s;
         node = PointKey::Exit(choice.target, choice.manoeuvre);
         let target = schedule.problem.targets.get(choice.target).ok_or("a visit names no target")?;
+        let manoeuvre = target.manoeuvres.get(choice.manoeuvre).ok_or("a visit names no manoeuvre")?;
+        let timing = target.timing_at(timed.begin_s);
         visits.push(PlannedVisit {
             quality: None,
             target: target.name.clone(),
@@ -40,8 +42,8 @@ pub(super) fn plan_of(
             arrive_s: timed.arrive_s,
             begin_s: timed.begin_s,
             end_s: timed.end_s,
-            timing: target.timing_at(timed.begin_s),
-            worth: timed.worth,
+            timing,
+            worth: target.value * manoeuvre.quality.product() * timing,
         });
     }
     let back = match schedule.problem.base {
@@ -75,7 +77,7 @@ fn assembled(
     let problem = schedule.problem;
     // Every target that a plan may visit, at its best: no plan can gain more.
     let possible = troubles.possible().into_iter().filter_map(|target| problem.targets.get(target));
-    let bound = possible.map(worth_max).sum::<f64>() + 0.0;
+    let bound = possible.map(gain_max).sum::<f64>() - problem.miss_costs() + 0.0;
     let plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
@@ -98,11 +100,23 @@ fn assembled(
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
     plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;
-    plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum::<f64>() + 0.0;
+    plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum::<f64>() - missed_points(problem, &plan);
     plan.costs = mission_score::flight_cost(problem, flight_s);
     plan.score = plan.benefits - plan.costs;
     plan.summary = summary(problem, &plan);
     plan
+}
+
+/// Returns the points that the plan loses because it misses targets that must be observed.
+pub(super) fn missed_points(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> f64 {
+    let is_missed = |target: &&SingleVisitTarget| {
+        let visit = plan.visits.iter().find(|visit| visit.target == target.name);
+        let manoeuvre = visit.and_then(|visit| target.manoeuvres.get(visit.manoeuvre));
+        let product = visit.zip(manoeuvre).map_or(0.0, |(visit, manoeuvre)| manoeuvre.quality.product() * visit.timing);
+        target.is_missed_by(product)
+    };
+    let missed = problem.targets.iter().filter(|target| target.must.is_some()).filter(is_missed);
+    missed.map(SingleVisitTarget::miss_cost).fold(0.0, std::ops::Add::add)
 }
 
 /// Returns the plan with a bound on the benefits of all plans of `problem`, which may have more targets and windows than the problem in
@@ -113,25 +127,28 @@ pub fn bounded_by(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Si
     plan
 }
 
-/// Returns the benefits of visits to all targets, each in its best way at its best time.
+/// Returns the benefits of visits to all targets, none of which is missed, each in its best way at its best time.
 pub(crate) fn most(problem: &SingleVisitProblem) -> f64 {
     // Adding zero turns the -0.0 of an empty sum into 0.0.
-    problem.targets.iter().map(worth_max).sum::<f64>() + 0.0
+    problem.targets.iter().map(gain_max).sum::<f64>() - problem.miss_costs() + 0.0
 }
 
-fn worth_max(target: &SingleVisitTarget) -> f64 {
+fn gain_max(target: &SingleVisitTarget) -> f64 {
     let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
     let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
-    target.value * quality * timing
+    target.gain(quality * timing)
 }
 
 /// Returns one line for operators.
 pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> String {
     if plan.visits.is_empty() && !plan.left_out.is_empty() {
-        return explain::nothing_visited(&plan.left_out, plan.benefits_bound.is_none_or(|bound| bound > 0.0));
+        let may_gain = plan.benefits_bound.is_none_or(|bound| bound > plan.benefits);
+        return explain::nothing_visited(&plan.left_out, may_gain);
     }
+    let missed = missed_points(problem, plan);
+    let missing = if missed > 0.0 { format!(" after {missed:.2} for missed targets") } else { String::new() };
     format!(
-        "{} of {} targets in {}; worth {:.2} of at most {:.2}, costs {:.2}, score {:.2}.",
+        "{} of {} targets in {}; worth {:.2}{missing} of at most {:.2}, costs {:.2}, score {:.2}.",
         plan.visits.len(),
         problem.targets.len(),
         apex_planning::obstacle::spoken(plan.end_s - problem.start_s),

@@ -74,7 +74,7 @@ impl LocalSearch<'_, '_, '_> {
             for choice in self.choices(target) {
                 let blur = 1.0 - noise * self.random.unit();
                 let Some(manoeuvre) = data.manoeuvres.get(choice.manoeuvre) else { continue };
-                let worth = data.value * manoeuvre.quality.product();
+                let worth = data.gain(manoeuvre.quality.product());
                 for (at, slack_s) in slacks_s.iter().enumerate() {
                     self.budget.charge(1);
                     let added_s = self.added_s_min(current, at, choice, manoeuvre.duration_s);
