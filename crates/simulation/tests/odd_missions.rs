@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
 
+#[path = "odd/changed_altitude.rs"]
+mod changed_altitude;
 #[path = "odd/closed_base.rs"]
 mod closed_base;
 #[path = "odd/descent.rs"]

@@ -164,6 +164,14 @@ impl Flown {
         problems.iter().filter_map(|row| first(row.plan.as_ref()?, row.at.seconds())).collect()
     }
 
+    /// Returns the instant at which the observation of a target begins by the first plan of the flight.
+    pub(crate) fn planned_begin_s(&self, target: &str) -> f64 {
+        let problems = RecordReader::open(&self.record).unwrap().problems().unwrap();
+        let plan = problems.iter().find_map(|row| row.plan.clone()).unwrap();
+        let visit = plan.split_once(&format!("\"target\":\"{target}\"")).unwrap().1;
+        visit.split_once("\"begin_s\":").unwrap().1.split([',', '}']).next().unwrap().parse().unwrap()
+    }
+
     /// Returns the end of the visit of a target, in seconds; none if it was not observed.
     pub(crate) fn observed_s(&self, target: &str) -> Option<f64> {
         let visit = self.outcome.report.visits.iter().find(|visit| visit.target == target)?;
