@@ -91,6 +91,8 @@ pub(crate) fn single_visits(
     let planning = &model.planning;
     let now_s = at.seconds();
     let energy = energy(mission, situation);
+    let flow = energy.fuel_flow_kg_per_s;
+    let climb_s = if flow > 0.0 { energy.climb_fuel_kg / flow } else { 0.0 };
     let start = here(mission, situation);
     let (targets, precedence) = wanted(mission, known, asked)?;
     let mut problem = SingleVisitProblem {
@@ -101,10 +103,10 @@ pub(crate) fn single_visits(
             climb_rate_mps: model.climb_rate_m_s_max * planning.climb_share,
             descent_rate_mps: descent_rate_mps(model),
             fuel_kg: energy.fuel_kg,
-            fuel_reserve_kg: energy.fuel_reserve_kg + energy.landing_fuel_kg,
+            fuel_reserve_kg: energy.fuel_reserve_kg + energy.landing_fuel_kg + energy.climb_fuel_kg,
             fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,
             endurance_s: energy.endurance_s,
-            endurance_reserve_s: energy.reserve_s + energy.landing_s,
+            endurance_reserve_s: energy.reserve_s + energy.landing_s + climb_s,
             endurance_limit: None,
             turn_radius_m: turn_radius_m(model),
         },

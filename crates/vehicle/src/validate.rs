@@ -13,6 +13,12 @@ const MASS_KG_MAX: f64 = 1e6;
 const SPEED_M_S_MAX: f64 = 1_000.0;
 const CLIMB_M_S_MAX: f64 = 300.0;
 const CEILING_M_MAX: f64 = 50_000.0;
+const ACCELERATION_M_S2_MAX: f64 = 100.0;
+const RATE_DEG_S_MAX: f64 = 1_000.0;
+/// Somewhat more than the 25 nautical miles of a localizer's range (ICAO Annex 10, volume I, 3.1.3.3).
+const FINAL_APPROACH_M_MAX: f64 = 50_000.0;
+/// Greatest height of a final approach as a share of its length: a glide path of 26 degrees.
+const APPROACH_SLOPE_MAX: f64 = 0.5;
 /// A range shorter than this is taken for a mistake in units.
 const RANGE_M_MIN: f64 = 1_000.0;
 /// Shortest and longest time between two reports of a vehicle: requirements are checked at each of them.
@@ -52,17 +58,17 @@ impl VehicleModel {
             ("indicated_airspeed_m_s_min", self.indicated_airspeed_m_s_min, slowest),
             ("true_airspeed_m_s_cruise", self.true_airspeed_m_s_cruise, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
             ("true_airspeed_m_s_max", self.true_airspeed_m_s_max, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
-            ("acceleration_m_s2_max", self.acceleration_m_s2_max, Rule::Positive),
+            ("acceleration_m_s2_max", self.acceleration_m_s2_max, Rule::AboveUpTo(0.0, ACCELERATION_M_S2_MAX)),
             ("bank_deg_max", self.bank_deg_max, Rule::AboveUpTo(0.0, 60.0)),
             ("level_roll_deg_max", self.level_roll_deg_max, Rule::AboveUpTo(0.0, 45.0)),
-            ("roll_rate_deg_s_max", self.roll_rate_deg_s_max, Rule::Positive),
-            ("yaw_rate_deg_s_max", self.yaw_rate_deg_s_max, Rule::Positive),
+            ("roll_rate_deg_s_max", self.roll_rate_deg_s_max, Rule::AboveUpTo(0.0, RATE_DEG_S_MAX)),
+            ("yaw_rate_deg_s_max", self.yaw_rate_deg_s_max, Rule::AboveUpTo(0.0, RATE_DEG_S_MAX)),
             ("climb_rate_m_s_max", self.climb_rate_m_s_max, Rule::AboveUpTo(0.0, CLIMB_M_S_MAX)),
             ("descent_rate_m_s_max", self.descent_rate_m_s_max, Rule::AboveUpTo(0.0, CLIMB_M_S_MAX)),
             ("ceiling_m", self.ceiling_m, Rule::AboveUpTo(0.0, CEILING_M_MAX)),
             ("wind_m_s_max", self.wind_m_s_max, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
             ("glide_ratio", self.glide_ratio, Rule::Between(0.0, 60.0)),
-            ("final_approach_m", self.final_approach_m, if_fixed_wing(Rule::Positive)),
+            ("final_approach_m", self.final_approach_m, if_fixed_wing(Rule::AboveUpTo(0.0, FINAL_APPROACH_M_MAX))),
             ("final_approach_height_m", self.final_approach_height_m, if_fixed_wing(Rule::Positive)),
             ("braking_share", self.braking_share, if_rotorcraft(Rule::AboveUpTo(0.0, 1.0))),
             ("drag_per_s", self.drag_per_s, if_rotorcraft(Rule::NotNegative)),
@@ -74,6 +80,14 @@ impl VehicleModel {
                 self.indicated_airspeed_m_s_stall,
                 self.indicated_airspeed_m_s_min,
                 "flight.indicated_airspeed_m_s_min",
+            )?;
+        }
+        if fixed_wing {
+            check.at_most(
+                "flight.final_approach_height_m",
+                self.final_approach_height_m,
+                APPROACH_SLOPE_MAX * self.final_approach_m,
+                "half of flight.final_approach_m",
             )?;
         }
         // A true airspeed is never below the indicated airspeed, so a cruise speed below the stall speed means a stall at every altitude.
@@ -208,7 +222,20 @@ impl VehicleModel {
             ("visit_height_m", planning.visit_height_m, Rule::Positive),
         ];
         check.each("planning", &figures)?;
-        check.at_most(&format!("planning.{}", cruise.0), cruise.1, self.ceiling_m, "flight.ceiling_m")
+        check.at_most(&format!("planning.{}", cruise.0), cruise.1, self.ceiling_m, "flight.ceiling_m")?;
+        check.at_most("planning.visit_height_m", planning.visit_height_m, self.ceiling_m, "flight.ceiling_m")?;
+        // The indicated airspeed of a cruise at this true airspeed falls with the density of the air.
+        let cruise_mps = self.true_airspeed_m_s_cruise;
+        let slowest_mps = self.true_airspeed_m_s_min(cruise.1);
+        if cruise_mps >= slowest_mps {
+            return Ok(());
+        }
+        let expected = format!(
+            "at least {slowest_mps:.1}, the true airspeed of `flight.indicated_airspeed_m_s_min` at `planning.{}`",
+            cruise.0
+        );
+        let help = "raise the cruise speed, or lower the altitude or the slowest speed";
+        Err(check.file.error("flight.true_airspeed_m_s_cruise".to_owned(), expected, cruise_mps.to_string(), help))
     }
 }
 

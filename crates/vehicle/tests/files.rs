@@ -353,6 +353,30 @@ fn figures_of_the_other_airframe_are_refused() {
     rejects("rmax", "\"glide_ratio\"", slowest, "flight.final_approach_m", "nothing for a rotorcraft");
 }
 
+/// Each of them passed before, and the vehicle did not land, or stalled in cruise.
+#[test]
+fn figures_with_which_no_flight_ends_are_refused() {
+    let refused = |path: &str, expected: &str, change: &dyn Fn(&mut VehicleModel)| {
+        let mut model = VehicleModel::named("predator-b").unwrap();
+        change(&mut model);
+        let error = model.validate("own").unwrap_err();
+        assert_eq!(error.path, path, "{error}");
+        assert!(error.to_string().contains(expected), "{error}");
+    };
+    refused("flight.final_approach_m", "at most 50000", &|model| model.final_approach_m = 500_000.0);
+    refused("flight.final_approach_height_m", "half of flight.final_approach_m", &|model| {
+        model.final_approach_height_m = 20_000.0;
+    });
+    refused("flight.yaw_rate_deg_s_max", "at most 1000", &|model| model.yaw_rate_deg_s_max = 1e9);
+    refused("planning.visit_height_m", "flight.ceiling_m", &|model| model.planning.visit_height_m = 1e9);
+    // 44 m/s indicated are 63 m/s at 7,000 m, whose air has 0.48 of the density at sea level.
+    refused("flight.true_airspeed_m_s_cruise", "at least 63.", &|model| {
+        model.true_airspeed_m_s_cruise = 50.0;
+        let EnergyModel::Fuel(fuel) = &mut model.energy else { panic!("no tank") };
+        fuel.speed_m_s_reference = 50.0;
+    });
+}
+
 #[test]
 fn a_model_changed_in_memory_is_checked_like_a_file() {
     let mut model = VehicleModel::named("rmax").unwrap();

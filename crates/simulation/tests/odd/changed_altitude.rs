@@ -37,7 +37,8 @@ fn a_climb_past_a_zone_is_flown_in_the_time_of_the_plan() {
 
 /// A hill of 100 m between two places that are photographed from 40 m.
 fn hill(to: (f64, f64)) -> String {
-    let mut text = "ncols 100\nnrows 60\nxllcenter -121.14\nyllcenter 37.4\ncellsize 0.0005\nNODATA_value -9999\n".to_string();
+    let mut text =
+        "ncols 100\nnrows 60\nxllcenter -121.14\nyllcenter 37.4\ncellsize 0.0005\nNODATA_value -9999\n".to_string();
     for row in (0..60).rev() {
         for column in 0..100 {
             let (north, east) = (37.4 + 0.0005 * f64::from(row) - to.0, -121.14 + 0.0005 * f64::from(column) - to.1);
@@ -62,10 +63,8 @@ fn a_helicopter_that_climbs_before_a_hill_raises_no_alarm() {
         site("east", (37.4082, -121.1074)),
         site("north", (37.4221, -121.12)),
     ];
-    let flown = fly(
-        &program(options, "60m"),
-        &[("t.geojson", &collection(&targets)), ("g.asc", &hill((37.4152, -121.1137)))],
-    );
+    let flown =
+        fly(&program(options, "60m"), &[("t.geojson", &collection(&targets)), ("g.asc", &hill((37.4152, -121.1137)))]);
     assert_eq!(flown.said("requirement-at-risk"), [], "{}", flown.text());
     let MissionValue::Score(score) = &flown.outcome.report.value else { panic!("{}", flown.text()) };
     assert!(score.score > 19.0, "{}", flown.text());
