@@ -1,6 +1,8 @@
 //! Doubts about a mission whose data are valid: requirements and visits that a flight cannot keep or make as planned.
 
+use crate::energy::energy;
 use crate::site_pictures::{self, Daylight};
+use crate::situation::Situation;
 use crate::visit_altitude::sites;
 use crate::{Mission, Target, TargetKind};
 use apex_geo::{geodesy, wind};
@@ -10,7 +12,7 @@ const ZONE_FAR_M: f64 = 2.0e6;
 
 impl Mission {
     /// Returns sentences about sites of which visits give no valid picture, about forecast air at cruise altitude that a requirement does
-    /// not permit, and about zones far away; empty for most missions.
+    /// not permit, about a vehicle without sensors, and about targets and zones far away; empty for most missions.
     pub fn doubts(&self) -> Vec<String> {
         let mut found: Vec<String> = Vec::new();
         let mut troubles: Vec<(String, Vec<&str>)> = Vec::new();
@@ -34,8 +36,35 @@ impl Mission {
         if has_fires {
             found.extend(self.rough_cruise());
         }
+        if !self.targets.is_empty() && self.model.sensors.is_empty() {
+            found.push(format!(
+                "the vehicle `{}` carries no line scanner and no camera: it cannot observe a target",
+                self.model.name
+            ));
+        }
+        found.extend(self.distant_targets());
         found.extend(self.distant_zones());
         found
+    }
+
+    /// Returns a message for each target that the vehicle could not reach and come back from with its whole energy, and the strongest wind
+    /// behind it.
+    fn distant_targets(&self) -> impl Iterator<Item = String> {
+        let endurance_s = energy(self, &Situation::default()).endurance_s;
+        let speed_mps = self.model.true_airspeed_m_s_cruise + wind::speed_mps_max(&self.forecast);
+        let reach_m = 0.5 * endurance_s * speed_mps;
+        self.targets.iter().filter_map(move |target| {
+            let away_m = geodesy::distance_m(self.start, target.position);
+            (away_m > reach_m).then(|| {
+                format!(
+                    "target {} is {:.0} km from the start, and the vehicle flies {:.0} km at most and back: check the order and the signs of \
+                     its coordinates",
+                    target.id,
+                    away_m / 1e3,
+                    reach_m / 1e3
+                )
+            })
+        })
     }
 
     /// Returns a message for each zone that is far from the start and from all targets: its coordinates are probably wrong.
