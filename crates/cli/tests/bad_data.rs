@@ -329,3 +329,14 @@ fn a_check_reads_the_world_file_of_the_mission() {
     desk.write("m/world.json", "{\n  \"fautls\": []\n}");
     desk.apex(&["check", "m"]).told(&["m/world.json:2:", "unknown field `fautls`"]);
 }
+
+/// Feet for metres, and a height above ground for an altitude.
+#[test]
+fn altitudes_of_take_offs_lie_between_start_and_ceiling() {
+    for altitude in ["130000m", "-20m"] {
+        let desk = Desk::with_mission("first-picture");
+        desk.change("m/mission.pdl", "take off to 40m", &format!("take off to {altitude}"));
+        let expected = ["is not possible", "m/mission.pdl:21", "the start is at", "the ceiling of", "above mean sea level"];
+        desk.apex(&["check", "m"]).complained(2, &[]).told(&expected);
+    }
+}

@@ -137,9 +137,21 @@ impl Limits {
 /// Checks the take-offs of a mission's program that state their altitude, for a vehicle at the start.
 ///
 /// # Errors
-/// A climb that meets the ground, and a circle of the climb for which the airspace leaves no space; with the place of the goal.
+/// An altitude not above the start or above the ceiling, a climb that meets the ground, and a circle of the climb for which the airspace leaves no space; with the place of the goal.
 pub fn check_take_offs(mission: &Mission) -> MissionResult {
     let limits = Limits::of(mission);
+    let (start_m, ceiling_m) = (mission.start_altitude_m, mission.model.ceiling_m);
+    for (altitude_m, place) in stated_take_offs(&mission.library) {
+        if altitude_m <= start_m || altitude_m > ceiling_m {
+            return Err(MissionError::setting(format!("the take-off to {altitude_m:.0} m is not possible"))
+                .at(mission.library.describe_place(place))
+                .because(format!(
+                    "the start is at {start_m:.0} m, and the ceiling of `{}` is {ceiling_m:.0} m",
+                    mission.model.name
+                ))
+                .help("write an altitude between both, above mean sea level, such as 3000m"));
+        }
+    }
     if limits.are_none() {
         return Ok(());
     }
