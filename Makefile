@@ -86,8 +86,8 @@ test: ## Everything that CI runs: check, tests, spec pages, the Python package, 
 	$(MAKE) --jobs=2 --output-sync=target web rust-rules
 	# The browser and the tools of Python are fetched while the workspace is compiled.
 	$(MAKE) --jobs=2 --output-sync=target rust-build web-checks web-tests chromium .venv/.tools
-	$(MAKE) rust-tests
-	$(MAKE) flights
+	# The flights fill the processor time that the last long tests leave.
+	$(MAKE) --jobs=2 --output-sync=target rust-tests flights
 	# The page's tests mostly wait for the browser; the checks of Python need one processor.
 	$(MAKE) --jobs=2 --output-sync=target python-package page-tests
 
