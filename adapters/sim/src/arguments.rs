@@ -177,6 +177,11 @@ impl<'a> Arguments<'a> {
         self.keyword("speed").map(|value| self.number(value, "speed", Dimension::SPEED, "180kt")).transpose()
     }
 
+    /// `:line-speed`, m/s, if given.
+    pub(crate) fn line_speed_keyword(&self) -> Result<Option<f64>, String> {
+        self.keyword("line-speed").map(|value| self.number(value, "line-speed", Dimension::SPEED, "50m/s")).transpose()
+    }
+
     /// `:radius`, m, if given.
     pub(crate) fn radius_keyword(&self) -> Result<Option<f64>, String> {
         self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()

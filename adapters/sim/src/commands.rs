@@ -49,9 +49,9 @@ const COMMANDS: &[CommandForm] = &[
     ),
     command(
         "join-line",
-        "(join-line FROM TO [:speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
+        "(join-line FROM TO [:speed S] [:line-speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
         (2, 2),
-        &["speed", "altitude", "hold", "hold-around", "via"],
+        &["speed", "line-speed", "altitude", "hold", "hold-around", "via"],
     ),
     command(
         "loiter",
@@ -135,7 +135,7 @@ impl SimulatedWorld {
             }
             "set-speed" => {
                 let speed = arguments.speed(0)?;
-                self.check_speed(&arguments, speed)?;
+                self.check_speed(&arguments, speed, self.state.altitude_m)?;
                 let answer = Value::measured(speed, Dimension::SPEED);
                 self.claim_speed(speed, Some(Setpoint { command: id, text: form.to_string(), answer }), inputs);
                 Ok(())
@@ -179,8 +179,10 @@ impl SimulatedWorld {
         if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {
             self.check_altitude(arguments, altitude_m, arrives)?;
         }
-        if let Some(speed) = speed {
-            self.check_speed(arguments, speed)?;
+        let line_speed = arguments.line_speed_keyword()?;
+        let here_m = self.state.altitude_m;
+        for (speed, at_m) in [(speed, here_m), (line_speed, altitude_m.unwrap_or(here_m))] {
+            speed.map_or(Ok(()), |speed| self.check_speed(arguments, speed, at_m))?;
         }
         if let Some(altitude_m) = altitude_m {
             self.claim_altitude(altitude_m, None, inputs);
@@ -198,6 +200,7 @@ impl SimulatedWorld {
             _ => 0.0,
         };
         self.flight = ActiveOrder::begin_at(Some(id), order, begin_m, (way, hold), &self.situation());
+        self.flight.line_speed = line_speed;
         Ok(())
     }
 
@@ -303,9 +306,8 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    fn check_speed(&self, arguments: &Arguments, speed: f64) -> Result<(), String> {
-        let (slowest, fastest) =
-            (true_airspeed_min(&self.model, self.state.altitude_m), self.model.true_airspeed_m_s_max);
+    fn check_speed(&self, arguments: &Arguments, speed: f64, altitude_m: f64) -> Result<(), String> {
+        let (slowest, fastest) = (true_airspeed_min(&self.model, altitude_m), self.model.true_airspeed_m_s_max);
         let too_slow = speed < slowest || speed <= 0.0;
         if too_slow || speed > fastest {
             let (slowest, fastest) = (libm::ceil(10.0 * slowest) / 10.0, libm::floor(10.0 * fastest) / 10.0);
@@ -330,26 +332,6 @@ impl SimulatedWorld {
         if let Some(old) = std::mem::replace(&mut self.speed_command, by) {
             self.answer(old.command, Err(format!("{} was superseded by another speed", old.text)), inputs);
         }
-    }
-
-    fn turn_in_place(
-        &mut self,
-        id: CommandId,
-        form: &Value,
-        arguments: &Arguments,
-        inputs: &mut Vec<Input>,
-    ) -> Result<(), String> {
-        let heading_rad = crate::motion::wrap_tau(arguments.heading(0)?);
-        if self.model.airframe == Airframe::FixedWing {
-            return Err(arguments.wrong(&format!("{} is a fixed wing and turns by flying: use fly-to", self.vehicle)));
-        }
-        self.nose_rad = Some(heading_rad);
-        let answer = Value::measured(heading_rad, Dimension::ANGLE);
-        let setpoint = Setpoint { command: id, text: form.to_string(), answer };
-        if let Some(old) = self.heading_command.replace(setpoint) {
-            self.answer(old.command, Err(format!("{} was superseded by {form}", old.text)), inputs);
-        }
-        Ok(())
     }
 
     /// Answers the finished flight order; the vehicle circles, hovers or parks until the next one.
@@ -383,6 +365,10 @@ impl SimulatedWorld {
 
     /// Answers the setpoint commands whose value is reached.
     pub(crate) fn meet_setpoints(&mut self, inputs: &mut Vec<Input>) {
+        if let Some(speed) = self.flight.due_line_speed(&self.situation()) {
+            self.flight.line_speed = None;
+            self.claim_speed(speed, None, inputs);
+        }
         let altitude = (self.altitude_m - self.state.altitude_m).abs() <= 10.0;
         let speed = (self.true_airspeed - self.state.true_airspeed).abs() <= 1.0;
         let hovering = self.model.airframe == Airframe::Rotorcraft && self.state.ground_speed() < 0.5;

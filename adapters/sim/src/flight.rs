@@ -99,7 +99,7 @@ pub(crate) struct ActiveOrder {
     /// Distance along the line at which to begin; greater than zero for a line that is resumed.
     pub(crate) begin_m: f64,
     /// End of the time on station.
-    until: Option<Time>,
+    pub(crate) until: Option<Time>,
     /// Distance to the end of the present stage.
     pub(crate) stage_m: f64,
     /// Distance to the order's goal.
@@ -112,6 +112,8 @@ pub(crate) struct ActiveOrder {
     /// Number of misses of the place of a fly-to, and whether the place has been behind the vehicle since.
     pub(crate) misses: u32,
     pub(crate) abeam: bool,
+    /// Airspeed at the beginning of the line; `None` once it is commanded.
+    pub(crate) line_speed: Option<f64>,
     line_s: f64,
     level_s: f64,
 }
@@ -154,6 +156,7 @@ impl ActiveOrder {
             planned_straight: false,
             misses: 0,
             abeam: false,
+            line_speed: None,
             line_s: 0.0,
             level_s: 0.0,
         };
@@ -339,7 +342,7 @@ impl ActiveOrder {
             Stage::Direct(point) => return self.direct(point, here),
             Stage::Tangent(join) => self.reach_turn(join, here),
             Stage::Turn(join) => self.turned(&join, here),
-            Stage::LeadIn => self.led_in(here),
+            Stage::LeadIn => return self.lead_in(here),
             Stage::OnLine => return self.on_line(here, roll_rad_max, dt),
             Stage::Follow(_) => return self.follow(here),
             Stage::Circle(_) | Stage::Hover(_) => return self.on_station(here),
@@ -383,40 +386,6 @@ impl ActiveOrder {
         // Joining a line is answered at the line's beginning; then the vehicle follows the line until the next command.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
         if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
-    }
-
-    fn on_station(&mut self, here: &Situation) -> Progress {
-        let (there, duration) = match (&self.stage, &self.order) {
-            (Stage::Circle(circle), Order::Loiter { duration, .. }) => {
-                let error_m = bearing(here.state.position, circle.centre).1 - circle.radius_m;
-                (error_m.abs() < 0.15 * circle.radius_m + 5.0, *duration)
-            }
-            (Stage::Hover(_), Order::Hover { duration, .. }) => {
-                (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
-            }
-            (stage, Order::FlyTo { to, .. }) => {
-                if !here.at_altitude() {
-                    return Progress::Going;
-                }
-                // The circle served to reach the altitude; the commanded place is its centre.
-                let circling = matches!(stage, Stage::Circle(_));
-                let place = Stage::Direct(to.position);
-                return if circling { self.change(Some(place), here) } else { self.done(here) };
-            }
-            (_, Order::FlyLine { .. } | Order::JoinLine { .. }) => {
-                return self.change(here.at_altitude().then_some(Stage::OnLine), here);
-            }
-            _ => return Progress::Going,
-        };
-        match (self.until, duration) {
-            (Some(until), _) if here.now >= until => self.done(here),
-            (None, Some(Duration::ZERO)) if there => self.done(here),
-            (None, Some(duration)) if there => {
-                self.until = Some(instants::not_before(here.now + duration));
-                Progress::StageChanged
-            }
-            _ => Progress::Going,
-        }
     }
 
     /// Computes the distances to the end of the stage and to the goal.

@@ -1,11 +1,15 @@
-//! The command `follow-path` and the heading that it demands.
+//! The commands `follow-path` and `set-heading`, and the headings that they demand.
 
 use crate::arguments::Arguments;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Stage};
 use crate::follow::FollowedPath;
-use crate::world::SimulatedWorld;
+use crate::world::{Setpoint, SimulatedWorld};
+use apex_model::effect::CommandId;
 use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
 use apex_vehicle::Airframe;
 
 /// Airspeeds outside of the vehicle's range by less than this, m/s, are rounded figures of the limits.
@@ -35,6 +39,27 @@ impl SimulatedWorld {
             return Err(arguments.wrong(&why));
         }
         Ok(path)
+    }
+
+    /// Turns a rotorcraft on the spot.
+    pub(crate) fn turn_in_place(
+        &mut self,
+        id: CommandId,
+        form: &Value,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        let heading_rad = crate::motion::wrap_tau(arguments.heading(0)?);
+        if self.model.airframe == Airframe::FixedWing {
+            return Err(arguments.wrong(&format!("{} is a fixed wing and turns by flying: use fly-to", self.vehicle)));
+        }
+        self.nose_rad = Some(heading_rad);
+        let answer = Value::measured(heading_rad, Dimension::ANGLE);
+        let setpoint = Setpoint { command: id, text: form.to_string(), answer };
+        if let Some(old) = self.heading_command.replace(setpoint) {
+            self.answer(old.command, Err(format!("{} was superseded by {form}", old.text)), inputs);
+        }
+        Ok(())
     }
 }
 

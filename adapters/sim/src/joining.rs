@@ -9,16 +9,19 @@ use libm::cos;
 
 /// Lines begin this many seconds after the turn onto them, so that the wings are level.
 const LEAD_IN_S: f64 = 16.0;
-/// Accuracy with which a line must be joined. After a miss it is joined again, up to the maximum number of attempts.
-const JOIN_ACROSS_M: f64 = 120.0;
-const JOIN_COURSE_RAD: f64 = 0.06;
+/// Accuracy with which a line must be joined: distance across it in seconds at cruise speed, course (5 degrees), and bank. After a miss it
+/// is joined again, up to the maximum number of attempts. `way-to-line` (`apex-mission`) sends no way to a vehicle within these limits.
+const JOIN_ACROSS_S: f64 = 0.75;
+/// The same where an interrupted line is resumed, and where a turn onto a line ends: the flight along it corrects the rest.
+const RESUMED_ACROSS_S: f64 = 1.26;
+const JOIN_COURSE_RAD: f64 = 0.0873;
 const JOIN_BANK_RAD: f64 = 0.05;
 /// Accuracy of the course with which an interrupted line is resumed at once, because it corrects itself along the line within seconds,
 /// whereas another join takes minutes.
 const RESUMED_COURSE_RAD: f64 = 0.15;
 const JOINS_MAX: u32 = 2;
-/// Accuracy with which a path must end on a line.
-const LINED_UP_ACROSS_M: f64 = 400.0;
+/// Accuracy with which a path must end on a line: seconds at cruise speed, and course.
+const LINED_UP_ACROSS_S: f64 = 4.2;
 const LINED_UP_RAD: f64 = 0.35;
 /// Distance to the turn below which the join is not planned again.
 const REPLAN_M: f64 = 1_000.0;
@@ -27,8 +30,17 @@ const PLACE_M: f64 = 200.0;
 /// Maximum number of misses of a place, after each of which a fixed wing turns back to it. One is enough in steady wind; a place
 /// abeam of the start counts as missed before the first approach.
 const MISSES_MAX: u32 = 4;
-/// A vehicle already on a line may be this far past its beginning.
-const ON_LINE_M: f64 = 300.0;
+/// A vehicle already on a line may be so many seconds at cruise speed past its beginning: what it flies until the command reaches it.
+/// Past the place at which an interrupted line was left, it may be farther: another join takes minutes.
+const BEGUN_S: f64 = 1.0;
+const RESUMED_S: f64 = 3.15;
+/// A vehicle on the extension of a line continues along it from so many seconds before its beginning: the longest lead-in of plans.
+const EXTENSION_S: f64 = 30.0;
+
+/// Returns the distance that the vehicle flies in `seconds` at cruise speed in still air: tolerances grow with the size of a vehicle.
+fn cruise_m(seconds: f64, here: &Situation) -> f64 {
+    seconds * here.model.true_airspeed_m_s_cruise
+}
 
 /// Progress of an approach to a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,10 +56,10 @@ impl ActiveOrder {
     pub(crate) fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
-        let lead_m = LEAD_IN_S * here.state.ground_speed();
+        let lead_m = EXTENSION_S * here.ground_speed_max();
         let near = along_m > -lead_m
-            && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
-            && across_m.abs() <= JOIN_ACROSS_M;
+            && along_m <= self.begin_m + self.past_m(here).min(0.5 * line.length_m)
+            && across_m.abs() <= self.across_m(here);
         // The path of the command has lined the vehicle up; joining again would leave the planned airspace.
         if here.fixed() && self.is_lined_up(line, here) {
             self.at_once = true;
@@ -73,9 +85,19 @@ impl ActiveOrder {
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
         self.way.is_some()
             && here.at_altitude()
-            && along_m < self.begin_m + ON_LINE_M
-            && across_m.abs() <= LINED_UP_ACROSS_M
+            && along_m <= self.begin_m + self.past_m(here)
+            && across_m.abs() <= cruise_m(LINED_UP_ACROSS_S, here)
             && off_rad <= LINED_UP_RAD
+    }
+
+    /// Returns how far past the place at which its line begins the vehicle may be.
+    fn past_m(&self, here: &Situation) -> f64 {
+        cruise_m(if self.begin_m > 0.0 { RESUMED_S } else { BEGUN_S }, here)
+    }
+
+    /// Returns how far across its line the vehicle may be.
+    fn across_m(&self, here: &Situation) -> f64 {
+        cruise_m(if self.begin_m > 0.0 { RESUMED_ACROSS_S } else { JOIN_ACROSS_S }, here)
     }
 
     /// Plans another attempt to join the line.
@@ -178,7 +200,7 @@ impl ActiveOrder {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
         let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
-        let aside = across_m.abs() > 0.1 * join.turn.radius_m + JOIN_ACROSS_M;
+        let aside = across_m.abs() > 0.1 * join.turn.radius_m + cruise_m(RESUMED_ACROSS_S, here);
         if left_rad.abs() > 0.12 || aside || !here.at_altitude() {
             return None;
         }
@@ -198,7 +220,7 @@ impl ActiveOrder {
         }
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
         let level = here.state.bank_rad.abs() <= JOIN_BANK_RAD;
-        let good = level && across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
+        let good = level && across_m.abs() <= self.across_m(here) && off_rad <= JOIN_COURSE_RAD;
         // A line may be resumed at the beginning of a circle; levelling the wings on the line costs less than another join.
         if good || self.at_once || self.joins >= JOINS_MAX || !here.state.engine_running {
             return Some(Stage::OnLine);

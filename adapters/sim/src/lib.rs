@@ -21,6 +21,7 @@ mod instants;
 mod joining;
 mod left_lines;
 mod levelling;
+mod line_start;
 pub mod living;
 mod motion;
 mod names;

@@ -1,8 +1,11 @@
-//! Stages of a flight other than joining: the climb after take-off, paths of points, the glide to an airfield.
+//! Stages of a flight other than joining: the climb after take-off, paths of points, circles and hovers, the glide to an airfield.
 
 use crate::flight::{ActiveOrder, Order, Progress, Stage};
 use crate::gliding::Glide;
+use crate::instants;
+use crate::path::bearing;
 use crate::situation::Situation;
+use apex_model::time::Duration;
 
 /// Height of the straight climb after take-off, before the first turn.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
@@ -41,6 +44,41 @@ impl ActiveOrder {
             _ => false,
         };
         if goes_on { Progress::Going } else { self.done(here) }
+    }
+
+    /// Circles or hovers; answers when the time on station has passed.
+    pub(crate) fn on_station(&mut self, here: &Situation) -> Progress {
+        let (there, duration) = match (&self.stage, &self.order) {
+            (Stage::Circle(circle), Order::Loiter { duration, .. }) => {
+                let error_m = bearing(here.state.position, circle.centre).1 - circle.radius_m;
+                (error_m.abs() < 0.15 * circle.radius_m + 5.0, *duration)
+            }
+            (Stage::Hover(_), Order::Hover { duration, .. }) => {
+                (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
+            }
+            (stage, Order::FlyTo { to, .. }) => {
+                if !here.at_altitude() {
+                    return Progress::Going;
+                }
+                // The circle served to reach the altitude; the commanded place is its centre.
+                let circling = matches!(stage, Stage::Circle(_));
+                let place = Stage::Direct(to.position);
+                return if circling { self.change(Some(place), here) } else { self.done(here) };
+            }
+            (_, Order::FlyLine { .. } | Order::JoinLine { .. }) => {
+                return self.change(here.at_altitude().then_some(Stage::OnLine), here);
+            }
+            _ => return Progress::Going,
+        };
+        match (self.until, duration) {
+            (Some(until), _) if here.now >= until => self.done(here),
+            (None, Some(Duration::ZERO)) if there => self.done(here),
+            (None, Some(duration)) if there => {
+                self.until = Some(instants::not_before(here.now + duration));
+                Progress::StageChanged
+            }
+            _ => Progress::Going,
+        }
     }
 
     /// Returns the next stage of a landing after an engine failure; `None` if the engine runs, or the glide has begun.

@@ -86,6 +86,11 @@ impl Way {
         (left_m, left_m + self.rest_m)
     }
 
+    /// Returns the end of the way.
+    pub(crate) fn end(&self) -> Option<Position> {
+        self.points.last().map(|point| point.position)
+    }
+
     fn rest_m(&self) -> f64 {
         let ahead = || self.points.iter().skip(self.next);
         ahead().zip(ahead().skip(1)).map(|(from, to)| bearing(from.position, to.position).1).sum()

@@ -248,13 +248,12 @@ impl SimulatedWorld {
         }
     }
 
-    /// Returns a long step only if nothing changes, and never past the end of the flight's stage.
+    /// Returns a long step only if nothing changes, and never past the end of the flight's stage by more than the shortest step.
     fn step_s(&self) -> f64 {
-        if !self.settled {
-            return STEP_S;
-        }
+        let longest_s = if self.settled { self.model.report.cruise_s } else { STEP_S };
         let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
-        left_s.min(self.model.report.cruise_s).max(STEP_S)
+        let left_s = left_s.min(self.flight.line_speed_due_s(&self.situation()));
+        left_s.min(longest_s).max(self.flight.step_s_min())
     }
 
     /// Advances the world by one step of `dt` seconds, which ends now.

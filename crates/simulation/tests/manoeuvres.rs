@@ -1,5 +1,6 @@
 //! Manoeuvres of the PDL library, flown in the simulator by a rotorcraft and a fixed wing: the flight follows the prediction, with
-//! coverage and time within 5 % in still air and within 10 % in wind. The views are scored from the flight, not from the prediction.
+//! coverage, clarity, resolution and time within 5 % in still air and within 10 % in wind. The views are scored from the flight, not from
+//! the prediction.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 
@@ -9,6 +10,8 @@ mod cases;
 mod data;
 #[path = "manoeuvres/modes.rs"]
 mod modes;
+#[path = "manoeuvres/speeds.rs"]
+mod speeds;
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;

@@ -46,7 +46,27 @@ pub const LIFT_OFF_SPEED: f64 = 1.15;
 /// Acceleration on the ground as a multiple of the greatest in flight: brakes and take-off power (assumption).
 pub const GROUND_ACCELERATION: f64 = 2.0;
 
+/// Time after a change of airspeed in which it settles, s: two time constants of an automatic throttle (assumption).
+const SPEED_SETTLES_S: f64 = 10.0;
+
 impl VehicleModel {
+    /// Returns time and length through the air of a change of true airspeed in level flight: at the greatest acceleration, then settling.
+    pub fn speed_change(&self, from_m_s: f64, to_m_s: f64) -> (f64, f64) {
+        let changes_s = (to_m_s - from_m_s).abs() / self.acceleration_m_s2_max;
+        (changes_s + SPEED_SETTLES_S, 0.5 * (from_m_s + to_m_s) * changes_s + SPEED_SETTLES_S * to_m_s)
+    }
+
+    /// Returns the time that a flight at cruise speed loses by slowing to `true_airspeed_m_s` before a line and by becoming as fast again
+    /// after it, s, at `ground_speed_m_s` of cruise; below zero for a faster line.
+    pub fn speed_change_losses_s(&self, true_airspeed_m_s: f64, ground_speed_m_s: f64) -> (f64, f64) {
+        let cruise_m_s = self.true_airspeed_m_s_cruise;
+        let lost_s = |(seconds, air_m): (f64, f64)| (cruise_m_s * seconds - air_m) / ground_speed_m_s.max(1.0);
+        (
+            lost_s(self.speed_change(cruise_m_s, true_airspeed_m_s)),
+            lost_s(self.speed_change(true_airspeed_m_s, cruise_m_s)),
+        )
+    }
+
     /// Returns the slowest true airspeed at an altitude in the standard atmosphere, m/s.
     pub fn true_airspeed_m_s_min(&self, altitude_m: f64) -> f64 {
         self.indicated_airspeed_m_s_min / libm::sqrt(density_ratio(altitude_m))

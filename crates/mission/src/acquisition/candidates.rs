@@ -231,7 +231,14 @@ impl Setting<'_> {
     fn lines(&self, made: &mut Vec<ManoeuvreCandidate>) {
         let (height_m, speed_mps) = (self.height_m, self.speed_mps(self.height_m));
         let across_m = self.instrument.swath_m(height_m, self.goal.resolution_m);
-        let margin_m = if matches!(self.instrument, Instrument::Camera(_)) { self.base_m(height_m) } else { 0.0 };
+        let margin_m = match self.instrument {
+            Instrument::Camera(_) => self.base_m(height_m),
+            // A scanner looks ahead by the pitch of level flight, so its lines begin that much earlier.
+            Instrument::Scanner(_) => {
+                let altitude_m = self.goal.target.elevation_m + height_m;
+                height_m * libm::tan(self.mission.model.cruise_pitch_rad(altitude_m)).max(0.0)
+            }
+        };
         let sees_down = match self.instrument {
             Instrument::Camera(camera) => camera.sees_nadir(),
             Instrument::Scanner(_) => true,

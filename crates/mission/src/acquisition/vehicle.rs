@@ -48,6 +48,7 @@ pub(crate) fn craft_of(model: &VehicleModel, altitude_m: f64) -> Craft {
         sideways_mps_max: hovers(ASIDE_MPS_MAX.min(most)),
         wind_mps_max: model.wind_m_s_max,
         settle_s: if can_hover { 0.0 } else { SETTLE_S },
+        level_pitch_deg: model.cruise_pitch_rad(altitude_m).to_degrees(),
         hold: hold_of(model),
         drain: DrainTable { points: drain.collect() },
     }

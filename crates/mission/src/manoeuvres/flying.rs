@@ -67,10 +67,10 @@ pub(super) fn fly(
             ground_speed_mps: if leg_s > 0.0 { length_m / leg_s } else { triangle.ground_speed_mps },
             crab_deg: geodesy::wrap_180(triangle.heading_deg - track_deg),
         });
-        // From a standstill to the speed of the line.
+        // From a standstill to the speed of the line, or from that to cruise speed.
         let starts_s = match model.airframe {
             Airframe::Rotorcraft => 0.5 * airspeed_mps / model.acceleration_m_s2_max,
-            Airframe::FixedWing => 0.0,
+            Airframe::FixedWing => model.speed_change_losses_s(airspeed_mps, model.true_airspeed_m_s_cruise).1,
         };
         flown.duration_s += leg_s + starts_s;
         flown.length_m += length_m;
@@ -102,7 +102,9 @@ fn join(
     }
     let track_deg = geodesy::azimuth_deg(from, to);
     let lead_m = lead_in_m(model, field);
-    let lead_s = lead_m / wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
+    let cruise_mps = wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
+    // The vehicle has the speed of the line at its beginning.
+    let lead_s = lead_m / cruise_mps + model.speed_change_losses_s(line_airspeed_mps, cruise_mps).0;
     let Some((entry, exit)) = before else { return Some((lead_s, lead_m)) };
     let plane = Plane::new(geodesy::midpoint(exit, from));
     let direction = |track_deg: f64| Some((90.0 - track_deg) * RAD_PER_DEG);

@@ -2,7 +2,7 @@
 //!
 //! Bound: [`ALTERNATIVES_MAX`] forecasts for each look.
 
-use super::flying::arrival_s;
+use super::flying::{arrival_s, lead_in_m};
 use super::scanner::quality;
 use super::wish::Wish;
 use crate::Mission;
@@ -12,11 +12,12 @@ use crate::acquisition::{
 };
 use crate::ground::MissionGround;
 use apex_geo::geodesy;
+use apex_geo::wind;
 use apex_model::pattern::Pattern;
 use apex_model::problem::{Manoeuvre, PictureWork, Position};
 use apex_model::value::Value;
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
-use apex_observation::manoeuvres::{Craft, DataHandling, FlightPath, Forecast, Instrument, Scene};
+use apex_observation::manoeuvres::{DataHandling, FlightPath, Forecast, Instrument, Scene};
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use std::sync::Arc;
@@ -152,7 +153,10 @@ fn way(
     let slew_s = SLEW_DEG / camera.mount.rate_deg_s + camera.mount.settle_s;
     let (before_s, entry) = match craft.can_hover {
         true => (arrival_s(&mission.model) + slew_s + STEPS_S, None),
-        false => lead_in(&lines, &craft).map_or((0.0, None), |(seconds, entry)| (seconds, Some(entry))),
+        false => {
+            let found = lead_in(mission, &lines, (altitude_m, wish.from_s), candidate.speed_mps);
+            found.map_or((0.0, None), |(seconds, entry)| (seconds, Some(entry)))
+        }
     };
     Ok(Some(Manoeuvre {
         name,
@@ -194,10 +198,20 @@ fn pair(pair: &[Position]) -> Option<(Position, Position)> {
     }
 }
 
-/// Returns the time and the beginning of the straight flight before the first chord; `None` for a path without length.
-fn lead_in(lines: &[(Position, Position)], craft: &Craft) -> Option<(f64, Position)> {
+/// Returns the time and the beginning of the straight flight before the first chord, as it is flown: from cruise speed to that of the
+/// path. `None` for a path without length, and against a wind that is too strong.
+fn lead_in(
+    mission: &Mission,
+    lines: &[(Position, Position)],
+    (altitude_m, at_s): (f64, f64),
+    speed_mps: f64,
+) -> Option<(f64, Position)> {
     let (from, to) = lines.first().filter(|(from, to)| from != to)?;
+    let (model, field) = (&mission.model, &mission.forecast);
     let track_deg = geodesy::azimuth_deg(*from, *to);
-    let length_m = craft.settle_s * craft.true_airspeed_mps;
-    Some((craft.settle_s, geodesy::destination(*from, track_deg + 180.0, length_m)))
+    let length_m = lead_in_m(model, field);
+    let wind = wind::at(field, *from, altitude_m, at_s);
+    let cruise_mps = wind::triangle(track_deg, model.true_airspeed_m_s_cruise, wind)?.ground_speed_mps;
+    let lasts_s = length_m / cruise_mps + model.speed_change_losses_s(speed_mps, cruise_mps).0;
+    Some((lasts_s, geodesy::destination(*from, track_deg + 180.0, length_m)))
 }

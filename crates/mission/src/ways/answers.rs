@@ -38,9 +38,15 @@ const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
     ("forecast-error", 4, 4, forecast_error),
 ];
 
-/// Distance in metres from which a line in about the vehicle's direction is joined straight.
-const ON_LINE_M: f64 = 300.0;
+/// A vehicle is on a line, and flies on along it, within this distance across it and past its beginning, in seconds at cruise speed, and
+/// this angle to its course. From elsewhere it flies round to the lead-in, as plans count: pictures that begin beside or past the beginning
+/// miss the target. Autopilots join lines within the same limits (docs/reference/simulator.md).
+const ON_LINE_ACROSS_S: f64 = 0.75;
+const ON_LINE_PAST_S: f64 = 1.0;
 const ON_LINE_DEG: f64 = 5.0;
+/// The same where an interrupted line is resumed: another join takes minutes.
+const RESUMED_ACROSS_S: f64 = 1.26;
+const RESUMED_PAST_S: f64 = 3.15;
 /// Ways to a circle end this many radii from its middle.
 const CIRCLE_ENTRY: f64 = 2.0;
 
@@ -259,7 +265,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let begin_along_m = if left.is_true() {
         let (along_m, across_m) = geodesy::along_cross_track_m(begin, end, Location::of(left)?.position);
         // A vehicle that was not on the line had not begun it.
-        if across_m.abs() <= ON_LINE_M { along_m.clamp(0.0, length_m) } else { 0.0 }
+        if across_m.abs() <= RESUMED_PAST_S * limits.true_airspeed_mps { along_m.clamp(0.0, length_m) } else { 0.0 }
     } else {
         0.0
     };
@@ -267,9 +273,11 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let lead_m = limits.lead_in_s * (limits.true_airspeed_mps + limits.wind_mps_max());
     let course_deg = on_line(begin, end, along_m).1;
     let off_deg = request.from_track_rad.map_or(0.0, |track| geodesy::wrap_180(track.to_degrees() - course_deg).abs());
-    let is_on_line = across_m.abs() <= ON_LINE_M
+    let (across_s, past_s) =
+        if begin_along_m > 0.0 { (RESUMED_ACROSS_S, RESUMED_PAST_S) } else { (ON_LINE_ACROSS_S, ON_LINE_PAST_S) };
+    let is_on_line = across_m.abs() <= across_s * limits.true_airspeed_mps
         && off_deg <= ON_LINE_DEG
-        && (begin_along_m - lead_m..=begin_along_m + ON_LINE_M).contains(&along_m);
+        && (begin_along_m - lead_m..=begin_along_m + past_s * limits.true_airspeed_mps).contains(&along_m);
     let altitude_m = begin_m.or(end_m).unwrap_or(request.from_altitude_m);
     if is_on_line {
         return Ok(Value::nil());

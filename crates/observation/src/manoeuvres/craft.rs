@@ -42,6 +42,8 @@ pub struct Craft {
     pub wind_mps_max: f64,
     /// Time of straight flight before a line, on which the wings come level; 0 for a vehicle that hovers.
     pub settle_s: f64,
+    /// Pitch of level flight at cruise speed, nose up: what looks straight down in the body looks ahead by it. 0 for a vehicle that hovers.
+    pub level_pitch_deg: f64,
     /// Response of the attitude to turbulence.
     pub hold: AttitudeHold,
     /// Consumption of energy.

@@ -329,7 +329,11 @@ fn follow(flown: &mut FlownPath, chords: &[Chord], attitude: &AttitudeMode, craf
             height_m: chord.from.height_m,
             ground_speed_mps,
             track_deg: wrap_360(chord.track_deg),
-            attitude: Attitude { heading_deg: wrap_360(heading_deg), pitch_deg: 0.0, roll_deg: bank_deg },
+            attitude: Attitude {
+                heading_deg: wrap_360(heading_deg),
+                pitch_deg: craft.level_pitch_deg,
+                roll_deg: bank_deg,
+            },
             true_airspeed_mps: airspeed,
             is_observed: chord.is_observed,
         });

@@ -32,6 +32,7 @@ pub(crate) fn predator() -> Craft {
         sideways_mps_max: 0.0,
         wind_mps_max: 20.0,
         settle_s: 5.0,
+        level_pitch_deg: 0.0,
         hold: HOLD,
         drain: DrainTable { points: vec![(95.0, 62.3 / 3_600.0)] },
     }

@@ -225,7 +225,12 @@ impl Case {
             predicted.factors.resolution
         );
         let off_s = (flown_s - predicted.time_s).abs();
-        let off = (flown.coverage - predicted.factors.coverage).abs();
+        let factors = [
+            (flown.coverage, predicted.factors.coverage),
+            (flown.clarity, predicted.factors.clarity),
+            (flown.resolution, predicted.factors.resolution),
+        ];
+        let off = factors.into_iter().map(|(flown, predicted)| (flown - predicted).abs()).fold(0.0, f64::max);
         // The simulator answers at steps of half a second.
         let agrees = off_s <= share * predicted.time_s + 1.0
             && off <= share
