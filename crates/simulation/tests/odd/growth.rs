@@ -77,6 +77,22 @@ fn growth_for_which_no_time_is_left_is_named() {
     assert_eq!(flown.left_out("brush/growth-1"), "no plan included it", "{}", flown.text());
 }
 
+/// The other fire has a window hours later: the aircraft sees the growth in the time that it would wait.
+#[test]
+fn growth_that_is_reported_during_a_wait_is_planned_at_once() {
+    let brush = r#""id": "brush", "kind": "fire", "value": 100, "resolution_m": 5"#;
+    let moss = r#""id": "moss", "kind": "fire", "value": 60, "resolution_m": 5, "windows_h": [[3, 3.6]]"#;
+    let targets = collection(&[home(), feature(brush, &area(BRUSH)), feature(moss, &area(MOSS))]);
+    let options = ":vehicle (sim :model predator-b :at home) :start \"2026-05-12T18:30:00Z\" :duration 6h :end-margin 5min \
+                   :targets \"t.geojson\" :scenario \"s.jsonl\"";
+    let flown = fly(&program(options, "4000m"), &[("t.geojson", &targets), ("s.jsonl", &report_at(5_400, GROWN))]);
+    let (_, seen_s) = visit(&flown, "brush").unwrap();
+    assert!(seen_s < 5_400.0, "the aircraft waits when the growth is reported: {seen_s} s");
+    let (_, grown_s) = visit(&flown, "brush/growth-1").unwrap_or_else(|| panic!("{}", flown.text()));
+    assert!(grown_s < 2.5 * 3_600.0, "seen at {grown_s} s\n{}", flown.text());
+    assert!(flown.observed_s("moss").is_some(), "{}", flown.text());
+}
+
 /// Growth by less than a hundredth is within the accuracy of outlines.
 #[test]
 fn a_little_growth_is_not_a_target() {

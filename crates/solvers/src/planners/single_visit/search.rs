@@ -277,7 +277,7 @@ impl LocalSearch<'_, '_, '_> {
         let targets = &self.schedule.problem.targets;
         let target =
             *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
-        let data = targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
+        targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
         let of_manoeuvre = self.choices(target).into_iter().filter(|choice| choice.manoeuvre == visit.manoeuvre);
         let starts: Vec<f64> = of_manoeuvre.map(|choice| choice.not_before_s).collect();
         // The visit waits for the corner of its timing at which it begins.
