@@ -336,7 +336,8 @@ fn altitudes_of_take_offs_lie_between_start_and_ceiling() {
     for altitude in ["130000m", "-20m"] {
         let desk = Desk::with_mission("first-picture");
         desk.change("m/mission.pdl", "take off to 40m", &format!("take off to {altitude}"));
-        let expected = ["is not possible", "m/mission.pdl:21", "the start is at", "the ceiling of", "above mean sea level"];
+        let expected =
+            ["is not possible", "m/mission.pdl:21", "the start is at", "the ceiling of", "above mean sea level"];
         desk.apex(&["check", "m"]).complained(2, &[]).told(&expected);
     }
 }

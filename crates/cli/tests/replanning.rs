@@ -47,7 +47,7 @@ fn updates_and_the_clock_have_the_mission_planned_again() {
     desk.write("m/scenario.jsonl", &scenario.join("\n"));
     let report = flown(&desk, &[]);
     for told in [
-        "barn: 50 events per hour from now on",
+        "barn: 50 events per hour counted for the whole mission",
         "no longer a target: winery",
         "castle is not a target of this mission",
         "(new-value barn ..) has no number from 0 to 1000000000, and is ignored",

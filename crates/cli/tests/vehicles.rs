@@ -172,5 +172,6 @@ fn fires_need_a_scanner_or_a_camera() {
     own.change("m/mission.pdl", ":model predator-b", ":model \"my-uav.json\"");
     let said = own.apex(&["plan", "m"]);
     said.complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner and no camera"]);
-    own.apex(&["check", "m"]).told(&["warning: the vehicle `predator-b` carries no line scanner and no camera: it cannot observe"]);
+    own.apex(&["check", "m"])
+        .told(&["warning: the vehicle `predator-b` carries no line scanner and no camera: it cannot observe"]);
 }

@@ -87,7 +87,15 @@ pub fn report(
             let why = match (is_seen_completely(target, &name, flown), situation.target_changes.iter().any(begun)) {
                 (true, true) => "seen completely, although its observation was not completed".to_string(),
                 (true, false) => "seen completely in passing, without an observation of it".to_string(),
-                (false, _) => reason_left_out(mission, target, &name, situation),
+                (false, _) => {
+                    let why = reason_left_out(mission, target, &name, situation);
+                    match result_of(target, &name, flown).map(|seen| seen.factors.coverage) {
+                        Some(coverage) if coverage >= COVERAGE_STATED => {
+                            format!("seen in part (coverage {coverage:.2}); {why}")
+                        }
+                        _ => why,
+                    }
+                }
             };
             (name, why)
         })
@@ -128,15 +136,19 @@ fn names_of(target: &Target) -> Vec<String> {
     }
 }
 
+/// Least coverage that the reason of a target without an observation states.
+const COVERAGE_STATED: f64 = 0.01;
+
 /// Returns true if a look that no visit observed was nevertheless seen completely.
 fn is_seen_completely(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
-    let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
-    let look = fire.looks().find(|(of_look, _)| of_look == name);
-    let result = flown.result(&target.id);
-    let seen = look
-        .zip(result.as_ref())
-        .and_then(|((_, look), result)| result.looks.iter().find(|seen| seen.name == look.name));
-    seen.is_some_and(is_complete)
+    result_of(target, name, flown).is_some_and(|seen| is_complete(&seen))
+}
+
+/// Returns the scored result of a look; `None` for sites, and if the score is unknown.
+fn result_of(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> Option<LookResult> {
+    let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return None };
+    let (_, look) = fire.looks().find(|(of_look, _)| of_look == name)?;
+    flown.result(&target.id)?.looks.into_iter().find(|seen| seen.name == look.name)
 }
 
 fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &Situation) -> String {

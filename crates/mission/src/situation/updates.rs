@@ -148,7 +148,7 @@ impl MissionUpdates {
                 note
             }
             MissionUpdate::NewLikelihood(target, rate_per_h) => {
-                let note = format!("{target}: {rate_per_h} events per hour from now on");
+                let note = format!("{target}: {rate_per_h} events per hour counted for the whole mission");
                 self.rates_per_h.insert(target, rate_per_h);
                 note
             }
