@@ -143,6 +143,7 @@ fn a_task_that_is_not_there_is_answered_with_those_that_are() {
     why_not(" ", &[]).complained(2, &["the question is empty", "a goal such as"]);
     why_not("hangr", &[]).complained(2, &["Nothing is called `hangr`", "Near it are: ", "hangar"]);
     why_not("T999", &[]).complained(2, &["There is no task T999 in this flight"]);
+    why_not("mission.pdl:3600", &[]).complained(2, &["Nothing is called `mission.pdl:3600`"]);
     why_not("T2", &["--at", "-5"]).complained(2, &["`--at -5` is before the start"]);
     why("T9", &["--at", "1"]).complained(2, &["T9", "later than 1s. Ask for a later instant"]);
     for at in ["soon", "NaN", "inf", "1:xx", "1:75:00", ""] {

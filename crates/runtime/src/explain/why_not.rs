@@ -164,12 +164,17 @@ fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Optio
 fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some((file, line)) = name.trim().rsplit_once(':') else { return Ok(None) };
     let (Ok(line), Some(agent)) = (line.parse::<u32>(), snapshot.agent()) else { return Ok(None) };
+    let is_named = |name: &str| name == file || name.ends_with(&format!("/{file}"));
+    let source = agent.library.sources.iter().find(|source| is_named(&source.name));
+    let is_beyond = |lines: usize| usize::try_from(line).is_ok_and(|line| line > lines);
+    if source.is_some_and(|source| is_beyond(source.text.lines().count())) {
+        return Ok(None);
+    }
     let procedures = agent.library.procedures.iter().map(|each| (&each.index, each.place));
     let primitives = agent.library.primitives.iter().map(|each| (&each.index, each.place));
     let here = |place: apex_model::source::Place| {
         let text = place_text(agent, place);
-        place.line <= line
-            && text.rsplitn(3, ':').nth(2).is_some_and(|name| name == file || name.ends_with(&format!("/{file}")))
+        place.line <= line && text.rsplitn(3, ':').nth(2).is_some_and(is_named)
     };
     let Some((index, place)) =
         procedures.chain(primitives).filter(|(_, place)| here(*place)).max_by_key(|(_, place)| place.line)
