@@ -50,8 +50,14 @@ fn timed(mission: &Mission, whole: &SingleVisitProblem, plan: &SingleVisitPlan) 
         let TargetKind::Fire(fire) = &target.kind else { continue };
         let looks: Vec<_> = fire.looks().collect();
         let of_target = |visit: &&PlannedVisit| looks.iter().any(|(name, _)| *name == visit.target);
-        let visits: Vec<&PlannedVisit> = plan.visits.iter().filter(of_target).collect();
-        for (before, visit) in visits.iter().zip(visits.iter().skip(1)) {
+        let mut last: Option<&PlannedVisit> = None;
+        for visit in plan.visits.iter().filter(of_target) {
+            let before = last;
+            // A look that is worth nothing, as in the wrong light, does not count as a look.
+            if visit.worth > 0.0 {
+                last = Some(visit);
+            }
+            let Some(before) = before else { continue };
             let look = looks.iter().find(|(name, _)| *name == visit.target).map(|(_, look)| look);
             let Some(posed) = problem.targets.iter_mut().find(|posed| posed.name == visit.target) else { continue };
             let open = look.filter(|look| !is_bound_to_seen(look, &posed.windows));
