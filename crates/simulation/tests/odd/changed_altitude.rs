@@ -85,7 +85,7 @@ fn a_picture_is_taken_from_its_altitude_whatever_is_commanded_on_the_way() {
            (step finish (terminate) (waitfor (end ?home))))\n";
     let targets = [
         feature(r#""id": "home", "kind": "base""#, &point(8.0, 46.0)),
-        feature(r#""id": "barn", "kind": "site", "value": 10"#, &point(8.0, 46.009)),
+        feature(r#""id": "barn", "kind": "structure""#, &point(8.0, 46.009)),
     ];
     let flown = fly(text, &[("t.geojson", &collection(&targets))]);
     let taken_s = flown.said("image-taken")[0].0;
