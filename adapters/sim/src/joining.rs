@@ -12,8 +12,11 @@ const LEAD_IN_S: f64 = 16.0;
 /// Accuracy with which a line must be joined: distance across it in seconds at cruise speed, course (5 degrees), and bank. After a miss it
 /// is joined again, up to the maximum number of attempts. `way-to-line` (`apex-mission`) sends no way to a vehicle within these limits.
 const JOIN_ACROSS_S: f64 = 0.75;
-/// The same where an interrupted line is resumed, and where a turn onto a line ends: the flight along it corrects the rest.
+/// The same where an interrupted line is resumed: the flight along it corrects the rest.
 const RESUMED_ACROSS_S: f64 = 1.26;
+/// Distance across a line within which a turn onto it ends, and within which a final approach is flown: the flight along it corrects the
+/// rest, and nothing is observed there.
+const TURNED_ACROSS_M: f64 = 120.0;
 const JOIN_COURSE_RAD: f64 = 0.0873;
 const JOIN_BANK_RAD: f64 = 0.05;
 /// Accuracy of the course with which an interrupted line is resumed at once, because it corrects itself along the line within seconds,
@@ -22,6 +25,8 @@ const RESUMED_COURSE_RAD: f64 = 0.15;
 const JOINS_MAX: u32 = 2;
 /// Accuracy with which a path must end on a line: seconds at cruise speed, and course.
 const LINED_UP_ACROSS_S: f64 = 4.2;
+/// The same for a final approach, which is long.
+const LANDING_ACROSS_M: f64 = 400.0;
 const LINED_UP_RAD: f64 = 0.35;
 /// Distance to the turn below which the join is not planned again.
 const REPLAN_M: f64 = 1_000.0;
@@ -86,7 +91,8 @@ impl ActiveOrder {
         self.way.is_some()
             && here.at_altitude()
             && along_m <= self.begin_m + self.past_m(here)
-            && across_m.abs() <= cruise_m(LINED_UP_ACROSS_S, here)
+            && (across_m.abs() <= cruise_m(LINED_UP_ACROSS_S, here)
+                || (self.is_landing() && across_m.abs() <= LANDING_ACROSS_M))
             && off_rad <= LINED_UP_RAD
     }
 
@@ -97,6 +103,9 @@ impl ActiveOrder {
 
     /// Returns how far across its line the vehicle may be.
     fn across_m(&self, here: &Situation) -> f64 {
+        if self.is_landing() {
+            return TURNED_ACROSS_M;
+        }
         cruise_m(if self.begin_m > 0.0 { RESUMED_ACROSS_S } else { JOIN_ACROSS_S }, here)
     }
 
@@ -200,7 +209,7 @@ impl ActiveOrder {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
         let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
-        let aside = across_m.abs() > 0.1 * join.turn.radius_m + cruise_m(RESUMED_ACROSS_S, here);
+        let aside = across_m.abs() > 0.1 * join.turn.radius_m + TURNED_ACROSS_M;
         if left_rad.abs() > 0.12 || aside || !here.at_altitude() {
             return None;
         }

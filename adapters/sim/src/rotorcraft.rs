@@ -42,7 +42,7 @@ fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: W
         }
         path @ Path::Paced(_, speed, turn_rad_per_m) => {
             let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };
-            // The velocity is reached at the end of the step, and the mean of a step is flown: without a lead the vehicle flies beside a bend.
+            // The velocity is reached at the end of the step, and the mean of a step is flown: without a lead the vehicle flies outside of a bend.
             (course.course_rad + turn_rad_per_m * state.ground_speed() * dt, *speed)
         }
         path @ (Path::Line(_) | Path::Leg(..)) => {

@@ -22,7 +22,7 @@ fn speed(metres_per_second: f64) -> Value {
 }
 
 /// Returns a vehicle that flies east, `along_m` past the beginning of an eastward line and `across_m` to its left, and the line's ends.
-fn beside(
+fn next_to(
     model: &str,
     (along_m, across_m): (f64, f64),
     length_m: f64,
@@ -46,15 +46,15 @@ fn joined(run: &mut Run, (from, to): (Position, Position), options: Vec<Value>) 
     (along_m, across_m, geodesy::wrap_180(track_deg - geodesy::azimuth_deg(from, to)).abs())
 }
 
-/// A mapper that had flown a parallel line 42 m beside, and was 70 m past the beginning, "joined" in the same second: no picture showed the
+/// A mapper that had flown a parallel line 42 m away, and was 70 m past the beginning, "joined" in the same second: no picture showed the
 /// target. The tolerances were those of a large aircraft.
 #[test]
-fn a_line_is_joined_at_its_beginning_from_beside_it() {
+fn a_line_is_joined_at_its_beginning_from_next_to_it() {
     for (model, scale) in [("fixed-wing-mapper", 1.0), ("predator-b", 7.3)] {
         for (along, across) in [(70.0, 42.0), (30.0, -15.0), (-20.0, 30.0), (20.0, 0.0)] {
             for (east, north) in [(0.0, 0.0), (0.3, 0.2)] {
                 let wind_mps = (east * 13.0 * scale, north * 13.0 * scale);
-                let (mut run, ends) = beside(model, (along * scale, across * scale), 140.0 * scale, wind_mps);
+                let (mut run, ends) = next_to(model, (along * scale, across * scale), 140.0 * scale, wind_mps);
                 let (along_m, across_m, off_deg) = joined(&mut run, ends, Vec::new());
                 let case = format!("{model} from {along}, {across}, wind {wind_mps:?}: {along_m} {across_m} {off_deg}");
                 assert!((0.0..2.0 * scale).contains(&along_m), "{case}");
@@ -68,7 +68,7 @@ fn a_line_is_joined_at_its_beginning_from_beside_it() {
 #[test]
 fn a_join_is_answered_where_the_line_begins() {
     for before_m in [9_000.0, 4_321.0, 1_000.0, 50.0] {
-        let (mut run, ends) = beside("predator-b", (-before_m, 0.0), 20_000.0, (0.0, 0.0));
+        let (mut run, ends) = next_to("predator-b", (-before_m, 0.0), 20_000.0, (0.0, 0.0));
         let (along_m, across_m, _) = joined(&mut run, ends, Vec::new());
         assert!((0.0..2.0).contains(&along_m) && across_m.abs() < 5.0, "{before_m}: {along_m} {across_m}");
     }
@@ -77,7 +77,7 @@ fn a_join_is_answered_where_the_line_begins() {
 #[test]
 fn a_line_begins_at_the_speed_that_the_command_states() {
     for (wind_mps, wanted) in [((0.0, 0.0), 60.0), ((15.0, 0.0), 60.0), ((-20.0, 10.0), 70.0), ((0.0, 0.0), 110.0)] {
-        let (mut run, ends) = beside("predator-b", (-9_000.0, 0.0), 20_000.0, wind_mps);
+        let (mut run, ends) = next_to("predator-b", (-9_000.0, 0.0), 20_000.0, wind_mps);
         let way = Value::list([place(geodesy::destination(BEGIN, 270.0, 2_400.0))]);
         let options = vec![word(":line-speed"), speed(wanted), word(":via"), way];
         let (along_m, ..) = joined(&mut run, ends, options);
@@ -91,7 +91,7 @@ fn a_line_begins_at_the_speed_that_the_command_states() {
         run.wait_s(20.0);
         assert!((run.last_number("true-airspeed") - wanted).abs() < 0.5);
     }
-    let (mut run, (from, to)) = beside("predator-b", (-9_000.0, 0.0), 20_000.0, (0.0, 0.0));
+    let (mut run, (from, to)) = next_to("predator-b", (-9_000.0, 0.0), 20_000.0, (0.0, 0.0));
     let refused = run.carry_out(form("join-line", [place(from), place(to), word(":line-speed"), speed(20.0)]), 1.0);
     assert!(refused.unwrap_err().contains("20.00 m/s true airspeed is outside of"));
 }

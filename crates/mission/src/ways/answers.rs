@@ -39,7 +39,7 @@ const FUNCTIONS: [(&str, usize, usize, Body); 12] = [
 ];
 
 /// A vehicle is on a line, and flies on along it, within this distance across it and past its beginning, in seconds at cruise speed, and
-/// this angle to its course. From elsewhere it flies round to the lead-in, as plans count: pictures that begin beside or past the beginning
+/// this angle to its course. From elsewhere it flies round to the lead-in, as plans count: pictures that begin next to or past the beginning
 /// miss the target. Autopilots join lines within the same limits (docs/reference/simulator.md).
 const ON_LINE_ACROSS_S: f64 = 0.75;
 const ON_LINE_PAST_S: f64 = 1.0;
