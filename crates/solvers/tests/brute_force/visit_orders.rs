@@ -133,7 +133,7 @@ impl Orders<'_> {
             }
             let data = &self.problem.targets[target];
             for manoeuvre in &data.manoeuvres {
-                for begin_s in self.begins_s(target, ready_s + travel_s) {
+                for begin_s in self.begins_s(target, ready_s + travel_s, manoeuvre.duration_s) {
                     let end_s = begin_s + manoeuvre.duration_s;
                     if end_s <= self.limit_s - self.margin_s {
                         let worth = gained_by(data, quality(manoeuvre) * timing(&data.timing, begin_s));
@@ -145,8 +145,9 @@ impl Orders<'_> {
     }
 
     /// Returns the instants at which an observation may begin after an arrival: as early as possible, because a later departure never
-    /// arrives earlier; for values that change with time also the corners of the timing and the ends of windows.
-    fn begins_s(&self, target: usize, arrive_s: f64) -> Vec<f64> {
+    /// arrives earlier; for values that change with time also the corners of the timing, the ends of windows, and the latest beginning of an
+    /// observation of `duration_s` that leaves time for the way home.
+    fn begins_s(&self, target: usize, arrive_s: f64, duration_s: f64) -> Vec<f64> {
         let data = &self.problem.targets[target];
         let always = [(f64::NEG_INFINITY, f64::INFINITY)];
         let given: Vec<(f64, f64)> =
@@ -159,10 +160,32 @@ impl Orders<'_> {
             return firsts.into_iter().reduce(f64::min).into_iter().collect();
         }
         let corners = data.timing.iter().map(|(time_s, _)| *time_s).chain(windows.iter().map(|(_, until_s)| *until_s));
+        let corners = corners.chain([self.latest_begin_s(target, arrive_s, duration_s)]);
         let inside = |time_s: &f64| {
             *time_s >= arrive_s && windows.iter().any(|(from_s, until_s)| from_s <= time_s && time_s <= until_s)
         };
         let corners: Vec<f64> = corners.filter(|time_s| time_s.is_finite() && inside(time_s)).collect();
         firsts.into_iter().chain(corners).collect()
+    }
+
+    /// Returns the latest beginning from `from_s` on after which the flight still ends in time, by bisection: a vehicle that leaves later
+    /// is not at home earlier.
+    fn latest_begin_s(&self, target: usize, from_s: f64, duration_s: f64) -> f64 {
+        let travel = self.problem.travel.as_ref().expect("given times");
+        let is_in_time = |begin_s: f64| {
+            let end_s = begin_s + duration_s;
+            let home_s = if self.problem.base.is_some() { leg_s(travel, Some(target), None, end_s) } else { 0.0 };
+            end_s + home_s <= self.limit_s - self.margin_s
+        };
+        let (mut early_s, mut late_s) = (from_s, self.limit_s.max(from_s) + 1.0);
+        for _ in 0..80 {
+            let middle_s = 0.5 * (early_s + late_s);
+            if is_in_time(middle_s) {
+                early_s = middle_s;
+            } else {
+                late_s = middle_s;
+            }
+        }
+        early_s
     }
 }
