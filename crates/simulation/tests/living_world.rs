@@ -345,6 +345,7 @@ fn a_fire_that_grows_is_mapped_where_it_burns_now() {
     // Two reports arrive after the plan, the second a minute before the first line; the report after it changes nothing.
     let late = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.3}}"#);
     let (flown, predicted) = coverage(&late);
-    assert!(flown < predicted - 0.03, "{flown} flown, {predicted} predicted");
+    // A fortieth of the fire burns beyond the lines.
+    assert!(flown < predicted - 0.02, "{flown} flown, {predicted} predicted");
     assert!(late.notes.iter().any(|note| note.text == "brush has grown since it was observed"), "{}", late.text());
 }
