@@ -18,8 +18,6 @@ const CORNER_RAD: f64 = 25.0 * RAD_PER_DEG;
 const CORNER_S: f64 = 1.0;
 /// A fixed wing treats legs shorter than this multiple of its turn radius as chords of one turn.
 const CHORD_SHARE: f64 = 0.5;
-/// Length of the shortest leg of a rotorcraft that has a direction.
-const SHORTEST_M: f64 = 0.1;
 /// If the vehicle is closer than this to the first point of the path, no leg leads to that point.
 const AT_FIRST_M: f64 = 15.0;
 /// A fixed wing that has passed the first point is on the leg after it if it is this near to it.
@@ -96,7 +94,7 @@ impl FollowedPath {
         let to_brake = sqrt(at_next * at_next + 2.0 * braking * left_m.max(0.2));
         let before = self.next.checked_sub(1).and_then(|index| self.wanted.get(index)).copied().unwrap_or(0.0);
         let on_leg = self.wanted.get(self.next).map_or(f64::INFINITY, |speed| speed.max(before));
-        Path::Paced(self.leg.clone(), self.level_share() * to_brake.min(on_leg), self.turn_rad_per_m)
+        Path::Paced(self.leg.clone(), self.level_share() * to_brake.min(on_leg))
     }
 
     /// Returns the altitude of the last point, if it states one.
@@ -187,15 +185,11 @@ impl FollowedPath {
     fn turn_rad_per_m(&self, here: &Situation) -> f64 {
         let (Some(end), Some(after)) = (self.points.get(self.next), self.points.get(self.next + 1)) else { return 0.0 };
         let next = Line::new(end.position, after.position);
-        let turn_rad = wrap_pi(next.azimuth_rad - self.leg.locate(end.position).2);
-        // A rotorcraft turns along every bend that is not a corner.
-        let longest_m = if self.is_fixed_wing { CHORD_SHARE * here.turn_radius_m() } else { f64::INFINITY };
-        let is_corner = !self.is_fixed_wing && turn_rad.abs() > CORNER_RAD;
-        let shortest_m = if self.is_fixed_wing { 1.0 } else { SHORTEST_M };
-        if is_corner || self.leg.length_m.max(next.length_m) > longest_m || self.leg.length_m < shortest_m {
+        let longest_m = CHORD_SHARE * here.turn_radius_m();
+        if self.leg.length_m > longest_m || next.length_m > longest_m || self.leg.length_m < 1.0 {
             return 0.0;
         }
-        turn_rad / (0.5 * (self.leg.length_m + next.length_m))
+        wrap_pi(next.azimuth_rad - self.leg.locate(end.position).2) / (0.5 * (self.leg.length_m + next.length_m))
     }
 }
 

@@ -19,8 +19,8 @@ pub(crate) enum Path {
     Line(Line),
     /// Like `Line`, with a turn of so many radians per metre: a leg of a way, which may be a chord of a turn.
     Leg(Line, f64),
-    /// As `Line`, no faster over ground than this, with a turn of so many radians per metre (rotorcraft).
-    Paced(Line, f64, f64),
+    /// As `Line`, no faster over ground than this (rotorcraft).
+    Paced(Line, f64),
     /// Around a point.
     Circle(Circle),
     /// Stay over a point (rotorcraft).
@@ -119,7 +119,7 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
             }
             Some(Course { course_rad: azimuth_rad, rate_rad_s: 0.0 })
         }
-        Path::Line(line) | Path::Paced(line, ..) => Some(along(line, state, 0.0)),
+        Path::Line(line) | Path::Paced(line, _) => Some(along(line, state, 0.0)),
         Path::Leg(line, turn_rad_per_m) => {
             let (along_m, across_m, _) = line.locate(state.position);
             // Off the arc, a further turn along it would only circle and drift with the wind.

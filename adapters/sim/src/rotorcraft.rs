@@ -16,7 +16,7 @@ const NEAR_M: f64 = 3.0;
 /// Advances `state` by `dt` seconds. Returns true if the vehicle hovers without motion, so that the next step may be long.
 pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> bool {
     let level = climb(state, model, demand.altitude_m, dt);
-    let (north, east) = wanted_velocity(state, demand, model, wind, dt);
+    let (north, east) = wanted_velocity(state, demand, model, wind);
     let still = accelerate(state, model, wind, (north, east), dt);
     let facing = face(state, demand, model, dt);
     level && still && facing
@@ -27,7 +27,7 @@ pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64) -> f64 {
     true_airspeed * true_airspeed / (model.braking_share * model.acceleration_m_s2_max)
 }
 
-fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> (f64, f64) {
+fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: Wind) -> (f64, f64) {
     let braking = model.braking_share * model.acceleration_m_s2_max;
     let (course_rad, speed_max) = match &demand.path {
         Path::Straight => return (0.0, 0.0),
@@ -40,10 +40,9 @@ fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: W
             // A course slightly inwards compensates for the lag of the turn.
             (course.course_rad, sqrt(braking * circle.radius_m))
         }
-        path @ Path::Paced(_, speed, turn_rad_per_m) => {
+        path @ Path::Paced(_, speed) => {
             let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };
-            // The velocity is reached at the end of the step, and the mean of a step is flown: without a lead the vehicle flies outside of a bend.
-            (course.course_rad + turn_rad_per_m * state.ground_speed() * dt, *speed)
+            (course.course_rad, *speed)
         }
         path @ (Path::Line(_) | Path::Leg(..)) => {
             let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };

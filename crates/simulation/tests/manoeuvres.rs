@@ -1,6 +1,5 @@
 //! Manoeuvres of the PDL library, flown in the simulator by a rotorcraft and a fixed wing: the flight follows the prediction, with
-//! coverage, clarity, resolution and time within 5 % in still air and within 10 % in wind. The views are scored from the flight, not from
-//! the prediction.
+//! coverage and time within 5 % in still air and within 10 % in wind. The views are scored from the flight, not from the prediction.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops at an unexpected result")]
 

@@ -49,15 +49,6 @@ impl Spiral {
         PI * squares / self.spacing_m
     }
 
-    /// Returns the radius of curvature at a distance from the middle: `(r^2 + p^2)^1.5 / (r^2 + 2 p^2)`, with the growth `p` of the radius
-    /// per radian.
-    fn bend_m(&self, radius_m: f64) -> f64 {
-        let pitch_m = self.spacing_m / TAU;
-        let (squared, growth) = (radius_m * radius_m, pitch_m * pitch_m);
-        let sum = squared + growth;
-        sum * libm::sqrt(sum) / (squared + 2.0 * growth)
-    }
-
     /// Returns points of the curve, from the inner end, on chords no longer than the limit.
     pub(crate) fn points(&self, chord_m_max: f64) -> Vec<Point> {
         let pitch = self.spacing_m / TAU;
@@ -111,13 +102,7 @@ impl Spiral {
         if self.inward {
             points.reverse();
         }
-        // A hovering vehicle needs acceleration to turn, most of it near the middle.
-        let fastest = |point: Point| match craft.can_hover {
-            true => libm::sqrt(craft.braking_mps2 * self.bend_m(point.length())),
-            false => f64::INFINITY,
-        };
-        let place = |point: Point| TrackPoint { point, height_m: self.height_m, speed_mps_max: fastest(point) };
-        let points = points.into_iter().map(place).collect();
+        let points = points.into_iter().map(|point| TrackPoint::new(point, self.height_m)).collect();
         Ok(Track { elements: vec![Element::Follow { points, is_observed: true }], sight: Sight::Down })
     }
 }

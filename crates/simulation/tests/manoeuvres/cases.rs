@@ -127,6 +127,8 @@ pub(crate) struct Case {
     pub(crate) up_m: f64,
     pub(crate) away_m: f64,
     pub(crate) half_m: f64,
+    /// True if the clarity is compared like the coverage.
+    pub(crate) compares_clarity: bool,
 }
 
 impl Default for Case {
@@ -142,6 +144,7 @@ impl Default for Case {
             up_m: 120.0,
             away_m: 400.0,
             half_m: 40.0,
+            compares_clarity: false,
         }
     }
 }
@@ -225,12 +228,8 @@ impl Case {
             predicted.factors.resolution
         );
         let off_s = (flown_s - predicted.time_s).abs();
-        let factors = [
-            (flown.coverage, predicted.factors.coverage),
-            (flown.clarity, predicted.factors.clarity),
-            (flown.resolution, predicted.factors.resolution),
-        ];
-        let off = factors.into_iter().map(|(flown, predicted)| (flown - predicted).abs()).fold(0.0, f64::max);
+        let unclear = if self.compares_clarity { (flown.clarity - predicted.factors.clarity).abs() } else { 0.0 };
+        let off = (flown.coverage - predicted.factors.coverage).abs().max(unclear);
         // The simulator answers at steps of half a second.
         let agrees = off_s <= share * predicted.time_s + 1.0
             && off <= share
