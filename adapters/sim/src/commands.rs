@@ -336,6 +336,9 @@ impl SimulatedWorld {
 
     /// Answers the finished flight order; the vehicle circles, hovers or parks until the next one.
     pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
+        if let Some(speed) = self.flight.line_speed.take() {
+            self.claim_speed(speed, None, inputs);
+        }
         if let Some(command) = self.flight.command.take() {
             self.answer(command, Ok(value), inputs);
         }

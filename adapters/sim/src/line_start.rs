@@ -38,7 +38,8 @@ impl ActiveOrder {
 
     /// Returns the distance before the place at which the change of airspeed must begin.
     fn room_m(&self, here: &Situation) -> Option<f64> {
-        let speed = self.line_speed?;
+        // A rotorcraft stops at the beginning, and could not come there against a wind that is stronger than the speed of its line.
+        let speed = self.line_speed.filter(|_| here.fixed())?;
         let line = self.ends()?;
         let left_m = match &self.stage {
             Stage::OnLine => 0.0,
