@@ -22,6 +22,7 @@ use apex_model::problem::{
     SingleVisitVehicle, SurveillanceProblem, SurveillanceTarget, TimeWindow, ZoneKind,
 };
 use apex_model::time::Time;
+use apex_observation::target::WantedLook;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 use apex_portfolio::parallel::on_all_processors;
 
@@ -168,9 +169,6 @@ fn wanted(
             continue;
         }
         let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
-        // What was seen so far may suffice for a look that must not be missed.
-        let seen_share = if look.value > 0.0 { seen / look.value } else { 0.0 };
-        let must = look.must.filter(|must| seen_share <= must.factor_min);
         let manoeuvres = match manoeuvres {
             Ok(manoeuvres) => manoeuvres,
             Err(why) => {
@@ -183,7 +181,7 @@ fn wanted(
         targets.push(SingleVisitTarget {
             position: target.position,
             value: (look.value - seen).max(0.0),
-            must: must.map(|must| MustVisit { factor_min: must.factor_min, cost: must.cost }),
+            must: must_visit(look, seen),
             manoeuvres,
             windows: timing::begins_after(look, &seen_s(situation, fire, &name)),
             light: timing::hard_light(look),
@@ -214,6 +212,13 @@ fn wanted(
     };
     let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
     Ok((targets, precedence))
+}
+
+/// Returns what missing a look costs; `None` if what was seen so far, worth `seen`, suffices.
+fn must_visit(look: &WantedLook, seen: f64) -> Option<MustVisit> {
+    let seen_share = if look.value > 0.0 { seen / look.value } else { 0.0 };
+    let must = look.must.filter(|must| seen_share <= must.factor_min)?;
+    Some(MustVisit { factor_min: must.factor_min, cost: must.cost })
 }
 
 /// Returns begin and end of the observations of a fire's other looks.

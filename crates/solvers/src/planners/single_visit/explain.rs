@@ -14,7 +14,7 @@ const GAPS_EXPLAINED: usize = 6;
 /// Time by which limits are extended, in addition to twice the time of the flight, to explain which time a target needs.
 const MORE_S: f64 = 86_400.0;
 
-/// Begin of the reason of a target beside others.
+/// Begin of the reason of a target in a plan with others.
 const BETWEEN: &str = "does not fit between the others: ";
 
 /// Obstacles of visits of single targets.
