@@ -177,6 +177,7 @@ fn wanted(
             }
         };
         let (shortest_s, line_s) = durations_s(&manoeuvres);
+        let times_s = (at.seconds(), shortest_s, line_s);
         after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
         targets.push(SingleVisitTarget {
             position: target.position,
@@ -185,13 +186,7 @@ fn wanted(
             manoeuvres,
             windows: timing::begins_after(look, &seen_s(situation, fire, &name)),
             light: timing::hard_light(look),
-            timing: timing::table(
-                mission,
-                target,
-                look,
-                (at.seconds(), shortest_s, line_s),
-                GroundArrival::AfterWayHome,
-            ),
+            timing: timing::table(mission, target, look, times_s, GroundArrival::AfterWayHome),
             name,
         });
     }
