@@ -320,7 +320,7 @@ rust-build: web/dist/index.html
 
 # No package has documentation tests; looking for them would take a run of rustdoc for each.
 rust-tests: rust-build
-	$(CI_LINTS) $(CI_XTASK) test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
+	MAKEFLAGS= $(CI_LINTS) $(CI_XTASK) test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 
 web-checks: web/node_modules/.installed
 	cd web && npm run --silent check

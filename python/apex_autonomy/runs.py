@@ -28,8 +28,8 @@ class Runs:
         ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements:
         ``positions``,
         ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``;
-        ``not_landed``, what is known of a vehicle that is not on the ground at the end; and ``ended_early``, true if the program
-        ended the flight before its initial task was done (1 or 0 in a table).
+        ``not_landed``, what is known of a vehicle that is not on the ground at the end; and ``ended_early``, true if
+        the program ended the flight before its initial task was done (1 or 0 in a table).
     summary : dict
         ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``ignorance``
         (realised next to expected), ``violations`` by kind, ``lost`` and ``ended_early`` by reason.
