@@ -341,3 +341,13 @@ fn altitudes_of_take_offs_lie_between_start_and_ceiling() {
         desk.apex(&["check", "m"]).complained(2, &[]).told(&expected);
     }
 }
+
+/// The sign of a longitude: the target lies in China.
+#[test]
+fn targets_that_the_vehicle_cannot_reach_are_doubted() {
+    let desk = Desk::with_mission("first-picture");
+    desk.change("m/targets.geojson", SPOT, "[122.0535, 37.4155]");
+    let doubt =
+        ["warning: target hangar-1 is 9", " km from the start, and the vehicle flies ", "the signs of its coordinates"];
+    desk.apex(&["check", "m"]).told(&doubt);
+}

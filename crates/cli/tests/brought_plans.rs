@@ -221,3 +221,34 @@ fn what_is_not_a_plan_for_the_problem_is_reported() {
     plan(&desk, CELL, &["--retime"]).complained(2, &["--plan"]);
     plan(&desk, CELL, &["--plan", "none.json"]).complained(2, &["none.json"]);
 }
+
+/// The second look is wanted half an hour after the first at most, and its worth falls to nothing in two hours more.
+#[test]
+fn visits_that_an_operator_names_state_the_interval_that_they_keep() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("m")).unwrap();
+    desk.write(
+        "m/mission.pdl",
+        "(defapplication \"Two looks\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\") \
+         :vehicle (sim :model predator-b :at home) :duration 6h :targets \"t.geojson\" \
+         :agents ((agent uav-1 :initial-task (fly the mission))))\n\
+         (procedure (index (fly the mission)) (step up (take off to 6000m)))\n",
+    );
+    desk.write(
+        "m/t.geojson",
+        r#"{"type": "FeatureCollection", "features": [
+ {"type": "Feature", "properties": {"id": "home", "kind": "base", "elevation_m": 702},
+  "geometry": {"type": "Point", "coordinates": [-117.884, 34.905]}},
+ {"type": "Feature", "properties": {"id": "fire", "kind": "fire", "acres": 1500, "elevation_m": 700, "resolution_m": 12, "looks": [
+  {"id": "one", "value": 40, "windows_h": [[0.3, 0.6]]},
+  {"id": "two", "value": 50, "windows_h": [[1.6, 1.8]], "interval_h": [0.1, 0.5], "interval_ramp_min": 120}]},
+  "geometry": {"type": "Point", "coordinates": [-118.4, 35.2]}}]}"#,
+    );
+    let answer = answer(&plan(&desk, "m", &["--visits", "fire/one,fire/two", "--json"]).well());
+    let visits = answer["plan"].as_object().unwrap().values().next().unwrap()["visits"].as_array().unwrap();
+    let number = |index: usize, key: &str| visits[index][key].as_f64().unwrap();
+    let middle_s = |index: usize| 0.5 * (number(index, "begin_s") + number(index, "end_s"));
+    let expected = 1.0 - ((middle_s(1) - middle_s(0)) / 3_600.0 - 0.5) / 2.0;
+    assert!((number(1, "timing") - expected).abs() < 0.01 && (0.5..0.8).contains(&expected), "{expected}: {visits:?}");
+    assert!(number(1, "worth") < 0.85 * 50.0 && number(0, "timing") == 1.0, "{visits:?}");
+}

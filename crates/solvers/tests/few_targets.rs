@@ -151,3 +151,34 @@ fn windows_that_end_before_they_begin_and_unsorted_timings_are_refused() {
     let unsorted = SingleVisitTarget { timing: vec![(100.0, 1.0), (50.0, 0.5)], ..target("t", 1.0, None, 0.0) };
     assert_eq!(refused(unsorted), "the timing of target t is not in the order of its times");
 }
+
+/// The timing still rises where the flight, or the window, ends: by hand 10 x 0.3 x 3 / 8 and 10 x 14 / 23.
+#[test]
+fn an_observation_begins_as_late_as_a_rising_timing_and_the_limits_permit() {
+    let rising = |timing: Vec<(f64, f64)>, window| SingleVisitTarget { timing, ..target("t", 10.0, window, 0.0) };
+    let cases = [
+        (rising(vec![(24.0, 0.0), (32.0, 0.3)], None), 31.0, 27.0, 1.125),
+        (rising(vec![(12.0, 0.0), (35.0, 1.0)], Some((0.0, 26.0))), 100.0, 26.0, 140.0 / 23.0),
+    ];
+    for (timed, endurance_s, begin_s, worth) in cases {
+        let plan = visited(&SingleVisit, &problem(vec![timed], endurance_s, times(&[11.0], &[&[0.0]], &[4.0])));
+        assert_eq!(names(&plan), ["t"], "{:?}", plan.left_out);
+        assert!((plan.visits[0].begin_s - begin_s).abs() < 1e-6 && (plan.benefits - worth).abs() < 1e-9, "{plan:?}");
+    }
+}
+
+/// The first target is in time only by way of the second, which must come after it.
+#[test]
+fn reasons_of_a_plan_without_visits_name_no_others() {
+    let early = target("early", 10.0, Some((0.0, 15.0)), 0.0);
+    let mut posed = problem(
+        vec![early, target("later", 10.0, None, 0.0)],
+        100.0,
+        times(&[18.0, 10.0], &[&[0.0, 2.0], &[2.0, 0.0]], &[1.0, 1.0]),
+    );
+    posed.precedence = vec![("early".into(), "later".into())];
+    let plan = visited(&SingleVisit, &posed);
+    assert_eq!(names(&plan), [] as [&str; 0]);
+    let reasons: Vec<&str> = plan.left_out.iter().map(|left_out| left_out.reason.as_str()).collect();
+    assert!(!reasons.is_empty() && reasons.iter().all(|reason| !reason.contains("others")), "{reasons:?}");
+}

@@ -28,6 +28,9 @@ const EARLY_S: f64 = 900.0;
 /// Timing factors that differ by less are equal.
 const TIMING_TOLERANCE: f64 = 1e-3;
 
+/// A vehicle this near to its base has not taken off; planners of ways use the same distance.
+const AT_BASE_M: f64 = 1.0;
+
 /// Shorter waits before the first visit are not flown, s.
 const WAIT_S_MIN: f64 = 30.0;
 
@@ -86,7 +89,9 @@ fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<NamedActivity>, r
 fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<NamedActivity> {
     let mut steps = Vec::new();
     let mut altitude_m = problem.vehicle.cruise_altitude_m;
-    let mut from_m = problem.start_altitude_m;
+    // A plan that is made on the ground is flown after the take-off, whose altitude it does not know.
+    let is_at_base = problem.base.is_some_and(|base| geodesy::distance_m(problem.start, base) <= AT_BASE_M);
+    let mut from_m = (!is_at_base).then_some(problem.start_altitude_m);
     let mut ready_s = problem.start_s;
     for visit in &plan.visits {
         let target = problem.targets.iter().find(|target| target.name == visit.target);
@@ -94,15 +99,17 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         hold(&mut steps, &visit.route, altitude_m, visit.depart_s - ready_s);
         ready_s = visit.end_s;
         altitude_m = manoeuvre.altitude_m;
-        detour(&mut steps, &visit.route, &bends_m(problem, (&visit.route, visit.depart_s), (from_m, altitude_m)));
-        from_m = altitude_m;
+        let change = (from_m.unwrap_or(altitude_m), altitude_m);
+        detour(&mut steps, &visit.route, &bends_m(problem, (&visit.route, visit.depart_s), change));
+        from_m = Some(altitude_m);
         if target.is_some_and(|target| waits(problem, target, manoeuvre, visit)) {
             wait(&mut steps, &visit.route, altitude_m, (problem, manoeuvre, visit.begin_s));
         }
         steps.push(observation(visit, manoeuvre));
     }
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
-    let change = (from_m, problem.vehicle.cruise_altitude_m);
+    let cruise_m = problem.vehicle.cruise_altitude_m;
+    let change = (from_m.unwrap_or(cruise_m), cruise_m);
     let altitudes_m = bends_m(problem, (&plan.return_route, plan.return_depart_s), change);
     detour(&mut steps, &plan.return_route, &altitudes_m);
     steps
@@ -309,6 +316,65 @@ fn at(position: Position, altitude_m: f64) -> Location {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Altitudes of the bend of a plan whose vehicle is `start` at 6,000 m and observes from 10,000 m: 100 m/s, climbing at 4 m/s.
+    fn bend_m(start: Position) -> f64 {
+        let (bend, entry) = (Position::new(40.5, -120.0), Position::new(41.0, -119.5));
+        let manoeuvre = Manoeuvre { altitude_m: 10_000.0, lines: vec![(entry, entry)], ..Manoeuvre::default() };
+        let target =
+            SingleVisitTarget { name: "fire".into(), manoeuvres: vec![manoeuvre], ..SingleVisitTarget::default() };
+        let mut problem = SingleVisitProblem {
+            targets: vec![target],
+            start,
+            start_altitude_m: 6_000.0,
+            base: Some(Position::new(40.0, -120.0)),
+            ..SingleVisitProblem::default()
+        };
+        problem.vehicle.true_airspeed_mps = 100.0;
+        (problem.vehicle.climb_rate_mps, problem.vehicle.descent_rate_mps) = (4.0, 5.0);
+        let visit = PlannedVisit {
+            target: "fire".into(),
+            manoeuvre: 0,
+            route: vec![start, bend, entry],
+            path: Vec::new(),
+            depart_s: 0.0,
+            arrive_s: 1_500.0,
+            begin_s: 1_500.0,
+            end_s: 1_500.0,
+            timing: 1.0,
+            worth: 1.0,
+            quality: None,
+        };
+        let plan = SingleVisitPlan {
+            solver: String::new(),
+            visits: vec![visit],
+            return_route: Vec::new(),
+            return_path: Vec::new(),
+            return_depart_s: 1_500.0,
+            end_s: 1_500.0,
+            fuel_used_kg: 0.0,
+            benefits: 1.0,
+            costs: 0.0,
+            score: 1.0,
+            benefits_bound: None,
+            left_out: Vec::new(),
+            summary: String::new(),
+        };
+        let steps = single_visit_steps(&problem, &plan);
+        match &steps[0].1 {
+            PlannedActivity::FlyTo(bend) => bend.altitude_m,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_bend_is_reached_at_the_altitude_that_the_plan_counts_there() {
+        // 44.5 km to the north of the start: 445 s of climb.
+        let in_flight_m = bend_m(Position::new(40.1, -120.0));
+        assert!((in_flight_m - (6_000.0 + 4.0 * 444.2)).abs() < 10.0, "{in_flight_m}");
+        // On the ground the altitude after the take-off is not known.
+        assert_eq!(bend_m(Position::new(40.0, -120.0)), 10_000.0);
+    }
 
     #[test]
     fn a_way_that_opens_later_is_waited_for_where_it_begins() {

@@ -62,3 +62,69 @@ impl Limits {
             })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mission;
+    use apex_geo::geodesy;
+    use apex_model::problem::{Position, TimeWindow};
+
+    const HERE: Position = Position { latitude_deg: 40.0, longitude_deg: -120.0 };
+    const FAR_M: f64 = 200_000.0;
+
+    /// Returns waiting and flying time of a Predator B to a place 200 km to the north, past a zone 10 km long and 600 km wide.
+    fn times_s(ahead_m: f64, (zone_low_m, zone_high_m): (f64, f64), (from_m, to_m): (f64, f64)) -> (f64, f64) {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+        let mut limits = Limits::of(&Mission::load(&folder).unwrap());
+        let corner =
+            |east_m: f64, north_m: f64| geodesy::destination(geodesy::destination(HERE, 0.0, north_m), 90.0, east_m);
+        let behind_m = ahead_m + 10_000.0;
+        limits.zones = vec![AirspaceZone {
+            name: "barrier".to_string(),
+            kind: ZoneKind::Restricted,
+            corners: vec![
+                corner(-300_000.0, ahead_m),
+                corner(300_000.0, ahead_m),
+                corner(300_000.0, behind_m),
+                corner(-300_000.0, behind_m),
+            ],
+            altitude_m_min: zone_low_m,
+            altitude_m_max: zone_high_m,
+            active: TimeWindow::ALWAYS,
+        }];
+        limits.wind.layers.clear();
+        limits.patches.clear();
+        (limits.terrain, limits.landing_distance_m_max) = (None, None);
+        let request = Request {
+            from: HERE,
+            from_altitude_m: from_m,
+            from_track_rad: Some(0.0),
+            at_s: 0.0,
+            to: geodesy::destination(HERE, 0.0, FAR_M),
+            to_altitude_m: to_m,
+            to_track_rad: Some(0.0),
+            circle_radius_m: 0.0,
+            stay_s: 0.0,
+        };
+        let way = limits.required_way(&request);
+        assert_eq!(way.broken, None);
+        (way.hold_s, way.time_s)
+    }
+
+    /// Plans count a climb at 4 m/s: after 900 s, in which the aircraft flies 86 km, it is 3,600 m higher.
+    #[test]
+    fn a_zone_is_flown_over_or_under_if_it_is_reached_after_the_change_of_altitude() {
+        let straight_s = FAR_M / 95.2;
+        let (over, under) = ((0.0, 9_000.0), (7_000.0, 20_000.0));
+        for (ahead_m, zone, change) in [(90_000.0, over, (6_000.0, 10_000.0)), (70_000.0, under, (10_000.0, 6_000.0))] {
+            let (hold_s, time_s) = times_s(ahead_m, zone, change);
+            assert!(hold_s == 0.0 && time_s < straight_s + 60.0, "{zone:?}: {hold_s} s, {time_s} s for {straight_s} s");
+        }
+        // 60 km ahead the aircraft would be at 8,500 m: it flies around, or climbs before it leaves.
+        for (ahead_m, zone, change) in [(60_000.0, over, (6_000.0, 10_000.0)), (40_000.0, under, (10_000.0, 6_000.0))] {
+            let (hold_s, time_s) = times_s(ahead_m, zone, change);
+            assert!(hold_s + time_s > straight_s + 300.0, "{zone:?}: {hold_s} s, {time_s} s for {straight_s} s");
+        }
+    }
+}
