@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Sequence
 from datetime import timedelta
@@ -12,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from apex_autonomy._apex import ConditionStatus, InputError, Results, Session, Variable, instant_ns
+from apex_autonomy._samples import items, nanoseconds, numbers
 
 #: Seconds as a number, or a value with a unit.
 Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
@@ -23,7 +25,8 @@ class Monitor:
     Samples and messages are passed with their instants: seconds as a number, or ``numpy.timedelta64``,
     ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All inputs of one instant form a
     step, and a call returns the results of instants that are over. So a result of the newest instant is returned by the
-    next call, by :meth:`advance` or by :meth:`finish`; only :meth:`push` assumes that its instant is complete.
+    next call, by :meth:`advance` or by :meth:`finish`; only :meth:`push` assumes that its instant is complete. Several
+    threads may use a monitor: their calls follow each other.
 
     Parameters
     ----------
@@ -93,6 +96,10 @@ class Monitor:
         created_ns = None if created is None else instant_ns(created)
         self._session = Session(condition, library=source, folder=folder, created_ns=created_ns, gaps=gaps)
         self._condition = condition
+        #: Calls of several threads follow each other.
+        self._lock = threading.Lock()
+        #: Variables of samples so far: a variable that the condition does not read is reported once.
+        self._named: set[Variable] = set()
         if self._session.warnings:
             warnings.warn(self._session.warnings, UserWarning, stacklevel=2)
 
@@ -141,6 +148,11 @@ class Monitor:
         InputError
             The value, the instant or the variable cannot be used.
 
+        Warns
+        -----
+        UserWarning
+            At the first sample of a variable whose attribute the condition does not read.
+
         Examples
         --------
         >>> monitor = Monitor("(mode uav = auto)")
@@ -150,9 +162,11 @@ class Monitor:
         >>> monitor.push(2, Symbol("AUTO"))
         <1 result>
         """
-        self._session.sample(self._variable(variable), value, t)
-        self._session.advance(t)
-        return self._take()
+        known = self._variable(variable)
+        with self._lock:
+            self._session.sample(known, value, t)
+            self._session.advance(t)
+            return self._session.take_results()
 
     def extend(self, t: npt.ArrayLike, values: npt.ArrayLike, *, variable: str | Variable | None = None) -> Results:
         """Pass many samples of one variable.
@@ -160,10 +174,11 @@ class Monitor:
         Parameters
         ----------
         t : array_like, shape (n,)
-            Instants: seconds as float64, or ``timedelta64`` / ``datetime64``.
+            Instants: seconds as numbers, or ``timedelta64`` / ``datetime64``.
         values : array_like, shape (n,)
-            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement. An array of
-            booleans gives true and false, as :meth:`push` does.
+            Numbers, in the declared unit if one is declared; not-a-number and masked values are missing measurements.
+            Booleans, ``timedelta64``, objects, and whole numbers beyond ``2**53`` are passed one at a time, as
+            :meth:`push` does, which takes longer.
         variable : str or Variable, optional
             As in :meth:`push`.
 
@@ -175,7 +190,8 @@ class Monitor:
         Raises
         ------
         InputError
-            The arrays differ in length or have more than one dimension; an instant or a value is not a number.
+            The arrays differ in length or have more than one dimension; an instant is masked or not a time; values
+            are text, dates or complex numbers, or an object is not a value of PDL.
 
         Examples
         --------
@@ -185,18 +201,21 @@ class Monitor:
         >>> monitor.finish().column("start_ns")
         array([1000000000])
         """
-        instants, given = _nanoseconds(np.asarray(t)), np.asarray(values)
+        given = values if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
+        instants = nanoseconds(t)
         if instants.ndim != 1 or given.ndim != 1:
             raise InputError(f"instants have {instants.ndim} dimensions, values {given.ndim}; one each is expected")
-        known = self._variable(variable)
-        if given.dtype.kind != "b":
-            self._session.samples(known, instants, np.ascontiguousarray(_numbers(given, "a value")))
-        elif len(instants) != len(given):
+        if len(instants) != len(given):
             raise InputError(f"there are {len(instants)} instants for {len(given)} values")
-        else:
-            for at, value in zip(instants.astype("timedelta64[ns]"), given.tolist(), strict=True):
-                self._session.sample(known, value, at)
-        return self._take()
+        real = numbers(given)
+        known = self._variable(variable)
+        with self._lock:
+            if real is not None:
+                self._session.samples(known, instants, real)
+            else:
+                for at, value in zip(instants.astype("timedelta64[ns]"), items(given), strict=True):
+                    self._session.sample(known, value, at)
+            return self._session.take_results()
 
     def event(self, t: Instant, form: str | Sequence[Any]) -> Results:
         """Pass a message, the last input of its instant.
@@ -206,7 +225,8 @@ class Monitor:
         t : Instant
             When the message arrived.
         form : str or list
-            The message as PDL, ``"(ready camera-1)"``, or as a list of values.
+            The message as PDL, ``"(ready camera-1)"``, or as a list of values, whose names are :class:`Symbol`:
+            ``[Symbol("ready"), Symbol("camera-1")]``.
 
         Returns
         -------
@@ -224,9 +244,10 @@ class Monitor:
         >>> results[0].bindings
         {'who': Symbol("camera-1")}
         """
-        self._session.event(form, t)
-        self._session.advance(t)
-        return self._take()
+        with self._lock:
+            self._session.event(form, t)
+            self._session.advance(t)
+            return self._session.take_results()
 
     def advance(self, t: Instant) -> Results:
         """Advance time to ``t``, after all inputs up to and including ``t`` have been passed.
@@ -249,8 +270,9 @@ class Monitor:
         >>> monitor.advance(4)[0].recognised_at_s
         2.0
         """
-        self._session.advance(t)
-        return self._take()
+        with self._lock:
+            self._session.advance(t)
+            return self._session.take_results()
 
     def finish(self) -> Results:
         """End the input: the newest instant is over, and open runs end here.
@@ -260,8 +282,9 @@ class Monitor:
         Results
             The new results.
         """
-        self._session.finish()
-        return self._take()
+        with self._lock:
+            self._session.finish()
+            return self._session.take_results()
 
     def status(self) -> ConditionStatus:
         """Return the status of the condition at the newest instant that is over.
@@ -281,7 +304,8 @@ class Monitor:
         >>> print(monitor.status().because[0].now)
         (altitude uav) = 60, 40 off
         """
-        return self._session.status()
+        with self._lock:
+            return self._session.status()
 
     def judgement(self) -> ConditionStatus:
         """Return :meth:`status`; deprecated.
@@ -317,7 +341,9 @@ class Monitor:
         (1, 1, 1)
         """
         names = ("kept", "late", "replaced", "missing")
-        return dict(zip(names, self._session.counts(self._variable(variable)), strict=True))
+        known = self._variable(variable)
+        with self._lock:
+            return dict(zip(names, self._session.counts(known), strict=True))
 
     def errors(self) -> list[str]:
         """Take the errors since the last call: samples refused or too late, expressions that failed.
@@ -327,7 +353,8 @@ class Monitor:
         list of str
             One message each.
         """
-        return self._session.take_errors()
+        with self._lock:
+            return self._session.take_errors()
 
     def troubles(self) -> list[str]:
         """Return :meth:`errors`; deprecated.
@@ -344,47 +371,16 @@ class Monitor:
         """Show the condition."""
         return f"Monitor({self._condition!r})"
 
-    def _take(self) -> Results:
-        return self._session.take_results()
-
     def _variable(self, variable: str | Variable | None) -> Variable:
-        if isinstance(variable, Variable):
-            return variable
         if variable is not None:
-            return Variable(variable)
+            named = variable if isinstance(variable, Variable) else Variable(variable)
+            if named not in self._named:
+                self._named.add(named)
+                if unread := self._session.unread(named):
+                    warnings.warn(unread, UserWarning, stacklevel=3)
+            return named
         known = self._session.variables
         if len(known) == 1:
             return known[0]
         names = " ".join(str(each) for each in known) or "none with its object"
         raise InputError(f"say which variable was measured: variable=...; the condition names {names}")
-
-
-def _numbers(given: npt.NDArray[Any], what: str) -> npt.NDArray[np.float64]:
-    """Convert to float64; text and complex numbers are errors."""
-    try:
-        if given.dtype.kind == "c":
-            raise TypeError("complex numbers have no order")
-        return given.astype(np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{what} is not a number: {error}") from error
-
-
-def _nanoseconds(t: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """Convert instants to whole nanoseconds."""
-    if t.dtype.kind in "mM":
-        unit = "timedelta64[ns]" if t.dtype.kind == "m" else "datetime64[ns]"
-        if np.isnat(t).any():
-            raise InputError("an instant is not a time (NaT)")
-        exact = t.astype(unit)
-        # NumPy wraps around silently. Units finer than nanoseconds lose digits, but are never out of reach.
-        if np.datetime_data(t.dtype)[0] not in {"ps", "fs", "as"} and not np.array_equal(exact.astype(t.dtype), t):
-            raise InputError("an instant is more than 292 years from the origin")
-        return np.ascontiguousarray(exact.astype(np.int64))
-    seconds = _numbers(t, "an instant")
-    if not np.isfinite(seconds).all():
-        raise InputError("an instant is not a finite number of seconds")
-    if np.abs(seconds).max(initial=0.0) > 9.2e9:
-        raise InputError(
-            "an instant is more than 292 years from the origin: are these nanoseconds? use timedelta64[ns]"
-        )
-    return np.ascontiguousarray(np.rint(seconds * 1e9).astype(np.int64))

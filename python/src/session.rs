@@ -7,10 +7,12 @@ use crate::source::{Ready, read};
 use crate::values::{Variable, from_python, nanoseconds_of};
 use apex_executive::MonitorSession;
 use apex_executive::state::clause::MonitorId;
+use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// A condition with its samples and messages so far. `apex_autonomy.Monitor` is the public class around it.
@@ -24,6 +26,8 @@ pub(crate) struct Session {
     #[pyo3(get)]
     variables: Vec<Variable>,
     created_at: Option<Time>,
+    /// Attributes that the condition reads; `None` if it may read any.
+    read: Option<BTreeSet<Symbol>>,
 }
 
 #[pymethods]
@@ -44,10 +48,11 @@ impl Session {
             session = session.with_gaps();
         }
         let created_at = created_ns.map(Time);
+        let read = session.attributes_read(std::slice::from_ref(&condition));
         let watch = session
             .watch(condition, created_at.unwrap_or(Time::BEGINNING))
             .map_err(|trouble| ConditionError::new_err(trouble.message))?;
-        Ok(Session { session, watch, warnings, variables, created_at })
+        Ok(Session { session, watch, warnings, variables, created_at, read })
     }
 
     fn sample(&mut self, variable: &Variable, value: &Bound<'_, PyAny>, at: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -79,6 +84,14 @@ impl Session {
         Ok(())
     }
 
+    /// Returns a warning if the condition does not read a variable's attribute.
+    fn unread(&self, variable: &Variable) -> Option<String> {
+        let read = self.read.as_ref().filter(|read| !read.contains(&variable.0.attribute))?;
+        let names: Vec<&str> = read.iter().map(Symbol::folded).collect();
+        let names = if names.is_empty() { "no state variable".to_string() } else { names.join(", ") };
+        Some(format!("the condition does not read {}, whose samples change nothing; it reads {names}", variable.0))
+    }
+
     fn event(&mut self, form: &Bound<'_, PyAny>, at: &Bound<'_, PyAny>) -> PyResult<()> {
         // A message is parsed as PDL, because as a string it would be a value that matches no pattern.
         let form: Value = match form.extract::<String>() {
@@ -87,8 +100,14 @@ impl Session {
             })?,
             Err(_) => from_python(form)?,
         };
-        if !matches!(form, Value::List(_) | Value::Symbol(_)) {
-            return Err(input(format!("{form} is not a message; write (WORD ..)")));
+        let is_message = match &form {
+            Value::List(items) => matches!(items.first(), Some(Value::Symbol(_))),
+            other => matches!(other, Value::Symbol(_)),
+        };
+        if !is_message {
+            return Err(input(format!(
+                "{form} is not a message: write (WORD ..); in a list the word is a Symbol, Symbol(\"ready\")"
+            )));
         }
         self.session.event(form, Time(nanoseconds_of(at)?));
         Ok(())

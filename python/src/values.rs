@@ -7,6 +7,7 @@ use apex_model::symbol;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND, Time};
 use apex_model::value::Value;
 use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyString, PyTuple};
 
@@ -18,6 +19,11 @@ use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyString, PyTuple};
 /// ----------
 /// name : str
 ///     The name.
+///
+/// Raises
+/// ------
+/// InputError
+///     PDL cannot write the name as a symbol.
 #[pyclass(frozen, eq, hash, from_py_object, module = "apex_autonomy")]
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Symbol(symbol::Symbol);
@@ -25,8 +31,13 @@ pub(crate) struct Symbol(symbol::Symbol);
 #[pymethods]
 impl Symbol {
     #[new]
-    fn new(name: &str) -> Symbol {
-        Symbol(symbol::Symbol::new(name))
+    fn new(name: &str) -> PyResult<Symbol> {
+        match apex_pdl::read_value(name) {
+            Ok(Value::Symbol(symbol)) if symbol.to_string() == name => Ok(Symbol(symbol)),
+            _ => Err(input(format!(
+                "{name:?} is not a name of PDL: write letters, digits and hyphens, without spaces, quotes or parentheses"
+            ))),
+        }
     }
 
     /// str: The name as written.
@@ -56,7 +67,7 @@ impl Symbol {
 /// Raises
 /// ------
 /// InputError
-///     The unit is unknown, or is a unit of time: use ``numpy.timedelta64``.
+///     The number is too large; the unit is unknown, or is a unit of time: use ``numpy.timedelta64``.
 #[pyclass(frozen, from_py_object, module = "apex_autonomy")]
 #[derive(Clone)]
 pub(crate) struct Quantity(quantity::Quantity);
@@ -64,7 +75,11 @@ pub(crate) struct Quantity(quantity::Quantity);
 #[pymethods]
 impl Quantity {
     #[new]
-    fn new(value: f64, unit: &str) -> PyResult<Quantity> {
+    fn new(value: &Bound<'_, PyAny>, unit: &str) -> PyResult<Quantity> {
+        let value: f64 = value.extract().map_err(|error: PyErr| {
+            let is_large = error.is_instance_of::<PyOverflowError>(value.py());
+            if is_large { input(format!("{value} is beyond the range of numbers")) } else { error }
+        })?;
         match unit_named(unit) {
             Some(found) if found.dimension == quantity::Dimension::TIME => {
                 Err(input(format!("{unit} is a unit of time: hand over a numpy.timedelta64 instead")))
@@ -226,6 +241,8 @@ pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bou
 const LIST_DEPTH_MAX: usize = 64;
 /// Units of NumPy that are finer than a nanosecond: all of their instants are in reach, and conversion drops digits.
 const FINER_UNITS: [&str; 3] = ["ps", "fs", "as"];
+/// Units of NumPy's durations that have no fixed length: months and years, and no unit.
+const UNITS_WITHOUT_LENGTH: [&str; 3] = ["generic", "M", "Y"];
 
 /// Converts a value of Python to a value of PDL.
 ///
@@ -273,12 +290,19 @@ fn converted(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
     if name == "timedelta64" {
         return nanoseconds_of(value).map(|nanoseconds| Value::Duration(Duration(nanoseconds)));
     }
+    if name == "ndarray" {
+        return match value.call_method0("item") {
+            Ok(item) if value.getattr("ndim")?.extract::<usize>()? == 0 => converted(&item, depth),
+            _ => Err(input("an array is not a value: pass its samples to `extend`, or a list".to_string())),
+        };
+    }
     // Numbers of other libraries, such as NumPy's scalars.
     if value.hasattr("__index__")? {
-        return value.call_method0("__index__")?.extract().map(Value::Integer);
+        let index = value.call_method0("__index__")?;
+        return index.extract().map(Value::Integer).map_err(|_| input(format!("{value} is beyond 64 bits")));
     }
-    if value.hasattr("__float__")? {
-        return value.extract().map(Value::Real);
+    if name != "datetime64" && value.hasattr("__float__")? {
+        return value.extract().map(Value::Real).map_err(|error| input(format!("{value} is not a number: {error}")));
     }
     let kind = value.get_type().name()?;
     Err(input(format!(
@@ -295,17 +319,21 @@ pub(crate) fn nanoseconds_of(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
     let wrong = |why: &str| input(format!("{instant} is not an instant: {why}"));
     let name = instant.get_type().name()?.to_cow()?.into_owned();
     if name == "timedelta64" || name == "datetime64" {
+        let kind = instant.getattr("dtype")?;
+        let scale = instant.py().import("numpy")?.call_method1("datetime_data", (&kind,))?.get_item(0)?;
+        let scale: String = scale.extract()?;
+        if name == "timedelta64" && UNITS_WITHOUT_LENGTH.contains(&scale.as_str()) {
+            return Err(wrong("a duration needs a unit of fixed length, for example timedelta64[ms]"));
+        }
         let unit = if name == "timedelta64" { "timedelta64[ns]" } else { "datetime64[ns]" };
         let exact = instant.call_method1("astype", (unit,))?;
         let nanoseconds: i64 = exact.call_method1("astype", ("int64",))?.extract()?;
         if nanoseconds == i64::MIN {
             return Err(wrong("not a time"));
         }
-        let kind = instant.getattr("dtype")?;
-        let scale = instant.py().import("numpy")?.call_method1("datetime_data", (&kind,))?.get_item(0)?;
         // The conversion wraps around silently.
         let is_kept = exact.call_method1("astype", (&kind,))?.eq(instant)?;
-        let is_fine = FINER_UNITS.contains(&scale.extract::<String>()?.as_str());
+        let is_fine = FINER_UNITS.contains(&scale.as_str());
         return if is_kept || is_fine { Ok(nanoseconds) } else { Err(wrong("too far away")) };
     }
     if name == "timedelta" {

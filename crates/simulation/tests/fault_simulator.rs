@@ -90,7 +90,7 @@ fn fly_in(folder: &Path, seed: u64, kept: Kept, rules: Rules) -> Flown {
     let means = solver::means();
     let world = apex_simulation::world(&mission, Some(seed)).unwrap_or_else(|error| panic!("world {seed}: {error:?}"));
     let mut vehicle = BadLink::new(world, seed);
-    let (mut story, mut check) = (Story::of(folder, has_digest), FlightCheck::new(&mission));
+    let (mut story, mut check) = (Story::of(folder, seed, has_digest), FlightCheck::new(&mission));
     let path = folder.join("flight.apex");
     let mut recorder =
         (replayed || recorded).then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());

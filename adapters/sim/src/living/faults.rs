@@ -60,6 +60,11 @@ impl Faults {
         Faults { spans, begun: 0, open: Vec::new() }
     }
 
+    /// Returns all failures of the flight, by their beginnings.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &FaultSpan> {
+        self.spans.iter()
+    }
+
     /// Returns the failures that hold now, by their beginnings.
     pub(crate) fn active(&self, now: Time) -> impl Iterator<Item = &FaultSpan> {
         let open = self.open.iter().filter_map(|index| self.spans.get(*index));

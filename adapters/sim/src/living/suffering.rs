@@ -37,13 +37,14 @@ impl Living {
         };
         let ignitions =
             spec.ignitions.clone().map(|ignitions| Ignitions::new(ignitions, config.sites.clone(), seed, open_wind));
+        let faults = super::faults::Faults::new(&spec.faults, seed);
         Some(Living {
-            faults: super::faults::Faults::new(&spec.faults, seed),
+            disturbances: Disturbances::new(&faults),
+            faults,
             ignitions,
             perimeters: spec.perimeters.clone().map(|spec| Perimeters::new(spec, &config.burning)),
             wind_error: spec.wind_error.clone().map(|error| WindError::new(error, seed)),
             downlink: spec.downlink.clone().map(Downlink::new),
-            disturbances: Disturbances::default(),
             detectors_k: vec![super::life::BAY_K; config.model.cameras.len()],
             ice_s: 0.0,
             epoch_unix_s: config.epoch_unix_s,

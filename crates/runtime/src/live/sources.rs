@@ -289,13 +289,23 @@ fn count(number: u64) -> Value {
 }
 
 impl LiveSource {
-    /// Adopts the name and the class that the source states, and reports them to the run.
+    /// Adopts the name and the class that the source states, and reports them to the run. Stating the same again changes nothing.
     ///
     /// # Errors
-    /// Another source has the name.
+    /// The source has stated another name or class before, or another source has the name.
     pub fn introduce(&self, introduction: &Introduction) -> Result<(), String> {
         let Introduction { name, class } = introduction;
         let mut state = self.sources.state();
+        if let Some(QueuedSource { name: Some(known), class: stated, .. }) = state.sources.get(&self.id) {
+            return match known.eq_ignore_ascii_case(name) && stated == class {
+                true => Ok(()),
+                false => Err(format!(
+                    "this connection has introduced itself as {known} of class {}; open another connection for {name} of class {}",
+                    stated.word(),
+                    class.word()
+                )),
+            };
+        }
         let same = |other: &QueuedSource| other.name.as_ref().is_some_and(|other| other.eq_ignore_ascii_case(name));
         if state.sources.iter().any(|(id, other)| *id != self.id && !other.is_gone && same(other)) {
             return Err(format!("another source is called {name}; choose another name, or close the other connection"));

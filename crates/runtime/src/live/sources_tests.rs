@@ -122,6 +122,21 @@ fn names_are_unique_and_floods_of_connections_keep_no_operator_out() {
 }
 
 #[test]
+fn a_source_keeps_its_name_and_class() {
+    let (sources, _) = sources();
+    let nav = introduced(&sources, "nav", SourceClass::Vehicle);
+    sources.take();
+    for (name, class) in [("tower", SourceClass::Operator), ("nav", SourceClass::Operator), ("uav", SourceClass::Vehicle)]
+    {
+        let refusal = nav.introduce(&Introduction { name: name.into(), class }).unwrap_err();
+        assert!(refusal.contains("has introduced itself as nav of class vehicle; open another connection"), "{refusal}");
+    }
+    assert_eq!((nav.name().as_deref(), nav.stated_class()), (Some("nav"), Some(SourceClass::Vehicle)));
+    nav.introduce(&Introduction { name: "Nav".into(), class: SourceClass::Vehicle }).unwrap();
+    assert!(sources.take().is_empty(), "nothing new is reported");
+}
+
+#[test]
 fn a_flight_that_waits_is_woken_once() {
     let (sources, woken) = sources();
     let tower = sources.admit(SourceClass::Operator).unwrap();

@@ -10,9 +10,12 @@ use apex_spec::reasons::Asker;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
-/// Steps between two checks of all tasks. In the first minutes, where most tasks begin, they are checked at each step.
+/// Steps between two checks of all tasks. In one flight of [`ASKED_FLIGHTS`] they are checked at each of the first steps, in which most
+/// tasks begin: the answers of all tasks take longer than the rest of a step.
 const ASKED_EVERY: u64 = 20;
 const ASKED_ALWAYS: u64 = 500;
+/// See [`ASKED_EVERY`].
+pub(crate) const ASKED_FLIGHTS: u64 = 5;
 /// Messages by which tasks report that something is wrong.
 const REPORTS: [&str; 22] = [
     "requirement-broken",
@@ -53,6 +56,8 @@ pub(crate) struct FaultSpan {
 pub(crate) struct Story {
     /// The mission's folder, which is part of place names in messages and differs for each flight.
     folder: String,
+    /// Number of the first steps at each of which all tasks are checked.
+    asked_always: u64,
     pub(crate) steps: u64,
     /// Failures in the order in which they began.
     pub(crate) faults: Vec<FaultSpan>,
@@ -70,10 +75,11 @@ pub(crate) struct Story {
 }
 
 impl Story {
-    /// Returns the story of a flight of the mission in `folder`, with or without a digest.
-    pub(crate) fn of(folder: &Path, has_digest: bool) -> Story {
+    /// Returns the story of the flight of `seed` in the mission in `folder`, with or without a digest.
+    pub(crate) fn of(folder: &Path, seed: u64, has_digest: bool) -> Story {
         let hasher = has_digest.then(DefaultHasher::new);
-        Story { folder: folder.display().to_string(), hasher, ..Story::default() }
+        let asked_always = if seed.is_multiple_of(ASKED_FLIGHTS) { ASKED_ALWAYS } else { 0 };
+        Story { folder: folder.display().to_string(), asked_always, hasher, ..Story::default() }
     }
 
     /// Digest of all batches and effects; `None` if it was not requested.
@@ -134,7 +140,7 @@ impl Observer for Story {
     }
 
     fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
-        if self.steps < ASKED_ALWAYS || self.steps.is_multiple_of(ASKED_EVERY) {
+        if self.steps < self.asked_always || self.steps.is_multiple_of(ASKED_EVERY) {
             self.asker.inspect(agent, deliberator, now)?;
         }
         Ok(())
