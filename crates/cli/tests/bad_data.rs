@@ -351,3 +351,34 @@ fn targets_that_the_vehicle_cannot_reach_are_doubted() {
         ["warning: target hangar-1 is 9", " km from the start, and the vehicle flies ", "the signs of its coordinates"];
     desk.apex(&["check", "m"]).told(&doubt);
 }
+
+/// Properties with another unit, case or order of parts have no effect, and neither have messages about targets that do not exist.
+#[test]
+fn properties_and_messages_without_effect_that_resemble_others_are_doubted() {
+    let desk = Desk::with_mission("western-states");
+    desk.change("m/fires.geojson", "\"resolution_m\"", "\"resolution\"");
+    desk.change("m/airspace.geojson", "\"altitude_m_max\"", "\"altitude_max_m\"");
+    let events = "{\"t\": 10800, \"event\": \"(target-gone domke)\"}\n{\"t\": 10801, \"event\": \"(target-gon domke-lake)\"}\n\
+                  {\"t\": 10802, \"event\": \"(new-target domke-lake)\"}\n{\"t\": 600000, \"event\": \"(go)\"}\n";
+    std::fs::write(desk.path("m/scenario.jsonl"), events).unwrap();
+    desk.apex(&["check", "m"]).well().told(&[
+        "fires.geojson: the property `resolution` of ",
+        "has no effect: did you mean `resolution_m`?",
+        "airspace.geojson: the property `altitude_max_m` of ",
+        "did you mean `altitude_m_max`?",
+        "scenario.jsonl: `(target-gone domke)` at 3:00:00 changes nothing: no target is called `domke`",
+        "scenario.jsonl: `(target-gon domke-lake)` at 3:00:01: did you mean `target-gone`?",
+        "scenario.jsonl: an input at 166:40:00 comes after the end of the mission, at ",
+    ]);
+    let unchanged = Desk::with_mission("western-states");
+    let checked = unchanged.apex(&["check", "m"]).well();
+    assert!(!checked.out.contains("did you mean") && !checked.err.contains("did you mean"), "{checked:?}");
+}
+
+/// A mission shorter than the usual end margin of an hour is planned, with half of its duration as the margin.
+#[test]
+fn a_short_mission_has_a_shorter_end_margin() {
+    let desk = Desk::with_mission("stand-off");
+    desk.change("m/mission.pdl", "  :end-margin 5min\n", "");
+    desk.apex(&["plan", "m", "--budget", "200ms"]).well();
+}

@@ -12,7 +12,8 @@ const ZONE_FAR_M: f64 = 2.0e6;
 
 impl Mission {
     /// Returns sentences about sites of which visits give no valid picture, about forecast air at cruise altitude that a requirement does
-    /// not permit, about a vehicle without sensors, and about targets and zones far away; empty for most missions.
+    /// not permit, about a vehicle without sensors, about targets and zones far away, and about properties and scripted messages without
+    /// effect; empty for most missions.
     pub fn doubts(&self) -> Vec<String> {
         let mut found: Vec<String> = Vec::new();
         let mut troubles: Vec<(String, Vec<&str>)> = Vec::new();
@@ -44,6 +45,7 @@ impl Mission {
         }
         found.extend(self.distant_targets());
         found.extend(self.distant_zones());
+        found.extend(self.data_doubts());
         found
     }
 

@@ -104,7 +104,10 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
     target_rows(mission).iter().try_for_each(|target| recorder.target(target))
 }
 
-/// Returns the facts of a record that follow from its mission.
+/// The facts of a record that follow from its mission, present or not.
+pub(crate) const MISSION_FACTS: [&str; 4] = ["mission", "agent", "vehicle", "epoch_utc"];
+
+/// Returns the facts of a record that follow from its mission, those of [`MISSION_FACTS`].
 pub(crate) fn facts(mission: &Mission) -> Vec<(&'static str, String)> {
     let mut facts = vec![
         ("mission", mission.settings.name.clone()),

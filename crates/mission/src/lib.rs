@@ -8,6 +8,7 @@ pub mod comparison;
 mod costs;
 pub mod crew;
 pub mod deliberation;
+mod data_doubts;
 mod descent;
 pub mod diagnosis;
 mod doubts;

@@ -4,7 +4,7 @@ use crate::Mission;
 use crate::crew;
 use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
-use crate::flight::{facts, target_rows};
+use crate::flight::{MISSION_FACTS, facts, target_rows};
 use crate::program;
 use crate::recording::read;
 use crate::report::{Report, report};
@@ -73,10 +73,12 @@ fn description_difference(reader: &RecordReader, mission: &Mission) -> MissionRe
         let what = Differing::Row(row, column);
         Ok(Some(Difference { at: Time::ZERO, batch: 0, what, recorded, replayed }))
     };
-    for (key, made) in facts(mission) {
+    let made = facts(mission);
+    for key in MISSION_FACTS {
+        let made = made.iter().find(|(known, _)| *known == key).map(|(_, value)| value.clone());
         let stored = reader.meta(key).map_err(read)?;
-        if stored.as_ref() != Some(&made) {
-            return differ(format!("fact `{key}`"), "value", stored, Some(made));
+        if stored != made {
+            return differ(format!("fact `{key}`"), "value", stored, made);
         }
     }
     let (stored, made) = (reader.target_rows().map_err(read)?, target_rows(mission));

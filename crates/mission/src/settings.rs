@@ -201,7 +201,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,
         landing_distance_m_max: reader.length("landing-distance")?,
-        end_margin: reader.end_margin()?.unwrap_or(END_MARGIN),
+        end_margin: reader.end_margin()?.unwrap_or(END_MARGIN.min(Duration(reader.duration()?.0 / 2))),
         watch_margin: reader.end_margin()?.unwrap_or(Duration::ZERO),
         images_on_ground: reader.images_on_ground()?,
         downlink: crate::downlink::read(application.option("downlink"), |found, wanted| {

@@ -5,7 +5,7 @@ mod looks;
 mod order;
 mod outline;
 
-pub(crate) use looks::Terms;
+pub(crate) use looks::{LOOK_PROPERTIES, Terms};
 
 use super::features::{self, NamedFeature};
 use crate::error::MissionResult;

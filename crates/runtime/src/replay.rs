@@ -47,7 +47,7 @@ const SIDE_CHARS_MAX: usize = 600;
 pub struct Difference {
     /// Instant.
     pub at: Time,
-    /// Number of the batch.
+    /// Number of the batch; 0 for rows that are of none.
     pub batch: i64,
     /// Kind of difference.
     pub what: Differing,
@@ -107,9 +107,11 @@ impl fmt::Display for ReplayReport {
             };
         };
         let Difference { at, batch, what, recorded, replayed } = difference;
+        // Facts, targets and the report are of no batch.
+        let batch = if *batch > 0 { format!("batch {batch}, ") } else { String::new() };
         write!(
             f,
-            "The replay differs at {at}, batch {batch}, {what}:\n  recorded: {}\n  replayed: {}",
+            "The replay differs at {at}, {batch}{what}:\n  recorded: {}\n  replayed: {}",
             excerpt(recorded.as_deref(), replayed.as_deref()),
             excerpt(replayed.as_deref(), recorded.as_deref())
         )

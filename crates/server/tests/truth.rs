@@ -344,15 +344,19 @@ const FORGERIES: [&str; 7] = [
     "UPDATE meta SET value = '2001-01-01T00:00:00Z' WHERE key = 'epoch_utc'",
 ];
 
+/// An instant of the civil day for a mission that has none.
+const EPOCH_ADDED: &str = "INSERT INTO meta (key, value) VALUES ('epoch_utc', '1999-01-01T00:00:00Z')";
+
 #[test]
 fn replay_compares_what_follows_from_the_mission() {
     let folder = tempfile::tempdir().unwrap();
-    let record = flown(folder.path(), "stand-off", 0.1);
+    let [with_epoch, without] = ["stand-off", "first-picture"].map(|mission| flown(folder.path(), mission, 0.1));
     let replayed = |record: &Path| replay(&RecordReader::open(record).unwrap()).unwrap().difference;
-    assert_eq!(replayed(&record), None);
-    for forgery in FORGERIES {
+    assert_eq!([&with_epoch, &without].map(|record| replayed(record)), [None, None]);
+    let forgeries = FORGERIES.map(|forgery| (&with_epoch, forgery));
+    for (record, forgery) in forgeries.into_iter().chain([(&without, EPOCH_ADDED)]) {
         let forged = folder.path().join("forged.apex");
-        std::fs::copy(&record, &forged).unwrap();
+        std::fs::copy(record, &forged).unwrap();
         let connection = rusqlite::Connection::open(&forged).unwrap();
         connection.execute_batch(&format!("{forgery}; DELETE FROM seal")).unwrap();
         seal_rows(&connection).unwrap();

@@ -69,6 +69,7 @@ struct Mark {
     /// Name of the datum of `ExtendedData` that is being read.
     datum: Option<String>,
     points: Vec<geojson::Position>,
+    lines: Vec<Vec<geojson::Position>>,
     /// Rings of each polygon, the outer one first.
     polygons: Vec<Vec<Ring>>,
 }
@@ -182,10 +183,20 @@ impl Document<'_> {
             ("value", "Data") | ("SimpleData", _) => {
                 if let Some(key) = mark.datum.clone().filter(|_| !text.is_empty()) {
                     let value = typed(&key, &text);
+                    // The element `name` of the placemark may also be a datum.
+                    if mark.properties.contains_key(&key) && key != "name" {
+                        return Err(self
+                            .wrong(offset, format!("the placemark states `{key}` twice"))
+                            .help("remove one of the two data"));
+                    }
                     mark.properties.insert(key, value);
                 }
             }
             ("coordinates", "Point") => mark.points.extend(self.coordinates(&text, offset)?.into_iter().next()),
+            ("coordinates", "LineString") => {
+                let line = self.coordinates(&text, offset)?;
+                mark.lines.push(line);
+            }
             ("coordinates", "LinearRing") if self.inside("Polygon") => {
                 let ring = self.coordinates(&text, offset)?;
                 let rings = mark.polygons.last_mut();
@@ -195,10 +206,10 @@ impl Document<'_> {
                     None => {}
                 }
             }
-            ("LineString" | "Track" | "Model", _) => {
+            ("Track" | "Model", _) => {
                 return Err(self
                     .wrong(offset, format!("a {name} cannot be used"))
-                    .help("draw a Point or a Polygon; remove other placemarks from the file"));
+                    .help("draw a Point, a LineString or a Polygon; remove other placemarks from the file"));
             }
             ("Placemark", _) => {
                 self.finish(mark);
@@ -227,6 +238,10 @@ impl Document<'_> {
     fn finish(&mut self, mut mark: Mark) {
         mark.polygons.retain(|rings| !rings.is_empty());
         let geometry = match (mark.polygons.len(), mark.points.into_iter().next()) {
+            (0, _) if mark.lines.len() == 1 => {
+                GeometryValue::LineString { coordinates: mark.lines.pop().unwrap_or_default() }
+            }
+            (0, _) if !mark.lines.is_empty() => GeometryValue::MultiLineString { coordinates: mark.lines },
             (0, Some(coordinates)) => GeometryValue::Point { coordinates },
             (0, None) => {
                 return self.found.push((
@@ -291,6 +306,19 @@ mod tests {
     }
 
     #[test]
+    fn a_line_is_read_with_its_positions() {
+        let text = "<kml><Placemark><name>Pipe</name><LineString><coordinates>-120,40,5 -120.1,40.1</coordinates>\
+                    </LineString></Placemark></kml>";
+        let found = read("a.kml", text.as_bytes()).unwrap();
+        let geometry = &found[0].1.geometry.as_ref().unwrap().value;
+        let GeometryValue::LineString { coordinates } = geometry else { panic!("{geometry:?}") };
+        assert_eq!(coordinates.iter().map(|place| place.as_slice().to_vec()).collect::<Vec<_>>(), [
+            vec![-120.0, 40.0],
+            vec![-120.1, 40.1]
+        ]);
+    }
+
+    #[test]
     fn an_archive_is_read_like_its_document() {
         let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
         archive.start_file("doc.kml", zip::write::SimpleFileOptions::default()).unwrap();
@@ -307,7 +335,11 @@ mod tests {
         let link = wrong("<kml>\n<NetworkLink><Link><href>http://x/y.kml</href></Link></NetworkLink></kml>");
         assert_eq!(link.place.as_deref(), Some("a.kml:2"));
         assert!(link.message.contains("NetworkLink"));
-        assert!(wrong("<kml><Placemark><LineString/></Placemark></kml>").message.contains("LineString"));
+        assert!(wrong("<kml><Placemark><Track/></Placemark></kml>").message.contains("a Track cannot be used"));
+        let twice = "<kml><Placemark><ExtendedData>\n<Data name='acres'><value>400</value></Data>\n\
+                     <Data name='acres'><value>4000</value></Data></ExtendedData></Placemark></kml>";
+        assert_eq!(wrong(twice).place.as_deref(), Some("a.kml:3"));
+        assert!(wrong(twice).message.contains("`acres` twice"));
         assert!(
             wrong("<kml><Placemark><Point><coordinates>north</coordinates></Point></Placemark></kml>")
                 .message

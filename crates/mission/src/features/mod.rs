@@ -121,6 +121,11 @@ impl NamedFeature {
         self.property(key).is_some()
     }
 
+    /// Returns the names of its properties.
+    pub(crate) fn properties(&self) -> impl Iterator<Item = &str> {
+        self.feature.properties.iter().flat_map(|properties| properties.keys().map(String::as_str))
+    }
+
     fn property(&self, key: &str) -> Option<&JsonValue> {
         self.feature.property(key).filter(|value| !value.is_null())
     }

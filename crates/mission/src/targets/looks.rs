@@ -17,7 +17,7 @@ const SECONDS_PER_MINUTE: f64 = 60.0;
 const LOOK_ANGLE_RAMP_DEG: f64 = 10.0;
 
 /// Properties of an entry of `looks`; the fire's own properties are the defaults.
-const KNOWN: &[&str] = &[
+pub(crate) const LOOK_PROPERTIES: &[&str] = &[
     "id",
     "value",
     "resolution_m",
@@ -63,7 +63,7 @@ pub(crate) struct Terms<'t> {
 /// # Errors
 /// Errors as listed in docs/reference/mission-data.md, each with file, feature and property.
 pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms<'_>) -> MissionResult<Vec<WantedLook>> {
-    let parts = feature.parts("looks", KNOWN)?;
+    let parts = feature.parts("looks", LOOK_PROPERTIES)?;
     if parts.len() > WANTED_LOOKS_MAX {
         return Err(feature
             .trouble(format!("`looks` holds {} looks; it may hold {WANTED_LOOKS_MAX}", parts.len()))

@@ -44,7 +44,7 @@ impl Introduction {
                 let found = other.map_or_else(String::new, ToString::to_string);
                 return Err(format!(
                     "\"source\" is {found}; expected a name of 1 to {NAME_MAX} letters, digits, `-`, `_` and `.` that \
-                     begins with a letter"
+                     begins with a letter, and not `nil` or `t`"
                 ));
             }
         };
@@ -64,6 +64,8 @@ fn is_name(text: &str) -> bool {
     text.len() <= NAME_MAX
         && text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(|each| each.is_ascii_alphanumeric() || ['-', '_', '.'].contains(&each))
+        // The truth values of PDL are no names in messages.
+        && !["nil", "t"].iter().any(|value| text.eq_ignore_ascii_case(value))
 }
 
 #[cfg(test)]
@@ -82,6 +84,7 @@ mod tests {
             (r#"{"source": "nav"}"#, "is not one of operator, safing, vehicle, feed"),
             (r#"{"source": "nav", "class": "pilot"}"#, "is not one of operator"),
             (r#"{"source": "1", "class": "feed"}"#, "begins with a letter"),
+            (r#"{"source": "NIL", "class": "feed"}"#, "not `nil` or `t`"),
             (r#"{"source": "a\u001bb", "class": "feed"}"#, "expected a name"),
             (r#"{"source": 3, "class": "feed"}"#, "\"source\" is 3"),
             (r#"{"source": "a", "class": "feed", "rate": 3}"#, "unknown member \"rate\""),
