@@ -382,3 +382,12 @@ fn a_short_mission_has_a_shorter_end_margin() {
     desk.change("m/mission.pdl", "  :end-margin 5min\n", "");
     desk.apex(&["plan", "m", "--budget", "200ms"]).well();
 }
+
+/// A goal of data acquisition is read by the check, and not first in flight.
+#[test]
+fn an_acquisition_goal_without_a_unit_is_refused_by_the_check() {
+    let desk = Desk::with_mission("stand-off");
+    desk.change("m/mission.pdl", "(acquire ?place :product stills :resolution 10cm", "(acquire plume :resolution 0.1");
+    desk.apex(&["check", "m"])
+        .complained(2, &["m/mission.pdl:27", "cannot be pursued", "`:resolution` of the goal", "a length for one pixel"]);
+}

@@ -7,7 +7,7 @@ use crate::{output, sources};
 use apex_executive::memory;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::names::check_names;
-use apex_mission::{Mission, check_report, requirements, ways};
+use apex_mission::{Mission, acquisition, check_report, requirements, ways};
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
 use std::path::Path;
@@ -67,6 +67,7 @@ fn check_data(file: &Path, checked: &mut Checked) -> MissionResult<Vec<String>> 
     apex_simulation::world(&mission, None)?;
     requirements::check_wind_at_start(&mission)?;
     ways::check_take_offs(&mission)?;
+    acquisition::check_goals(&mission)?;
     checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped()));
     checked.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
     Ok(mission.doubts())

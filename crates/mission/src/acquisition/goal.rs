@@ -3,9 +3,12 @@
 use super::data_mode::DataMode;
 use super::form::keywords;
 use super::vehicle::{elevation_m, target_of};
+use crate::error::{MissionError, MissionResult};
 use crate::{Mission, TargetKind};
 use apex_geo::location::Location;
+use apex_model::expression::Template;
 use apex_model::problem::Position;
+use apex_model::procedure::Activity;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
@@ -212,6 +215,25 @@ impl AcquisitionGoal {
         let grid = Arc::new(grid_of(&target).ok()?);
         Some(AcquisitionGoal { target, grid, resolution_m, ..self.clone() })
     }
+}
+
+/// Checks all goals `(acquire ..)` of the program that contain no variables.
+///
+/// # Errors
+/// The first goal that cannot be read, with its place.
+pub fn check_goals(mission: &Mission) -> MissionResult {
+    for step in mission.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
+        let Activity::Goal(Template::Constant(goal)) = &step.activity else { continue };
+        if is_goal(goal)
+            && let Err(reason) = AcquisitionGoal::read(mission, goal)
+        {
+            return Err(MissionError::setting(format!("the goal {goal} cannot be pursued"))
+                .at(mission.library.describe_place(step.place))
+                .because(reason)
+                .help("docs/reference/manoeuvres.md has the keywords of `acquire`"));
+        }
+    }
+    Ok(())
 }
 
 /// Returns the cells of a target's ground.

@@ -24,6 +24,7 @@ pub use answer::synthesised;
 pub(crate) use candidates::{ManoeuvreCandidate, at_height, heights_m};
 pub(crate) use checks::{closed_by, ground_kept, sun_miss};
 pub(crate) use form::form_of;
+pub use goal::check_goals;
 pub(crate) use goal::is_goal;
 pub(crate) use goal::{AcquisitionGoal, ProductKind};
 pub(crate) use paths::register;
