@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from apex_autonomy import _apex
+from apex_autonomy._arguments import seed_of
 from apex_autonomy.planner import Planner, chosen, means
 
 __all__ = [
@@ -246,6 +247,8 @@ class Mission:
         ------
         PlanningError
             There is no plan; the message states the reason.
+        InputError
+            A number is out of range, or the name of a planner is invalid or taken.
 
         Examples
         --------
@@ -257,7 +260,7 @@ class Mission:
         'nearest-neighbour'
         """
         name, own = chosen(planner, planners)
-        problem, answer = self._native.plan_json(name, budget_s, seed, means(own, table=table))
+        problem, answer = self._native.plan_json(name, budget_s, seed_of(seed), means(own, table=table))
         return Plan(json.loads(problem), json.loads(answer))
 
 
@@ -306,7 +309,7 @@ def fly(
     MissionError
         The mission cannot be simulated, the flight fails, or the record cannot be written.
     InputError
-        The name of a planner is invalid or taken.
+        A number is out of range, or the name of a planner is invalid or taken.
 
     Examples
     --------
@@ -322,7 +325,7 @@ def fly(
         _apex.fly_json(
             mission._native,
             Path(record),
-            seed,
+            seed_of(seed),
             (until_s, pace),
             means(planners, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib),
             on_progress,
@@ -420,6 +423,8 @@ def fork(
     ------
     MissionError
         The record cannot be forked at this instant, or the flight fails.
+    InputError
+        A number is out of range, or the name of a planner is invalid or taken.
 
     Warns
     -----
@@ -427,7 +432,7 @@ def fork(
         The record is incomplete, was changed, is not as it was signed, or is of another version of Apex.
     """
     lines = None if inputs is None else "".join(f"{json.dumps(line)}\n" for line in inputs)
-    changes = (wind_factor, seed, lines, list(plan or ()))
+    changes = (wind_factor, seed_of(seed), lines, list(plan or ()))
     answer = json.loads(_apex.fork_json(Path(record), at_s, changes, (Path(output), until_s), means(planners)))
     return Report(**answer["recorded"]), Report(**answer["forked"])
 

@@ -12,9 +12,13 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
-from apex_autonomy._apex import Means, PlannerContext, plan_json, problem_json
+from apex_autonomy._apex import InputError, Means, PlannerContext, plan_json, problem_json
+from apex_autonomy._arguments import SEED_MAX, whole
 
 __all__ = ["Environment", "Planner", "plan", "problem"]
+
+#: The largest limit of memory in MiB.
+MEMORY_MIB_MAX = 2**32 - 1
 
 
 class PlannerStopped(BaseException):
@@ -170,7 +174,12 @@ def _registered(planners: Iterable[Planner]) -> list[Any]:
 
         return planned
 
-    return [(planner.name, list(planner.kinds), call(planner), _interrupt) for planner in planners]
+    registered = []
+    for planner in planners:
+        if not isinstance(planner, Planner):
+            raise InputError(f"{planner!r} is no planner: write an object of a class derived from Planner")
+        registered.append((planner.name, list(planner.kinds), call(planner), _interrupt))
+    return registered
 
 
 def means(
@@ -182,7 +191,8 @@ def means(
 ) -> Means:
     """Return the user-defined planners, the profile table and the limits of one request."""
     registered = _registered(planners)
-    return Means(registered, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
+    memory_mib = None if solver_memory_mib is None else whole("solver_memory_mib", solver_memory_mib, 1, MEMORY_MIB_MAX)
+    return Means(registered, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=memory_mib)
 
 
 def chosen(planner: Planner | str | None, planners: Iterable[Planner]) -> tuple[str | None, list[Planner]]:
@@ -255,6 +265,8 @@ def plan(
     ------
     PlanningError
         There is no plan; the message states the reason.
+    InputError
+        A number is out of range, or the name of a planner is invalid or taken.
 
     Examples
     --------
@@ -265,5 +277,5 @@ def plan(
     """
     text = problem if isinstance(problem, str) else json.dumps(problem)
     name, own = chosen(planner, planners)
-    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, seed, means(own, table=table)))
+    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, whole("seed", seed, 0, SEED_MAX), means(own, table=table)))
     return answer

@@ -9,10 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from apex_autonomy import _apex
+from apex_autonomy._apex import InputError
+from apex_autonomy._arguments import SEED_MAX, seed_of, whole
 from apex_autonomy.flight import Mission
 from apex_autonomy.planner import Planner, means
 
 __all__ = ["Runs", "fly_runs"]
+
+#: The limits of the command ``apex fly --runs``.
+RUNS_MAX, JOBS_MAX = 1_000_000, 1_024
 
 
 @dataclass(frozen=True)
@@ -82,9 +87,11 @@ def fly_runs(
 
     Raises
     ------
+    InputError
+        A number is out of range.
     MissionError
-        A number is out of range, the mission cannot be simulated, or the table cannot be written. A flight that fails
-        is a row with its reason.
+        No flights or no jobs, the mission cannot be simulated, or the table cannot be written. A flight that fails is a
+        row with its reason.
 
     Examples
     --------
@@ -95,5 +102,8 @@ def fly_runs(
     """
     resources = means(planners, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
     ends = (until_s, None if out is None else Path(out))
-    answer = json.loads(_apex.fly_runs_json(mission._native, (seed, runs, jobs), ends, resources, on_progress))
+    series = (seed_of(seed), whole("runs", runs, 0, RUNS_MAX), whole("jobs", jobs, 0, JOBS_MAX))
+    if seed is not None and seed + runs - 1 > SEED_MAX:
+        raise InputError(f"`seed` is {seed}: the seed of the last of {runs} runs is beyond {SEED_MAX}")
+    answer = json.loads(_apex.fly_runs_json(mission._native, series, ends, resources, on_progress))
     return Runs(rows=answer["runs"], summary=answer["summary"], text=answer["summary_text"])

@@ -1,6 +1,6 @@
 //! Planning of missions and problems for Python; answers are passed as the JSON of `docs/reference/schema/plan.schema.json`.
 
-use crate::errors::{mission as failed, planning, value};
+use crate::errors::{input, mission as failed, planning};
 use crate::planner::{Planners, registry};
 use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve_for_landing};
 use apex_mission::error::{MissionError, MissionResult};
@@ -189,10 +189,10 @@ fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) ->
     Ok(json::write(&input.name, input.benchmark.as_ref(), &solved, &facts))
 }
 
-/// Returns a time in seconds that is greater than zero.
-pub(crate) fn positive(seconds: f64, name: &str) -> PyResult<f64> {
-    match seconds > 0.0 && seconds <= TIME_S_MAX {
-        true => Ok(seconds),
-        false => Err(value(format!("invalid value {seconds} for `{name}`: expected seconds greater than zero"))),
+/// Returns a number greater than zero: seconds, or a factor of time.
+pub(crate) fn positive(number: f64, name: &str) -> PyResult<f64> {
+    match number > 0.0 && number <= TIME_S_MAX {
+        true => Ok(number),
+        false => Err(input(format!("`{name}` is {number:?}: write a number greater than 0 and at most {TIME_S_MAX:e}"))),
     }
 }

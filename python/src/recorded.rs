@@ -1,6 +1,6 @@
 //! Flight records: replay, continuation with changes, report.
 
-use crate::errors::{mission as failed, value, warn};
+use crate::errors::{input, mission as failed, warn};
 use crate::flight::{Watch, report_value};
 use crate::planning::{Means, positive};
 use apex_mission::error::{MissionError, MissionResult};
@@ -72,10 +72,10 @@ pub(crate) fn fork_json(
 ) -> PyResult<String> {
     let ((wind_factor, seed, inputs, plan), (output, until_s)) = (changes, target);
     if let Some(factor) = wind_factor.filter(|factor| !(0.0..=100.0).contains(factor)) {
-        return Err(value(format!("invalid value {factor} for `wind_factor`: expected a number from 0 to 100")));
+        return Err(input(format!("`wind_factor` is {factor:?}: write a number from 0 to 100")));
     }
     if !at_s.is_finite() {
-        return Err(value(format!("invalid value {at_s} for `at_s`: expected seconds")));
+        return Err(input(format!("`at_s` is {at_s:?}: write seconds of mission time")));
     }
     let until = until_s.map(|until_s| positive(until_s, "until_s")).transpose()?.map(Time::from_seconds);
     let means = means.inner.clone();

@@ -10,7 +10,19 @@ from pathlib import Path
 
 import pytest
 
-from apex_autonomy import Mission, MissionError, Planner, PlanningError, RecordWarning, fly, fork, replay, report, trace
+from apex_autonomy import (
+    InputError,
+    Mission,
+    MissionError,
+    Planner,
+    PlanningError,
+    RecordWarning,
+    fly,
+    fork,
+    replay,
+    report,
+    trace,
+)
 
 WATCH = Path(__file__).parents[2] / "crates/cli/tests/missions/plain-watch"
 SHORT_S = 1200
@@ -179,7 +191,7 @@ def test_failures_name_place_and_help(tmp_path):
     assert caught.value.place and not (tmp_path / "no.apex").exists()
     with pytest.raises(MissionError, match="there is no flight record"):
         replay(tmp_path / "no.apex")
-    with pytest.raises(ValueError, match="until_s"):
+    with pytest.raises(InputError, match="until_s"):
         fly(Mission.load(WATCH), record=tmp_path / "no.apex", until_s=0)
 
 

@@ -6,7 +6,7 @@ import pyarrow.csv
 import pyarrow.parquet
 import pytest
 
-from apex_autonomy import Mission, MissionError, fly_runs
+from apex_autonomy import InputError, Mission, MissionError, fly_runs
 
 MISSION = Path(__file__).parents[2] / "missions" / "first-picture"
 
@@ -56,6 +56,21 @@ def test_bad_numbers_and_exceptions_are_raised() -> None:
     mission = Mission.load(MISSION)
     with pytest.raises(MissionError, match="0 runs cannot be flown"):
         fly_runs(mission, runs=0)
+    for wrong, words in [
+        ({"runs": -1}, "`runs` is -1: write a whole number from 0"),
+        ({"runs": 2.5}, "`runs` is 2.5"),
+        ({"runs": 1, "jobs": -3}, "`jobs` is -3"),
+        ({"runs": 1, "seed": -1}, "`seed` is -1: write a whole number from 0 to 18446744073709551615"),
+        ({"runs": 1, "seed": True}, "`seed` is True"),
+        ({"runs": 2, "seed": 2**64 - 1}, "the seed of the last of 2 runs"),
+        ({"runs": 1, "solver_memory_mib": 0}, "`solver_memory_mib` is 0"),
+        ({"runs": 1, "until_s": float("nan")}, "`until_s` is NaN: write a number greater than 0"),
+        ({"runs": 1, "until_s": 1e300}, "`until_s` is 1e300"),
+        ({"runs": 1, "solver_timeout_s": 0}, "`solver_timeout_s` is 0"),
+        ({"runs": 1, "planners": [5]}, "5 is no planner"),
+    ]:
+        with pytest.raises(InputError, match=words):
+            fly_runs(mission, **wrong)
 
     def stop(_: int) -> None:
         raise RuntimeError("enough")
