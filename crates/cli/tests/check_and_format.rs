@@ -157,6 +157,9 @@ fn an_unknown_library_is_answered_with_the_shipped_ones() {
 fn a_code_is_explained_and_all_are_listed() {
     let desk = Desk::new();
     desk.apex(&["explain", "e0203"]).well().told(&["# E0203: No step of this procedure has this tag.", "```pdl right"]);
+    desk.apex(&["explain", "must_cost"]).well().told(&["must_cost: in a mission's data", "what missing it costs"]);
+    desk.apex(&["explain", ":end-margin"]).well().told(&[":end-margin: an option of a mission", "1h"]);
+    desk.apex(&["explain", " "]).complained(2, &["a word to explain is empty"]);
     desk.apex(&["explain", "E0701", "W0504"]).well().told(&["# E0701", "# W0504"]);
     desk.apex(&["explain"]).well().told(&["E0001  ", "E0701  Steps wait for each other in a circle.", "N0601  "]);
     desk.apex(&["explain", "E9999"])

@@ -67,8 +67,14 @@ pub fn explain_word(word: &str) -> Option<String> {
     for (name, library) in LIBRARIES {
         of_library(&folded, name, library, &mut text);
     }
-    if let Some(row) = mission_option(&folded) {
+    if let Some((_, row)) = mission_rows(&format!("`:{folded}`")).next() {
         let _ = writeln!(text, ":{folded}: an option of a mission (docs/reference/mission-data.md)\n  {row}");
+    }
+    for (section, row) in mission_rows(&format!("`{folded}`")) {
+        let _ = writeln!(
+            text,
+            "{folded}: in a mission's data (docs/reference/mission-data.md, \"{section}\")\n  {row}"
+        );
     }
     if let Some(page) = reference_page::explain(&folded) {
         text.push_str(&page);
@@ -76,16 +82,18 @@ pub fn explain_word(word: &str) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// Returns the row of the table of mission options for an option: its cells after the name.
-fn mission_option(name: &str) -> Option<String> {
+/// Returns the rows of the page of mission data whose first cell contains `name`: the section, and the cells after the first.
+fn mission_rows(name: &str) -> impl Iterator<Item = (&'static str, String)> {
     let page = include_str!("../../../docs/reference/mission-data.md");
-    let option = format!("`:{name}`");
-    let of_row = |row: &str| {
-        let cells: Vec<&str> = row.strip_prefix('|')?.strip_suffix('|')?.split(" | ").map(str::trim).collect();
+    let mut section = "";
+    page.lines().filter_map(move |line| {
+        if let Some(heading) = line.strip_prefix("## ") {
+            section = heading;
+        }
+        let cells: Vec<&str> = line.strip_prefix('|')?.strip_suffix('|')?.split(" | ").map(str::trim).collect();
         let (first, rest) = cells.split_first()?;
-        first.split_whitespace().any(|word| word == option).then(|| rest.join("; "))
-    };
-    page.lines().find_map(of_row)
+        first.split_whitespace().any(|word| word == name).then(|| (section, rest.join("; ")))
+    })
 }
 
 /// Returns the known word nearest to `word`.

@@ -12,6 +12,9 @@ pub fn run(options: &ExplainOptions) -> CliResult {
             output::print_line(format_args!("{}  {}", code.code, code.explanation))?;
         }
     }
+    if options.codes.iter().any(|text| text.trim().is_empty()) {
+        return Err(CliError::user("a word to explain is empty").help("`apex explain` alone lists all codes"));
+    }
     for (number, text) in options.codes.iter().enumerate() {
         let page = error_code(text).map(|code| code.page.to_string()).or_else(|| explain_word(text));
         let Some(page) = page else {
