@@ -391,3 +391,15 @@ fn an_acquisition_goal_without_a_unit_is_refused_by_the_check() {
     desk.apex(&["check", "m"])
         .complained(2, &["m/mission.pdl:27", "cannot be pursued", "`:resolution` of the goal", "a length for one pixel"]);
 }
+
+/// In a wind that is as fast as the vehicle, plans find no ways; the check says why.
+#[test]
+fn a_forecast_wind_against_which_the_vehicle_does_not_advance_is_doubted() {
+    let desk = Desk::with_mission("western-states");
+    let winds = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n5000,20000,270,120\n";
+    std::fs::write(desk.path("m/strong.csv"), winds).unwrap();
+    let program = desk.read("m/mission.pdl");
+    let line = program.lines().find(|line| line.trim_start().starts_with(":forecast")).unwrap();
+    desk.change("m/mission.pdl", line, "  :forecast \"strong.csv\"");
+    desk.apex(&["check", "m"]).told(&["warning: the forecast wind over ", " is 120.0 m/s, and `predator-b` cruises at "]);
+}

@@ -12,7 +12,7 @@ const ZONE_FAR_M: f64 = 2.0e6;
 
 impl Mission {
     /// Returns sentences about sites of which visits give no valid picture, about forecast air at cruise altitude that a requirement does
-    /// not permit, about a vehicle without sensors, about targets and zones far away, and about properties and scripted messages without
+    /// not permit or in which the vehicle does not advance, about a vehicle without sensors, about targets and zones far away, and about properties and scripted messages without
     /// effect; empty for most missions.
     pub fn doubts(&self) -> Vec<String> {
         let mut found: Vec<String> = Vec::new();
@@ -43,10 +43,35 @@ impl Mission {
                 self.model.name
             ));
         }
+        found.extend(self.strong_wind());
         found.extend(self.distant_targets());
         found.extend(self.distant_zones());
         found.extend(self.data_doubts());
         found
+    }
+
+    /// Returns a message about the first target over which the forecast wind is not weaker than the vehicle flies: no way leads against it.
+    fn strong_wind(&self) -> Option<String> {
+        let (altitude_m, cruise_mps) = (self.cruise_altitude_m(), self.model.true_airspeed_m_s_cruise);
+        let end_s = self.settings.duration.seconds();
+        let changes_s = self.forecast.layers.iter().map(|layer| layer.from_s);
+        let mut times_s: Vec<f64> = changes_s.filter(|at_s| (0.0..end_s).contains(at_s)).chain([0.0]).collect();
+        times_s.sort_by(f64::total_cmp);
+        let over = |target: &Target, time_s: f64| {
+            let there = wind::at(&self.forecast, target.position, altitude_m, time_s);
+            libm::hypot(there.east_mps, there.north_mps)
+        };
+        let visited = self.targets.iter().filter(|target| target.is_observable());
+        let mut all = visited.flat_map(|target| times_s.iter().map(move |time_s| (target, *time_s)));
+        let (target, time_s) = all.find(|(target, time_s)| over(target, *time_s) >= cruise_mps)?;
+        let from = if time_s > 0.0 { format!(" from {:.1} h on", time_s / 3600.0) } else { String::new() };
+        Some(format!(
+            "the forecast wind over {} at {altitude_m:.0} m is {:.1} m/s{from}, and `{}` cruises at {cruise_mps:.1} m/s: no way leads against \
+             this wind",
+            target.id,
+            over(target, time_s),
+            self.model.name
+        ))
     }
 
     /// Returns a message for each target that the vehicle could not reach and come back from with its whole energy, and the strongest wind
