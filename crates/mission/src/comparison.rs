@@ -223,6 +223,7 @@ mod tests {
             not_landed: None,
             landed_away: None,
             visits: Vec::new(),
+            observed: 0,
             left_out: left_out.iter().map(|(id, why)| (id.to_string(), why.to_string())).collect(),
             value: MissionValue::None,
             notes: Vec::new(),

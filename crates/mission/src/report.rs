@@ -25,6 +25,8 @@ pub struct Report {
     pub landed_away: Option<String>,
     /// Observations in order.
     pub visits: Vec<Visit>,
+    /// Number of observations that ended, pictures of targets outside of planned visits included.
+    pub observed: usize,
     /// Targets never observed, with the last reason given.
     pub left_out: Vec<(String, String)>,
     /// The value that the mission is measured by.
@@ -110,6 +112,7 @@ pub fn report(
         not_landed,
         landed_away: ending.landed_away(mission, situation.vehicle.position),
         visits: situation.visits.clone(),
+        observed: situation.target_changes.iter().filter(|change| change.state == TargetState::Observed).count(),
         left_out,
         notes: notes(situation),
         plans: situation.adopted,

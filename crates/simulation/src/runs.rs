@@ -87,7 +87,7 @@ pub struct RunRow {
     /// Expected cost of ignorance for the same visits at the rates stated in the mission: over many seeds the mean of `realised_cost`
     /// approaches it.
     pub expected_cost_stated: Option<f64>,
-    /// Observations that ended.
+    /// Observations that ended, pictures of targets outside of planned visits included.
     pub observed: u64,
     /// Targets that were never observed.
     pub left_out: u64,
@@ -138,7 +138,7 @@ impl RunRow {
             fires_seen: fires.map(|fires| fires.seen as u64),
             realised_cost: fires.map(|fires| fires.realised),
             expected_cost_stated: fires.map(|fires| fires.expected),
-            observed: report.visits.iter().filter(|visit| visit.end.is_some()).count() as u64,
+            observed: report.observed as u64,
             left_out: report.left_out.len() as u64,
             reflies: report.visits.iter().map(|visit| u64::from(visit.reflies)).sum(),
             plans: u64::from(report.plans),

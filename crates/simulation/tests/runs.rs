@@ -41,6 +41,8 @@ fn rows_do_not_depend_on_threads_and_equal_single_flights() {
     };
     assert_eq!(alone[2].score, score);
     assert!(alone.iter().all(|row| row.outcome == RunOutcome::Completed && row.positions > 0));
+    // Pictures outside of planned visits are observations: the mission takes one of each of its two targets.
+    assert!(alone.iter().all(|row| row.observed == 2), "{alone:?}");
 }
 
 #[test]
