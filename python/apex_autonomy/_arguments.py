@@ -31,7 +31,7 @@ def whole(name: str, value: Any, least: int, most: int) -> int:
     Raises
     ------
     InputError
-        The argument is no whole number, or is out of range.
+        The argument is not a whole number, or is out of range.
 
     Examples
     --------
@@ -63,6 +63,6 @@ def seed_of(value: Any) -> int | None:
     Raises
     ------
     InputError
-        The argument is no whole number, or is out of range.
+        The argument is not a whole number, or is out of range.
     """
     return None if value is None else whole("seed", value, 0, SEED_MAX)

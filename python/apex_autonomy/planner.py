@@ -177,7 +177,7 @@ def _registered(planners: Iterable[Planner]) -> list[Any]:
     registered = []
     for planner in planners:
         if not isinstance(planner, Planner):
-            raise InputError(f"{planner!r} is no planner: write an object of a class derived from Planner")
+            raise InputError(f"{planner!r} is not a planner: write an object of a class derived from Planner")
         registered.append((planner.name, list(planner.kinds), call(planner), _interrupt))
     return registered
 

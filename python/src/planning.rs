@@ -193,6 +193,8 @@ fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) ->
 pub(crate) fn positive(number: f64, name: &str) -> PyResult<f64> {
     match number > 0.0 && number <= TIME_S_MAX {
         true => Ok(number),
-        false => Err(input(format!("`{name}` is {number:?}: write a number greater than 0 and at most {TIME_S_MAX:e}"))),
+        false => {
+            Err(input(format!("`{name}` is {number:?}: write a number greater than 0 and at most {TIME_S_MAX:e}")))
+        }
     }
 }

@@ -67,7 +67,7 @@ def test_bad_numbers_and_exceptions_are_raised() -> None:
         ({"runs": 1, "until_s": float("nan")}, "`until_s` is NaN: write a number greater than 0"),
         ({"runs": 1, "until_s": 1e300}, "`until_s` is 1e300"),
         ({"runs": 1, "solver_timeout_s": 0}, "`solver_timeout_s` is 0"),
-        ({"runs": 1, "planners": [5]}, "5 is no planner"),
+        ({"runs": 1, "planners": [5]}, "5 is not a planner"),
     ]:
         with pytest.raises(InputError, match=words):
             fly_runs(mission, **wrong)

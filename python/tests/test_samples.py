@@ -1,4 +1,4 @@
-"""Arrays of samples: what is no measurement is refused or counts as missing, in arrays as in single samples."""
+"""Arrays of samples: what was not measured is refused or counts as missing, in arrays as in single samples."""
 
 import threading
 import warnings

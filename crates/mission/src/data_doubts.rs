@@ -9,7 +9,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-/// Properties of targets that have an effect, besides those of looks (docs/reference/mission-data.md).
+/// Properties of targets that have an effect, except those of looks (docs/reference/mission-data.md).
 const TARGET_PROPERTIES: &[&str] = &[
     "name",
     "kind",
@@ -60,7 +60,7 @@ const OTHER_MESSAGES: &[&str] = &["new-forecast", "planned-by-people", "plan-imp
 const COMPARED_LENGTH_MIN: usize = 5;
 
 impl Mission {
-    /// Returns sentences about properties of targets, zones and airfields that have no effect and resemble one that has, and about scripted
+    /// Returns doubts about properties of targets, zones and airfields that have no effect and resemble one that has, and about scripted
     /// messages that no planner understands as written, or that come after the end.
     pub(crate) fn data_doubts(&self) -> Vec<String> {
         let settings = &self.settings;
@@ -78,7 +78,7 @@ impl Mission {
         found
     }
 
-    /// Returns a sentence for each property in file `name` that is not `known` and resembles one that is.
+    /// Returns a doubt for each property in file `name` that is not `known` and resembles one that is.
     fn property_doubts(&self, name: &str, known: &[&str]) -> Vec<String> {
         let Some((_, bytes)) = self.data.iter().find(|(file, _)| file == name) else { return Vec::new() };
         let file = DataFile { place: name.to_string(), bytes: bytes.clone() };
@@ -93,9 +93,7 @@ impl Mission {
         let sentence = |(property, (first, count)): (&str, (&str, usize))| {
             let meant = resembled(property, known)?;
             let others = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
-            Some(format!(
-                "{name}: the property `{property}` of {first}{others} has no effect: did you mean `{meant}`?"
-            ))
+            Some(format!("{name}: the property `{property}` of {first}{others} has no effect: did you mean `{meant}`?"))
         };
         unknown.into_iter().filter_map(sentence).collect()
     }
@@ -114,9 +112,11 @@ impl Mission {
             let Some(head) = form.first().and_then(Value::as_symbol) else { continue };
             if TARGET_MESSAGES.iter().any(|message| head.is(message)) {
                 let target = form.get(1).and_then(Value::as_symbol);
-                found.extend(target.and_then(|target| self.unknown_target(target)).map(|doubt| {
-                    format!("{file}: `{}` at {at} changes nothing: {doubt}", Value::List(form.clone()))
-                }));
+                found.extend(
+                    target.and_then(|target| self.unknown_target(target)).map(|doubt| {
+                        format!("{file}: `{}` at {at} changes nothing: {doubt}", Value::List(form.clone()))
+                    }),
+                );
             } else if let Some(meant) = resembled_message(head) {
                 found.push(format!("{file}: `{}` at {at}: did you mean `{meant}`?", Value::List(form.clone())));
             }
@@ -124,7 +124,7 @@ impl Mission {
         found
     }
 
-    /// Returns the reason for which a name is no target, if it is none.
+    /// Returns the reason for which no target has this name; `None` if one has it.
     fn unknown_target(&self, name: &Symbol) -> Option<String> {
         if self.targets.iter().any(|target| name.is(&target.id)) {
             return None;

@@ -71,10 +71,8 @@ pub fn explain_word(word: &str) -> Option<String> {
         let _ = writeln!(text, ":{folded}: an option of a mission (docs/reference/mission-data.md)\n  {row}");
     }
     for (section, row) in mission_rows(&format!("`{folded}`")) {
-        let _ = writeln!(
-            text,
-            "{folded}: in a mission's data (docs/reference/mission-data.md, \"{section}\")\n  {row}"
-        );
+        let _ =
+            writeln!(text, "{folded}: in a mission's data (docs/reference/mission-data.md, \"{section}\")\n  {row}");
     }
     if let Some(page) = reference_page::explain(&folded) {
         text.push_str(&page);

@@ -312,10 +312,10 @@ mod tests {
         let found = read("a.kml", text.as_bytes()).unwrap();
         let geometry = &found[0].1.geometry.as_ref().unwrap().value;
         let GeometryValue::LineString { coordinates } = geometry else { panic!("{geometry:?}") };
-        assert_eq!(coordinates.iter().map(|place| place.as_slice().to_vec()).collect::<Vec<_>>(), [
-            vec![-120.0, 40.0],
-            vec![-120.1, 40.1]
-        ]);
+        assert_eq!(
+            coordinates.iter().map(|place| place.as_slice().to_vec()).collect::<Vec<_>>(),
+            [vec![-120.0, 40.0], vec![-120.1, 40.1]]
+        );
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn is_name(text: &str) -> bool {
     text.len() <= NAME_MAX
         && text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(|each| each.is_ascii_alphanumeric() || ['-', '_', '.'].contains(&each))
-        // The truth values of PDL are no names in messages.
+        // The truth values of PDL cannot be names in messages.
         && !["nil", "t"].iter().any(|value| text.eq_ignore_ascii_case(value))
 }
 

@@ -126,10 +126,14 @@ fn a_source_keeps_its_name_and_class() {
     let (sources, _) = sources();
     let nav = introduced(&sources, "nav", SourceClass::Vehicle);
     sources.take();
-    for (name, class) in [("tower", SourceClass::Operator), ("nav", SourceClass::Operator), ("uav", SourceClass::Vehicle)]
+    for (name, class) in
+        [("tower", SourceClass::Operator), ("nav", SourceClass::Operator), ("uav", SourceClass::Vehicle)]
     {
         let refusal = nav.introduce(&Introduction { name: name.into(), class }).unwrap_err();
-        assert!(refusal.contains("has introduced itself as nav of class vehicle; open another connection"), "{refusal}");
+        assert!(
+            refusal.contains("has introduced itself as nav of class vehicle; open another connection"),
+            "{refusal}"
+        );
     }
     assert_eq!((nav.name().as_deref(), nav.stated_class()), (Some("nav"), Some(SourceClass::Vehicle)));
     nav.introduce(&Introduction { name: "Nav".into(), class: SourceClass::Vehicle }).unwrap();
