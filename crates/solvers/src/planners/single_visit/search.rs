@@ -65,7 +65,8 @@ pub(super) fn run(
     let (usable, random, budget) = (troubles.possible(), Generator::new(seed), &mut *environment.budget);
     let companions = companions::companions(schedule, troubles);
     let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
-    let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
+    let idle =
+        Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, extra_s: 0.0, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     let empty = best.clone();
     search.construct(&mut best, InsertionTimes::Estimated);
@@ -126,7 +127,7 @@ pub(super) fn enumerated(
     }
     let effort = Effort { visits_max: half_of(environment.budget), budget: &mut *environment.budget, score_min: None };
     let end_s = problem.start_s;
-    let idle = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
+    let idle = Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     let bound = improve(schedule, usable, &|target| choices(problem, target), effort, &mut best)?;
     Some((best, bound))
@@ -165,7 +166,7 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
             Ok(judged) => return Candidate { order, judged },
             Err(_) if order.is_empty() => {
                 let end_s = schedule.problem.start_s;
-                let judged = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
+                let judged = Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY };
                 return Candidate { order, judged };
             }
             Err(_) => {
@@ -328,7 +329,10 @@ impl LocalSearch<'_, '_, '_> {
             Ok(judged) if !order.is_empty() => Candidate { order, judged },
             _ => {
                 let end_s = self.schedule.problem.start_s;
-                Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } }
+                Candidate {
+                    order: Vec::new(),
+                    judged: Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY },
+                }
             }
         }
     }
