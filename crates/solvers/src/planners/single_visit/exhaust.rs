@@ -113,6 +113,52 @@ pub(super) fn exhaust(
     Some(Exhausted { is_complete, best: best.map(|(_, _, last)| order_to(&labels, last)), benefits_max })
 }
 
+/// Ends of the flights that visit all `usable` targets in any order: the score, the end, and the energy taken beyond level flight.
+pub(super) type FlightEnd = (f64, f64, f64);
+
+/// Returns the ends of flights that visit all `usable` targets: of each last visit, those that others do not beat in score, end and energy.
+/// `None` if the budget does not suffice.
+pub(super) fn visiting_all(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    choices: &dyn Fn(usize) -> Vec<Choice>,
+    budget: &mut dyn Budget,
+) -> Option<Vec<FlightEnd>> {
+    let ways: Vec<Vec<Choice>> = usable.iter().map(|target| choices(*target)).collect();
+    let mut labels: Vec<VisitSequence> = Vec::new();
+    let mut open: Vec<Option<usize>> = vec![None];
+    for _ in usable {
+        let mut next: BTreeMap<(u32, usize, usize), Vec<usize>> = BTreeMap::new();
+        for before in open {
+            let visited = before.and_then(|at| labels.get(at)).map_or(0, |label| label.visited);
+            for (place, ways) in ways.iter().enumerate() {
+                if visited & (1 << place) != 0 || !is_led(schedule, usable, place, visited) {
+                    continue;
+                }
+                for choice in ways {
+                    budget.charge(UNITS_PER_LEG + schedule.travel.take_work());
+                    if budget.exhausted() {
+                        return None;
+                    }
+                    let label = after(schedule, before.map(|at| (at, labels.as_slice())), *choice, place);
+                    if let Some(label) = label {
+                        let same = next.entry((label.visited, choice.target, choice.manoeuvre)).or_default();
+                        keep(&mut labels, same, label);
+                    }
+                }
+            }
+        }
+        open = next.into_values().flatten().map(Some).collect();
+    }
+    let mut end = |at: Option<usize>| {
+        let label = at.and_then(|at| labels.get(at))?;
+        let exit = PointKey::Exit(label.last.target, label.last.manoeuvre);
+        let (end_s, extra_s) = schedule.home(exit, label.end_s).ok()?;
+        Some((label.worth - schedule.flight_cost(end_s), end_s, label.extra_s + extra_s))
+    };
+    Some(open.into_iter().filter_map(&mut end).collect())
+}
+
 /// Returns the most that a target can be worth.
 pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
     let Some(target) = problem.targets.get(target) else { return 0.0 };

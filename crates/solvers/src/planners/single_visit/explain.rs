@@ -1,5 +1,6 @@
 //! Reasons for which a target is not visited, as text for operators.
 
+use super::explain_orders::{self, Over, in_planned_order, late_text, over, reason_in_any_order};
 use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
 use crate::routing::travel::PointKey;
@@ -120,9 +121,6 @@ fn best_timing(target: &SingleVisitTarget) -> f64 {
     target.windows.iter().map(of_window).fold(0.0, f64::max)
 }
 
-/// Seconds by which a flight would end too late, and true if that is after the limit of the energy.
-type Over = (f64, bool);
-
 /// Reason for which a target cannot be the only visit.
 enum AloneTrouble {
     /// The flight would end too late, at least by this.
@@ -149,14 +147,6 @@ fn over_alone(schedule: &Schedule<'_>, late: &[usize]) -> Vec<(usize, Over)> {
         ends.min_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s)).map(|over| (*target, over))
     };
     late.iter().filter_map(over_s).collect()
-}
-
-/// Returns by how much a flight ends too late, if it does.
-fn over(schedule: &Schedule<'_>, end_s: f64, extra_s: f64) -> Option<Over> {
-    match schedule.late(end_s, extra_s) {
-        Some(Infeasibility::TooLate { over_s, is_energy }) => Some((over_s, is_energy)),
-        _ => None,
-    }
 }
 
 fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrouble> {
@@ -194,11 +184,6 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
         return Some(AloneTrouble::Late(least_over));
     }
     first_trouble.map(AloneTrouble::Other)
-}
-
-/// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
-fn late_text(schedule: &Schedule<'_>, (over_s, is_energy): Over, alone: bool) -> LeftOutReason {
-    Obstacle::Late { over_s, limit: schedule.limit_of(is_energy).of_visit(), alone }.into()
 }
 
 /// Returns the reason for a target that cannot be visited because the windows of `closed` are over, with the light that it needs.
@@ -293,8 +278,12 @@ pub(super) fn left_out(
     }
     let endless = without_limits(schedule);
     let mut endless = Schedule::new(&endless).ok();
+    let mut budget = explain_orders::budget();
     for (target, left_out) in unknown {
-        reason_beside((schedule, endless.as_mut()), order, judged, target).replace_in(left_out);
+        let ends = endless.as_mut().and_then(|endless| explain_orders::ends_with(endless, order, target, &mut budget));
+        let reason = ends.and_then(|ends| reason_in_any_order(schedule, order, judged, (target, &ends)));
+        let reason = reason.unwrap_or_else(|| reason_beside((schedule, endless.as_mut()), order, judged, target));
+        reason.replace_in(left_out);
     }
     all
 }
@@ -349,7 +338,7 @@ fn reason_beside(
     if let Some((score, _)) = within.best {
         let loss = judged.score - score;
         return match loss {
-            _ if loss > 0.0 => Obstacle::Score { loss }.into(),
+            _ if loss > 0.0 => in_planned_order(Obstacle::Score { loss }.into(), order),
             _ if loss < 0.0 => "was not reached within the planning budget".into(),
             _ => "would not raise the score".into(),
         };
@@ -358,8 +347,10 @@ fn reason_beside(
     let late = longer.and_then(|(_, (end_s, extra_s))| over(schedule, end_s, extra_s));
     match (longer, late) {
         // More time would not make the visit pay.
-        (Some((score, _)), _) if score < judged.score => Obstacle::Score { loss: judged.score - score }.into(),
-        (_, Some(over)) => late_text(schedule, over, false),
+        (Some((score, _)), _) if score < judged.score => {
+            in_planned_order(Obstacle::Score { loss: judged.score - score }.into(), order)
+        }
+        (_, Some(over)) => in_planned_order(late_text(schedule, over, false), order),
         _ => within.trouble.unwrap_or_else(|| match order.is_empty() {
             true => "no way leads there and back".into(),
             false => "does not fit between the others".into(),

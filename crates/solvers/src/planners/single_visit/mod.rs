@@ -7,10 +7,12 @@
 //! endurance.
 //! Bound: the budget. Evaluating a leg takes two units of work, preparing a path some hundreds.
 
+mod choices;
 mod companions;
 mod construct;
 mod exhaust;
 mod explain;
+mod explain_orders;
 mod in_order;
 mod moves;
 mod order_value;
