@@ -57,7 +57,7 @@ impl LocalSearch<'_, '_, '_> {
     fn is_promising(&mut self, current: &Candidate, first: usize, last: usize, order: &[Choice]) -> bool {
         self.budget.charge(1);
         let slack_s = self.slack_s(current, first);
-        if slack_s.is_infinite() || self.schedule.counts_energy() {
+        if slack_s.is_infinite() {
             return true;
         }
         let old_s: f64 = (first..=last).map(|at| arrival(current, at) - self.end_before(current, at)).sum();
