@@ -4,6 +4,7 @@
 
 pub(crate) mod flight_limit;
 mod flown_legs;
+mod layer;
 pub(crate) mod network;
 mod places;
 pub(crate) mod reach;
