@@ -62,7 +62,7 @@ function watch(page: Page): Promise<void> {
       for (const { sources } of list.getEntries() as Shift[]) {
         for (const { node, previousRect, currentRect } of sources) {
           const element = node instanceof Element ? node : node?.parentElement;
-          // A sentence is data, too: its words may move within the place of the sentences, and marks of time move in time.
+          // Words are data, too: they may move within their place, and marks of time move in time.
           if (!element?.isConnected || isListed(element)) continue;
           if (
             element.closest(
