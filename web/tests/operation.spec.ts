@@ -85,9 +85,21 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
 
   await page.getByTestId('run-pace').selectOption('120');
   await lastCommand(page, 'pace 120: accepted');
+  // Requests to planners come and go, and the buttons stay.
+  const step = page.getByTestId('run-step');
+  await step.evaluate(node => {
+    const lefts = new Set<number>();
+    Object.assign(window, { lefts });
+    const note = () => {
+      lefts.add(node.getBoundingClientRect().left);
+      requestAnimationFrame(note);
+    };
+    note();
+  });
   await expect.poll(async () => (await operation()).now_ns, { timeout: 30_000 }).toBeGreaterThan(500e9);
   await page.getByTestId('run-pause').click();
   await expect(state).toHaveText('paused');
+  expect(await page.evaluate(() => (window as unknown as { lefts: Set<number> }).lefts.size)).toBe(1);
   const { now_ns: paused } = await operation();
   await page.waitForTimeout(600);
   expect((await operation()).now_ns, 'mission time stands still').toBe(paused);
