@@ -18,7 +18,7 @@ const ROOMS = {
   player: ['record', 'time', 'words'],
   panels: ['files', 'parts', 'player', 'record', 'time', 'theme', 'units', 'words'],
   layout: ['panels', 'player', 'record'],
-  app: ['layout', 'panels', 'player', 'record', 'time', 'theme'],
+  app: ['layout', 'panels', 'parts', 'player', 'record', 'time', 'theme'],
 };
 /** Package -> where it may be imported. */
 const PACKAGES = {

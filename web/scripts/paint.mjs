@@ -73,23 +73,33 @@ async function open(browser) {
   return page;
 }
 
-/** Presses the keys in turn, ten a second, and returns the sorted times until the next paint, in milliseconds. */
+/**
+ * Presses the keys in turn, ten a second, and returns the sorted times until the next paint, and the time of the page's main thread per
+ * key, which other programs of the machine hardly change, in milliseconds.
+ */
 async function paintsAfter(page, keys) {
+  const session = await page.context().newCDPSession(page);
+  await session.send('Performance.enable', { timeDomain: 'threadTicks' });
+  const busyMs = async () => {
+    const { metrics } = await session.send('Performance.getMetrics');
+    return 1000 * (metrics.find(metric => metric.name === 'TaskDuration')?.value ?? 0);
+  };
+  const before = await busyMs();
   for (let press = 0; press < Number(presses); press += 1) {
     await page.keyboard.press(keys[press % keys.length]);
     await page.waitForTimeout(EVERY_MS);
   }
   // The browser does not report events below 16 ms: they are counted as 16 ms.
   const reported = await page.evaluate(() => window.paints);
-  return [...reported, ...Array(Math.max(Number(presses) - reported.length, 0)).fill(16)].sort(
-    (a, b) => a - b,
-  );
+  const missing = Array(Math.max(Number(presses) - reported.length, 0)).fill(16);
+  const paints = [...reported, ...missing].sort((a, b) => a - b);
+  return { paints, busyMs: ((await busyMs()) - before) / Number(presses) };
 }
 
-function report(what, paints) {
+function report(what, { paints, busyMs }) {
   const share = part => paints[Math.min(Math.floor(paints.length * part), paints.length - 1)];
   console.log(
-    `${what}: median ${share(0.5)} ms, p95 ${share(0.95)} ms, longest ${paints.at(-1)} ms (bar ${BAR_MS} ms at p95)`,
+    `${what}: median ${share(0.5)} ms, p95 ${share(0.95)} ms, longest ${paints.at(-1)} ms (bar ${BAR_MS} ms at p95), main thread ${busyMs.toFixed(0)} ms per key`,
   );
 }
 

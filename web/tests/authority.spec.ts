@@ -6,7 +6,7 @@ import { mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { type Browser, expect, type Page, test } from '@playwright/test';
+import { type Browser, type BrowserContext, expect, type Page, test } from '@playwright/test';
 import { expectNoFaults } from './axe';
 import { addressOf, apexProgram } from './server';
 
@@ -29,9 +29,15 @@ test.afterAll(() => {
   flight?.kill('SIGKILL');
 });
 
+const contexts: BrowserContext[] = [];
+// A page without its server would ask for it until the last test.
+test.afterEach(() => Promise.all(contexts.map(context => context.close())));
+
 /** A separate browser context with a session of this name. */
 async function station(browser: Browser, name: string, role: string): Promise<Page> {
-  const page = await (await browser.newContext()).newPage();
+  const context = await browser.newContext();
+  contexts.push(context);
+  const page = await context.newPage();
   const answer = await page.request.post(`${url}/api/session`, { data: { name, role } });
   expect(answer.status()).toBe(201);
   await page.goto(url);

@@ -40,11 +40,18 @@ async function open(page: Page, address = ''): Promise<number> {
   return seconds;
 }
 
-/** The executive's recorded decisions up to an instant. */
-function trace(seconds: number, kinds: string): { t: number; task?: string; [key: string]: unknown }[] {
+/** The executive's recorded decisions up to an instant, and samples of a state variable if one is given. */
+function trace(
+  seconds: number,
+  kinds: string,
+  variable?: string,
+): { t: number; task?: string; [key: string]: unknown }[] {
   const out = execFileSync(
     apexProgram(),
-    ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', kinds, '--to', `${seconds}s`],
+    [
+      ...['trace', process.env.APEX_RECORD ?? '', '--json', '--type', kinds, '--to', `${seconds}s`],
+      ...(variable ? ['--object', variable] : []),
+    ],
     { maxBuffer: 1 << 29 },
   );
   return out
@@ -159,7 +166,7 @@ test('monitors show value, limit and since when of the samples of the record', a
   // A second source: the newest sample that `apex trace` prints of that variable.
   const [leaf] = measured;
   const name = (leaf?.variable ?? '').replace(/^\(|\)$/g, '');
-  const samples = trace(seconds, 'measurement').filter(line => JSON.stringify(line).includes(name));
+  const samples = trace(seconds, 'measurement', name).filter(line => JSON.stringify(line).includes(name));
   const newest = JSON.stringify(samples.at(-1) ?? {});
   const number = Number.parseFloat(leaf?.value ?? '');
   if (!Number.isNaN(number)) expect(newest).toContain(String(number).slice(0, 5));

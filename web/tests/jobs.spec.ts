@@ -289,47 +289,51 @@ test('all targets, three strips and nine lanes are visible at 1280x720', async (
   expect(box.y + box.height - (end.y + end.height) - 3 * 27).toBeGreaterThanOrEqual(9 * 15);
 });
 
+/** Parts of the header and panels that lie on each other or leave the screen. */
+function overlaps(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const found: string[] = [];
+    if (document.documentElement.scrollWidth > window.innerWidth) found.push('the page scrolls sideways');
+    const parts = [...document.querySelectorAll('header h1, header span, header button')].filter(
+      node =>
+        node.closest('header')?.querySelector('h1') &&
+        node.children.length === 0 &&
+        node.getClientRects().length > 0,
+    );
+    const boxes = parts.map(node => ({ text: node.textContent, box: node.getBoundingClientRect() }));
+    for (const [index, one] of boxes.entries()) {
+      if (one.box.right > window.innerWidth + 0.5 || one.box.left < -0.5)
+        found.push(`${one.text} leaves the screen`);
+      for (const two of boxes.slice(index + 1)) {
+        const across = Math.min(one.box.right, two.box.right) - Math.max(one.box.left, two.box.left);
+        const down = Math.min(one.box.bottom, two.box.bottom) - Math.max(one.box.top, two.box.top);
+        if (across > 0.5 && down > 0.5) found.push(`${one.text} lies on ${two.text}`);
+      }
+    }
+    const panels = [...document.querySelectorAll('main section')].filter(
+      node => !node.parentElement?.closest('section'),
+    );
+    for (const [index, one] of panels.entries()) {
+      const [a, name] = [one.getBoundingClientRect(), one.getAttribute('aria-label')];
+      for (const two of panels.slice(index + 1)) {
+        const b = two.getBoundingClientRect();
+        const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (across > 0.5 && down > 0.5) found.push(`${name} lies on ${two.getAttribute('aria-label')}`);
+      }
+    }
+    return found;
+  });
+}
+
 for (const theme of ['dark', 'light']) {
-  for (const [width, height] of SCREENS) {
-    test(`no panels and no parts of the header overlap at ${width}x${height}, ${theme}`, async ({ page }) => {
+  test(`no panels and no parts of the header overlap at any size, ${theme}`, async ({ page }) => {
+    await open(page, `?t=40000&theme=${theme}`);
+    for (const [width, height] of SCREENS) {
       await page.setViewportSize({ width, height });
-      await open(page, `?t=40000&theme=${theme}`);
-      const faults = await page.evaluate(() => {
-        const found: string[] = [];
-        if (document.documentElement.scrollWidth > window.innerWidth) found.push('the page scrolls sideways');
-        const parts = [...document.querySelectorAll('header h1, header span, header button')].filter(
-          node =>
-            node.closest('header')?.querySelector('h1') &&
-            node.children.length === 0 &&
-            node.getClientRects().length > 0,
-        );
-        const boxes = parts.map(node => ({ text: node.textContent, box: node.getBoundingClientRect() }));
-        for (const [index, one] of boxes.entries()) {
-          if (one.box.right > window.innerWidth + 0.5 || one.box.left < -0.5)
-            found.push(`${one.text} leaves the screen`);
-          for (const two of boxes.slice(index + 1)) {
-            const across = Math.min(one.box.right, two.box.right) - Math.max(one.box.left, two.box.left);
-            const down = Math.min(one.box.bottom, two.box.bottom) - Math.max(one.box.top, two.box.top);
-            if (across > 0.5 && down > 0.5) found.push(`${one.text} lies on ${two.text}`);
-          }
-        }
-        const panels = [...document.querySelectorAll('main section')].filter(
-          node => !node.parentElement?.closest('section'),
-        );
-        for (const [index, one] of panels.entries()) {
-          const [a, name] = [one.getBoundingClientRect(), one.getAttribute('aria-label')];
-          for (const two of panels.slice(index + 1)) {
-            const b = two.getBoundingClientRect();
-            const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
-            const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
-            if (across > 0.5 && down > 0.5) found.push(`${name} lies on ${two.getAttribute('aria-label')}`);
-          }
-        }
-        return found;
-      });
-      expect(faults).toEqual([]);
-    });
-  }
+      expect(await overlaps(page), `${width}x${height}`).toEqual([]);
+    }
+  });
 }
 
 for (const theme of ['dark', 'light']) {

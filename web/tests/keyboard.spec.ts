@@ -15,10 +15,25 @@ test('the keys of the agenda act on the tree, and leave the time cursor alone', 
   await expect(tree.getByRole('treeitem').first()).toBeVisible();
   const time = await page.getByTestId('time').textContent();
   const active = () => tree.getAttribute('aria-activedescendant');
+  // Only rows in sight are drawn, below the filter and above the counts, which stay in sight.
+  const inSight = async () => {
+    const [list, slot] = await Promise.all([
+      tree.evaluate(node => [node.clientHeight, node.scrollHeight]),
+      page.getByTestId('slot-left').boundingBox(),
+    ]);
+    expect(list[0]).toBeLessThan(slot?.height ?? 0);
+    expect(list[1], 'the list scrolls').toBeGreaterThan(2 * (list[0] ?? 0));
+    expect(await tree.getByRole('treeitem').count()).toBeLessThan((list[0] ?? 0) / 23 + 18);
+    await expect(page.locator('#task-filter')).toBeInViewport();
+    await expect(tree.locator('xpath=following-sibling::footer')).toBeInViewport();
+  };
+  await inSight();
   await tree.focus();
   await page.keyboard.press('End');
   await expect.poll(active).toMatch(/^task-\d+$/);
   const last = await active();
+  await expect(page.locator(`#${last}`)).toBeInViewport();
+  await inSight();
   await page.keyboard.press('Home');
   await expect.poll(active).not.toBe(last);
   const root = tree.getByRole('treeitem').first();

@@ -85,9 +85,21 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
 
   await page.getByTestId('run-pace').selectOption('120');
   await lastCommand(page, 'pace 120: accepted');
+  // Requests to planners come and go, and the buttons stay.
+  const step = page.getByTestId('run-step');
+  await step.evaluate(node => {
+    const lefts = new Set<number>();
+    Object.assign(window, { lefts });
+    const note = () => {
+      lefts.add(node.getBoundingClientRect().left);
+      requestAnimationFrame(note);
+    };
+    note();
+  });
   await expect.poll(async () => (await operation()).now_ns, { timeout: 30_000 }).toBeGreaterThan(500e9);
   await page.getByTestId('run-pause').click();
   await expect(state).toHaveText('paused');
+  expect(await page.evaluate(() => (window as unknown as { lefts: Set<number> }).lefts.size)).toBe(1);
   const { now_ns: paused } = await operation();
   await page.waitForTimeout(600);
   expect((await operation()).now_ns, 'mission time stands still').toBe(paused);
@@ -105,7 +117,10 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
 
   // The question about the smoke, at 28 minutes, has options, a default and a deadline; the answer is in the record.
   await page.getByTestId('run-pause').click();
-  await expect.poll(async () => (await operation()).now_ns, { timeout: 60_000 }).toBeGreaterThan(1500e9);
+  // Asked often, so that the flight is not far beyond this time, and soon at the question.
+  await expect
+    .poll(async () => (await operation()).now_ns, { timeout: 60_000, intervals: [100] })
+    .toBeGreaterThan(1600e9);
   await page.getByTestId('run-pace').selectOption('10');
   const question = page.getByTestId('question').filter({ hasText: 'Smoke at a structure' });
   await expect(question).toBeVisible({ timeout: 60_000 });

@@ -1,6 +1,6 @@
 /**
- * Servers for the page tests: APEX_URL if one is running, as in a whole run (served.ts), otherwise `APEX_BIN serve APEX_RECORD` on a free
- * port. APEX_BIN defaults to the release build of this repository.
+ * Servers for the page tests: APEX_URL if one is running, or one of served.ts that serves the record; otherwise `APEX_BIN serve APEX_RECORD`
+ * on a free port. APEX_BIN defaults to the release build of this repository.
  */
 
 import { type ChildProcess, spawn } from 'node:child_process';
@@ -22,9 +22,11 @@ export function apexProgram(): string {
 
 /** Serves the record of the environment, or `record`. */
 export async function startServer(record?: string): Promise<Server> {
-  const { APEX_URL, APEX_RECORD } = process.env;
-  if (APEX_URL && !record) return { url: APEX_URL.replace(/\/$/, ''), stop: () => undefined };
+  const { APEX_URL, APEX_RECORD, APEX_SERVED = '{}' } = process.env;
   const served = record ?? APEX_RECORD;
+  const common = (JSON.parse(APEX_SERVED) as Record<string, string>)[served ?? ''];
+  const url = record ? common : (APEX_URL ?? common);
+  if (url) return { url: url.replace(/\/$/, ''), stop: () => undefined };
   if (!served) {
     throw new Error('APEX_RECORD must name a flight record; `apex fly missions/first-picture` writes one');
   }

@@ -40,9 +40,10 @@ async function ask<T>(what: string): Promise<T> {
 
 /** Moves the cursor by a click into the timeline's axis. */
 async function clickTime(page: Page, share: number): Promise<void> {
-  const box = await page.getByTestId('timeline').boundingBox();
-  if (!box) throw new Error('the timeline is not on the screen');
-  await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * share, box.y + AXIS_Y_PX);
+  const timeline = page.getByTestId('timeline');
+  const width = await timeline.evaluate(node => node.clientWidth);
+  // The click waits until the axis is where it stays.
+  await timeline.click({ position: { x: NAMES_PX + (width - NAMES_PX) * share, y: AXIS_Y_PX } });
 }
 
 test('the header names the mission, its status and its score', async ({ page }) => {

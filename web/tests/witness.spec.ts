@@ -14,9 +14,6 @@ import { numbers, traceOf, type Witness, witnessAt } from './witness';
 const SEED = Number(process.env.SHERPA_SEED ?? 1);
 /** Instants of each record: 30 in all. */
 const INSTANTS = 6;
-/** A tall screen, so that many rows of the agenda are in sight. */
-const SCREEN = { width: 1280, height: 2400 };
-
 /** A record of the flights. */
 function flight(name: string): string {
   const record = join(dirname(process.env.APEX_RECORD ?? ''), `${name}.apex`);
@@ -76,7 +73,30 @@ function failedRun(): string {
 const wordsOf = async (nodes: Locator) =>
   (await nodes.allTextContents()).map(text => text.replace(/\s+/g, ' ').trim());
 
-/** Compares the rows of the agenda that are in sight, and the counts below them. */
+/** All rows of the agenda by their numbers: only those in sight are drawn, so the list is scrolled from its top to its end. */
+async function agendaRows(page: Page) {
+  return page.getByTestId('agenda').evaluate(async list => {
+    const rows = new Map<string, { task: string; state: string; word: string; goal: string }>();
+    const drawn = () => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    for (let top = 0; top < list.scrollHeight; top += list.clientHeight) {
+      list.scrollTop = top;
+      await drawn();
+      for (const node of list.querySelectorAll('[data-task]')) {
+        const task = `T${node.getAttribute('data-task')}`;
+        rows.set(task, {
+          task,
+          state: node.getAttribute('data-state') ?? '',
+          word: node.querySelector('.state')?.textContent ?? '',
+          goal: node.querySelector('.goal')?.getAttribute('title') ?? '',
+        });
+      }
+    }
+    list.scrollTop = 0;
+    return { rows: [...rows.values()], count: Math.round((list.firstElementChild?.clientHeight ?? 0) / 23) };
+  });
+}
+
+/** Compares the rows of the agenda, and the counts below them. */
 async function compareTasks(page: Page, seen: Witness, where: string): Promise<void> {
   const counts = new Map<string, number>();
   for (const { state } of seen.tasks.values()) {
@@ -90,14 +110,8 @@ async function compareTasks(page: Page, seen: Witness, where: string): Promise<v
       message: where,
     })
     .toEqual(expected);
-  const rows = await page.locator('[data-task]').evaluateAll(nodes =>
-    nodes.map(node => ({
-      task: `T${node.getAttribute('data-task')}`,
-      state: node.getAttribute('data-state') ?? '',
-      word: node.querySelector('.state')?.textContent ?? '',
-      goal: node.querySelector('.goal')?.getAttribute('title') ?? '',
-    })),
-  );
+  const { rows, count } = await agendaRows(page);
+  expect(rows.length, `rows of the agenda, ${where}`).toBe(count);
   expect(rows.length, where).toBeGreaterThan(0);
   const words: Record<string, string> = {
     success: 'done',
@@ -196,7 +210,6 @@ for (const [name, recordOf, targets] of RECORDS) {
     const server = await startServer(record);
     const next = numbers(SEED * 7919 + name.length);
     try {
-      await page.setViewportSize(SCREEN);
       const { end_ns } = (await (await fetch(`${server.url}/api/mission`)).json()) as { end_ns: number };
       for (let count = 0; count < INSTANTS; count += 1) {
         // The last instant is the end, where a failure shows.

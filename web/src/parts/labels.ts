@@ -7,15 +7,14 @@ export interface Box {
   height: number;
 }
 
-/** The place of a label next to a symbol, inside the picture and without overlapping other labels; null if there is no space. */
-export function placeLabel(
+/** The places of a label next to a symbol, inside the picture, the best first. */
+export function labelPlaces(
   x: number,
   y: number,
   width: number,
   height: number,
-  taken: readonly Box[],
   room?: { width: number; height: number },
-): Box | null {
+): Box[] {
   const gap = 9;
   const places: Box[] = [
     { x: x + gap, y: y - height / 2, width, height },
@@ -27,12 +26,26 @@ export function placeLabel(
     { x: x - gap + 2 - width, y: y - gap - height + 4, width, height },
     { x: x - gap + 2 - width, y: y + gap - 4, width, height },
   ];
-  const fits = ({ x: left, y: top }: Box) =>
-    !room || (left >= 0 && top >= 0 && left + width <= room.width && top + height <= room.height);
-  return places.find(place => fits(place) && !taken.some(box => overlap(place, box))) ?? null;
+  return places.filter(
+    ({ x: left, y: top }) =>
+      !room || (left >= 0 && top >= 0 && left + width <= room.width && top + height <= room.height),
+  );
 }
 
-function overlap(a: Box, b: Box): boolean {
+/** The place of a label next to a symbol, inside the picture and without overlapping other labels; null if there is no space. */
+export function placeLabel(
+  x: number,
+  y: number,
+  width: number,
+  height: number,
+  taken: readonly Box[],
+  room?: { width: number; height: number },
+): Box | null {
+  const places = labelPlaces(x, y, width, height, room);
+  return places.find(place => !taken.some(box => overlap(place, box))) ?? null;
+}
+
+export function overlap(a: Box, b: Box): boolean {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 

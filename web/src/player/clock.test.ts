@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { advance, axisOf, clamp, otherSpeed, shift, speedFor, stepNs, zoom } from './clock';
+import { advance, axisOf, clamp, otherSpeed, Pace, shift, speedFor, stepNs, zoom } from './clock';
 
 const S = 1e9;
 const hour = { fromNs: 0, toNs: 3600 * S };
@@ -56,5 +56,32 @@ describe('the time axis', () => {
 
   it('is the record where no mission plans a length', () => {
     expect(axisOf(record, null, 10)).toEqual(record);
+  });
+});
+
+describe('the moves of a playing cursor', () => {
+  /** The instants of the moves in frames at these times. */
+  const movesAt = (frames: number[]) => {
+    const pace = new Pace(0);
+    return frames.filter(now => pace.due(now) !== null);
+  };
+
+  it('come with every second frame while the page draws fast', () => {
+    expect(movesAt([16, 33, 50, 66, 83])).toEqual([16, 50, 83]);
+  });
+
+  it('leave as much time as the drawing of the last one took', () => {
+    // Drawn at 56: the next move is 80 ms after the one at 16.
+    expect(movesAt([16, 56, 72, 88, 96, 112, 126])).toEqual([16, 96, 126]);
+  });
+
+  it('come ten times a second, or as often as the page can draw them', () => {
+    expect(movesAt([16, 96, 112, 116, 316, 516])).toEqual([16, 116, 316, 516]);
+  });
+
+  it('move the cursor by all of the time', () => {
+    const pace = new Pace(0);
+    const moved = [16, 56, 72, 88, 96, 112, 126].map(now => pace.due(now) ?? 0);
+    expect(moved.reduce((sum, ms) => sum + ms, 0)).toBe(126);
   });
 });

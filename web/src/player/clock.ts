@@ -76,3 +76,32 @@ export function shift(visible: Range, whole: Range, byNs: number): Range {
 export function hasGrown(before: Growth, after: Growth): boolean {
   return before.end_ns !== after.end_ns || before.batches !== after.batches || before.status !== after.status;
 }
+
+/** A frame that takes longer than this, in milliseconds, has left no time for anything else. */
+const BUSY_MS = 34;
+/** Least and longest time between two moves of a playing cursor, unless a move itself takes longer. */
+const [MOVE_MS_MIN, MOVE_MS_MAX] = [30, 100];
+
+/** The moves of a playing cursor: some thirty in a second, or fewer, so that a page that draws slowly has as much time for its user's keys. */
+export class Pace {
+  private frameAt: number;
+  private isDrawing = false;
+  private restMs = 0;
+
+  constructor(private movedAt: number) {
+    this.frameAt = movedAt;
+  }
+
+  /** The time since the last move if the cursor moves in the frame of `now`; null while it rests. Times are in milliseconds. */
+  due(now: number): number | null {
+    // The first frame after a move begins when the move has been drawn.
+    const drawnMs = now - this.frameAt;
+    if (this.isDrawing) this.restMs = drawnMs > BUSY_MS ? Math.min(2 * drawnMs, MOVE_MS_MAX) : MOVE_MS_MIN;
+    this.frameAt = now;
+    const elapsedMs = now - this.movedAt;
+    this.isDrawing = elapsedMs >= this.restMs;
+    if (!this.isDrawing) return null;
+    this.movedAt = now;
+    return elapsedMs;
+  }
+}

@@ -78,6 +78,11 @@ export class Freshness {
     this.check();
   }
 
+  /** False while an answer for the cursor's instant is awaited; a failed request is not. */
+  get isCurrent(): boolean {
+    return [...this.since.keys()].every(subject => this.failures.has(subject));
+  }
+
   /** A request for a subject that does not depend on the instant has succeeded. */
   succeed(subject: string): void {
     if (!this.failures.has(subject)) return;

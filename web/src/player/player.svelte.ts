@@ -7,6 +7,7 @@
 
 import type { Alarm } from '../record/alarms';
 import { targetsWithoutEndedVisits } from '../record/ended';
+import { keptNames } from '../record/kept';
 import { LatestOnly } from '../record/latest';
 import type { MeasuredWind, Present } from '../record/measured';
 import {
@@ -31,6 +32,7 @@ import type {
   Trouble,
 } from '../record/types';
 import { missionTime } from '../time/format';
+import type { Names } from '../words/phrase';
 import { signalWords, subjectWords } from '../words/subject';
 import { type Address, type Rows, type Selection, selectionText } from './address';
 import { Alarms } from './alarms.svelte';
@@ -40,6 +42,7 @@ import {
   clamp,
   hasGrown,
   otherSpeed,
+  Pace,
   type Range,
   shift,
   speedFor,
@@ -55,6 +58,8 @@ import { foundSelection } from './selected';
 
 /** A growing record is read again at most this often, because drawing all of it takes long. */
 const REREAD_MS = 1500;
+/** Time after the last move of the cursor at which it counts as still, if the answers for its instant have arrived. */
+const STILL_MS = 600;
 /** A full explanation requires a restored instant, so it is requested only after the cursor has been still for this long. */
 const REST_MS = 250;
 
@@ -92,6 +97,8 @@ export class Player {
   readonly scenery: Scenery;
 
   atNs = $state(0);
+  /** True from a move of the cursor until it has been still for a while and the answers for its instant are shown. */
+  moving = $state(false);
   /** Counts the readings of a growing record. Panels that read on their own read again: the facts of an instant change in a pause. */
   revision = $state(0);
   visible = $state.raw<Range>({ fromNs: 0, toNs: 0 });
@@ -136,6 +143,7 @@ export class Player {
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
   private sceneryTimer: ReturnType<typeof setTimeout> | undefined;
   private restTimer: ReturnType<typeof setTimeout> | undefined;
+  private stillTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
   /** Width of the timeline's drawing. */
@@ -147,6 +155,23 @@ export class Player {
     { task: number; atNs: number; explain: boolean },
     TaskExplanation
   >;
+
+  /** The names of targets by identifier. */
+  readonly names: Names = $derived.by(() => {
+    this.namesBefore = keptNames(this.namesBefore, this.targets);
+    return this.namesBefore;
+  });
+  private namesBefore: Names = new Map();
+  /** The alarms of the cursor's instant. */
+  readonly alarmList: Alarm[] = $derived.by(() =>
+    this.alarms.list(
+      this.troubles,
+      this.questions,
+      this.atNs,
+      trouble => subjectWords(trouble.subject, this.names),
+      window => signalWords(window.attribute),
+    ),
+  );
 
   constructor(readonly source: RecordSource & Partial<Pick<ServedRecord, 'base' | 'id'>>) {
     this.scenery = new Scenery(source, atNs => this.freshness.answer('plans', atNs));
@@ -243,7 +268,8 @@ export class Player {
       this.freshness.ask(this.atNs);
       this.following = live && asked === null;
       this.selection = address?.selection ?? null;
-      await Promise.all([this.read(), this.scenery.readFacts()]);
+      // Shown at once: a key between two parts of the opening would be undone by the rest of it.
+      await this.read(this.scenery.readFacts());
     } catch (error) {
       this.showError('flight', error);
       setTimeout(() => void this.open(address), REREAD_MS);
@@ -294,18 +320,6 @@ export class Player {
     }
   }
 
-  /** The alarms of the cursor's instant. */
-  get alarmList(): Alarm[] {
-    const names = new Map(this.targets.map(target => [target.id, target.name]));
-    return this.alarms.list(
-      this.troubles,
-      this.questions,
-      this.atNs,
-      trouble => subjectWords(trouble.subject, names),
-      window => signalWords(window.attribute),
-    );
-  }
-
   /** The state as an address, without values that are as at first. */
   get address(): Omit<Address, 'theme'> {
     const first = this.atNs === this.range.fromNs && !this.live;
@@ -351,6 +365,7 @@ export class Player {
     this.pause();
     clearTimeout(this.rereadTimer);
     clearTimeout(this.restTimer);
+    clearTimeout(this.stillTimer);
     clearTimeout(this.sceneryTimer);
     this.freshness.stop();
     this.stopWatching?.();
@@ -367,7 +382,15 @@ export class Player {
   private moveTo(atNs: number): void {
     const showsAll = this.showsAll;
     this.atNs = atNs;
+    this.moving = true;
+    clearTimeout(this.stillTimer);
+    this.stillTimer = setTimeout(() => this.rest(), STILL_MS);
     if (showsAll && this.visible.toNs !== this.axis.toNs) this.visible = this.axis;
+  }
+
+  private rest(): void {
+    if (this.freshness.isCurrent) this.moving = false;
+    else this.stillTimer = setTimeout(() => this.rest(), STILL_MS);
   }
 
   /** Moves the cursor by a step of the arrow keys. */
@@ -392,10 +415,14 @@ export class Player {
     if (this.atNs >= this.range.toNs && !this.live) this.seek(this.range.fromNs);
     this.playing = true;
     this.freshness.play(true);
-    let before = performance.now();
+    const pace = new Pace(performance.now());
     const next = (now: number) => {
-      const moved = advance(this.atNs, now - before, this.speed, this.range);
-      before = now;
+      const elapsedMs = pace.due(now);
+      if (elapsedMs === null) {
+        this.frame = requestAnimationFrame(next);
+        return;
+      }
+      const moved = advance(this.atNs, elapsedMs, this.speed, this.range);
       this.moveTo(moved.atNs);
       this.ask();
       if (moved.ended) {
@@ -644,13 +671,15 @@ export class Player {
     else this.ask();
   }
 
-  private async read(): Promise<void> {
+  /** Reads the record at the cursor's instant, and shows it when `others` have been read, too. */
+  private async read(others: Promise<void> | null = null): Promise<void> {
     this.readAt = performance.now();
     const { atNs } = this;
     const [track, moment, surroundings] = await Promise.all([
       this.source.track(),
       this.momentAt(atNs),
       this.source.surroundings(),
+      others,
     ]);
     this.track = track;
     this.surroundings = surroundings;

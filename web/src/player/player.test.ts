@@ -76,3 +76,36 @@ it('a record is opened with one reading of the instant of the address', async ()
   expect(record.asked()).toBe(2);
   player.close();
 });
+
+it('the page takes no keys before it is open: the rest of the opening would undo them', async () => {
+  const record = liveRecord();
+  let answer: (facts: null) => void = () => undefined;
+  const facts = new Promise<null>(resolve => (answer = resolve));
+  const slow = new Proxy(record.source, {
+    get: (source, name) => (name === 'facts' ? () => facts : source[name as keyof RecordSource]),
+  });
+  const player = new Player(slow);
+  const opened = player.open(readAddress('?t=5').address);
+  await vi.advanceTimersByTimeAsync(100);
+  expect(player.mission).toBeNull();
+  answer(null);
+  await opened;
+  expect(player.mission).not.toBeNull();
+  expect(player.atNs).toBe(5e9);
+  player.close();
+});
+
+it('the cursor counts as moving until it has been still for a while', async () => {
+  const player = new Player(liveRecord().source);
+  await player.open(readAddress('?t=5').address);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(player.moving).toBe(false);
+  player.seek(7e9);
+  await vi.advanceTimersByTimeAsync(400);
+  player.seek(8e9);
+  await vi.advanceTimersByTimeAsync(400);
+  expect(player.moving).toBe(true);
+  await vi.advanceTimersByTimeAsync(300);
+  expect(player.moving).toBe(false);
+  player.close();
+});

@@ -8,9 +8,18 @@ import type { Trouble } from './types';
  * again.
  */
 export function failures(troubles: readonly Trouble[]): Trouble[] {
-  const together = (one: Trouble, other: Trouble) => one !== other && one.t_ns === other.t_ns;
+  // Hundreds of targets can be left out at one instant: each entry is a separate alarm.
+  const isAlone = ({ kind }: Trouble) => kind === 'left-out' || kind === 'interrupted';
+  const together = new Map<number, Trouble[]>();
+  for (const entry of troubles) {
+    if (isAlone(entry)) continue;
+    const same = together.get(entry.t_ns);
+    if (same) same.push(entry);
+    else together.set(entry.t_ns, [entry]);
+  }
   return troubles.flatMap(entry => {
-    const around = troubles.filter(other => together(entry, other));
+    if (isAlone(entry)) return [entry];
+    const around = together.get(entry.t_ns) ?? [];
     if (entry.kind === 'fault') {
       const { failed_child, handler, place } = entry;
       const isOfChild = (other: Trouble) => other.kind === 'failed' && other.task === failed_child;

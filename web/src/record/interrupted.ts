@@ -21,13 +21,13 @@ export function interruptionOf(target: Target, troubles: readonly Trouble[]): Tr
  * interrupted task may resume. `tasks` are those that have not ended, at the same instant.
  */
 export function withEndedVisits(
-  targets: readonly Target[],
+  targets: Target[],
   troubles: readonly Trouble[],
   tasks: readonly Pick<Task, 'id' | 'state'>[],
   ending: Ending | null,
   endNs: number,
 ): Target[] {
-  return targets.map(target => {
+  const changed = targets.map(target => {
     if (target.state !== 'observing') return target;
     const interruption = interruptionOf(target, troubles);
     const task = interruption && tasks.find(one => one.id === interruption.task);
@@ -40,4 +40,6 @@ export function withEndedVisits(
     const { state, detail, t_ns } = change;
     return { ...target, state, detail, since_ns: t_ns, history: [...target.history, change] };
   });
+  // The same list while no visit has ended: what is drawn from it needs no new drawing.
+  return changed.every((target, index) => target === targets[index]) ? targets : changed;
 }

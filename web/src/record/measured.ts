@@ -1,5 +1,6 @@
 /** The vehicle's last measurements. The track of a record is thinned for drawing, so its last row is not the present value. Pure. */
 
+import { countBefore, countUntil } from './sorted';
 import type { Signal, SignalWindow, Track } from './types';
 
 /** The columns of the track that are measured, with the attributes that carry them. */
@@ -152,6 +153,25 @@ function tailOf(track: Track, series: Partial<Record<Quantity, Series>>): Track 
   return tail;
 }
 
+/** The samples of each column of a track; tracks do not change. */
+const SAMPLES = new WeakMap<Track, Map<Column, Series>>();
+
+function samplesIn(track: Track, column: Column): Series {
+  const columns = SAMPLES.get(track) ?? new Map<Column, Series>();
+  SAMPLES.set(track, columns);
+  const known = columns.get(column);
+  if (known) return known;
+  const found: Series = { times: [], values: [] };
+  track[column].forEach((value, index) => {
+    const time = track.t_ns[index];
+    if (value === null || time === undefined) return;
+    found.times.push(time);
+    found.values.push(value);
+  });
+  columns.set(column, found);
+  return found;
+}
+
 /** The values of a column until an instant: of the track, and of `tail` for the time that it covers. */
 export function columnUntil(
   track: Track,
@@ -159,21 +179,24 @@ export function columnUntil(
   column: Exclude<Column, 'latitude_deg' | 'longitude_deg'>,
   atNs: number,
 ): { times: number[]; values: number[] } {
-  const times: number[] = [];
-  const values: number[] = [];
-  const add = (from: Track, fits: (time: number) => boolean) => {
-    from[column].forEach((value, index) => {
-      const time = from.t_ns[index];
-      if (value === null || time === undefined || time > atNs || !fits(time)) return;
-      times.push(time);
-      values.push(value);
-    });
-  };
-  const begin = tail?.t_ns.find((_, index) => tail[column][index] !== null) ?? Infinity;
+  const all = samplesIn(track, column);
+  const recent = tail ? samplesIn(tail, column) : { times: [], values: [] };
+  const until = (times: readonly number[]) => countUntil(times, atNs);
+  const begin = recent.times[0];
+  if (begin === undefined) {
+    const count = until(all.times);
+    return { times: all.times.slice(0, count), values: all.values.slice(0, count) };
+  }
   // If the tail was read for an earlier instant, the rows that the track has since then follow it.
-  const end = begin === Infinity ? Infinity : (tail?.t_ns.at(-1) ?? Infinity);
-  add(track, time => time < begin);
-  if (tail) add(tail, () => true);
-  add(track, time => time > end && time >= begin);
-  return { times, values };
+  const end = tail?.t_ns.at(-1) ?? Infinity;
+  const [before, after] = [
+    Math.min(countBefore(all.times, begin), until(all.times)),
+    countUntil(all.times, end),
+  ];
+  const join = (from: readonly number[], last: readonly number[]) => [
+    ...from.slice(0, before),
+    ...last.slice(0, until(recent.times)),
+    ...from.slice(after, Math.max(until(all.times), after)),
+  ];
+  return { times: join(all.times, recent.times), values: join(all.values, recent.values) };
 }

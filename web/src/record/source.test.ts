@@ -7,7 +7,7 @@ it('equal requests made at once share one answer, and later ones are sent again'
   const asked: string[] = [];
   vi.stubGlobal('fetch', async (address: string) => {
     const number = asked.push(address);
-    return { ok: true, json: async () => ({ number }) };
+    return { ok: true, text: async () => JSON.stringify({ number }) };
   });
   const record = new ServedRecord('http://server');
   const [first, second, other] = await Promise.all([record.report(5), record.report(5), record.report(6)]);

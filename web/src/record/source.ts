@@ -1,5 +1,6 @@
 /** The only access to a flight record: requests to the server, and updates while the record grows. */
 
+import { Answers } from './answers';
 import { type Carriers, carriersOf, isComplete, type Present, presentOf } from './measured';
 import type {
   Events,
@@ -141,6 +142,8 @@ export function failureOf(error: unknown): { error: string; help: string } {
     : { error: String(error), help: 'reload the page' };
 }
 
+/** The parameters of a question that are instants. */
+const INSTANTS = 'at from to'.split(' ');
 const RETRY_MS = 2000;
 /** Duration of the track's tail, and its maximum number of points: as many as 16 samples per second. */
 const [TAIL_NS, TAIL_POINTS] = [60e9, 1000];
@@ -155,6 +158,7 @@ export class ServedRecord implements RecordSource {
   private carriers: Carriers = {};
   /** Requests of the present turn of the event loop by address: an equal one shares the answer. Later ones may have newer answers. */
   private readonly askedAtOnce = new Map<string, Promise<unknown>>();
+  private readonly answers = new Answers();
 
   /** `id` is the record's number in `/api/records`; 0 is the one with which the server was started. */
   constructor(
@@ -280,22 +284,23 @@ export class ServedRecord implements RecordSource {
     const address = `${this.api}/${what}?${parameters}`;
     const asked = this.askedAtOnce.get(address) as Promise<T> | undefined;
     if (asked) return asked;
-    const answer = this.read<T>(address);
+    for (const instant of INSTANTS) parameters.delete(instant);
+    const answer = this.read<T>(address, `${what}?${parameters}`);
     this.askedAtOnce.set(address, answer);
     queueMicrotask(() => this.askedAtOnce.delete(address));
     return answer;
   }
 
-  private async read<T>(address: string): Promise<T> {
+  /** `question` is the address without instants. */
+  private async read<T>(address: string, question: string): Promise<T> {
     let response: Response;
     try {
       response = await fetch(address);
     } catch {
       throw new RecordError('the server does not answer', 'is `apex serve` still running?');
     }
-    const body = await response.json();
-    if (!response.ok) throw RecordError.of(response, body);
-    return body;
+    if (!response.ok) throw RecordError.of(response, await response.json());
+    return this.answers.decode(question, await response.text()) as T;
   }
 }
 

@@ -42,7 +42,7 @@ export function isUnmentioned(
   // Each plan records the states of its targets again.
   const last = target.history.at(-1);
   if (!last || last.t_ns >= plan.adopted_ns) return false;
-  return ![...plan.visits, ...plan.left_out].some(one => one.target === target.id);
+  return entriesOf(plan, target.id) === NO_ENTRIES;
 }
 
 /** The instant since which the reason of the target's state has been the present one: several plans may keep the state. */
@@ -73,6 +73,7 @@ export function begunVisits(plan: PlanInForce, targets: readonly Target[], atNs:
 /** The visits of the targets with their results, in order of time; a result without a visit, such as `skipped`, has no duration. */
 export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
   const visits = targets.flatMap(({ id, name, history }) => {
+    if (history.length === 0) return [];
     const own: Visit[] = [];
     let open: Visit | undefined;
     for (const { state, t_ns } of history) {
@@ -156,18 +157,22 @@ interface Known {
   atNs: number;
 }
 
+/** Compares names as the browser's language orders them; made once, because making it takes longer than many comparisons. */
+const COLLATOR = new Intl.Collator();
+
 /** The targets known at the instant, in the order of their planned time, then by name. */
 export function targetRows({ targets, plans, troubles, facts, report, passing, atNs }: Known): TargetRow[] {
-  const visits = visitsOf(targets, atNs);
   const known = plans.filter(plan => plan.adopted_ns <= atNs);
   const last = known.at(-1);
   const begun = last ? begunVisits(last, targets, atNs) : [];
+  const interruptions = troubles.filter(one => one.kind === 'interrupted' && one.t_ns <= atNs);
   const rows = targets.map(target => {
-    const own = visits.filter(
-      visit => visit.id === target.id && (visit.toNs > visit.fromNs || visit.state === 'observed'),
+    const own = visitsOf([target], atNs).filter(
+      visit => visit.toNs > visit.fromNs || visit.state === 'observed',
     );
     const threads = known.flatMap(plan => threadsOf(plan, target.id, plan === last ? begun : null));
-    const next = last?.visits.find((visit, index) => visit.target === target.id && begun[index] === null);
+    const nextIndex = last && entriesOf(last, target.id).visits.find(index => begun[index] === null);
+    const next = nextIndex === undefined ? undefined : last?.visits[nextIndex];
     const row = {
       id: target.id,
       name: target.name,
@@ -181,13 +186,8 @@ export function targetRows({ targets, plans, troubles, facts, report, passing, a
       left: last && isLeftOut(last, target.id) ? leftOf(known, threads) : null,
       unmentioned: last && isUnmentioned(target, last) ? notInPlan(last) : null,
       visits: own.map(({ fromNs, toNs, state }) => ({ fromNs, toNs, state })),
-      reflies: troubles
-        .filter(
-          trouble =>
-            trouble.kind === 'interrupted' &&
-            trouble.t_ns <= atNs &&
-            own.some(visit => trouble.t_ns >= visit.fromNs && trouble.t_ns <= visit.toNs),
-        )
+      reflies: interruptions
+        .filter(({ t_ns }) => own.some(visit => t_ns >= visit.fromNs && t_ns <= visit.toNs))
         .map(trouble => trouble.t_ns),
       passingNs: passing?.get(target.id) ?? null,
       goneNs: target.gone_ns,
@@ -201,24 +201,52 @@ export function targetRows({ targets, plans, troubles, facts, report, passing, a
     row.nextNs ??
     row.threads.findLast(thread => thread.beginNs !== null)?.beginNs ??
     Infinity;
-  return rows.sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
+  return rows.sort((a, b) => order(a) - order(b) || COLLATOR.compare(a.name, b.name));
+}
+
+/** The entries of a plan about a target: the indices of its visits in the plan, and the reason why the plan leaves it out. */
+interface PlanEntries {
+  visits: number[];
+  leftOut: string | null;
+}
+
+/** The entries of each plan by target; plans do not change. */
+const ENTRIES = new WeakMap<PlanInForce, Map<string, PlanEntries>>();
+const NO_ENTRIES: PlanEntries = { visits: [], leftOut: null };
+
+function entriesOf(plan: PlanInForce, target: string): PlanEntries {
+  const known = ENTRIES.get(plan);
+  if (known) return known.get(target) ?? NO_ENTRIES;
+  const entries = new Map<string, PlanEntries>();
+  const of = (id: string): PlanEntries => {
+    const found = entries.get(id) ?? { visits: [], leftOut: null };
+    entries.set(id, found);
+    return found;
+  };
+  plan.visits.forEach((visit, index) => {
+    of(visit.target).visits.push(index);
+  });
+  for (const one of plan.left_out) of(one.target).leftOut ??= one.reason;
+  ENTRIES.set(plan, entries);
+  return entries.get(target) ?? NO_ENTRIES;
 }
 
 /** The planned times of a target; `begun` are the instants at which the visits of the plan in force have begun, null for earlier plans. */
 function threadsOf(plan: PlanInForce, target: string, begun: readonly (number | null)[] | null): Thread[] {
   const common = { plan: plan.number, last: begun !== null };
-  const visits = plan.visits.flatMap((visit, index) =>
-    visit.target === target
-      ? [{ ...common, beginNs: visit.begin_ns, reason: '', begun: (begun?.[index] ?? null) !== null }]
-      : [],
-  );
-  if (visits.length > 0) return begun ? visits : visits.slice(0, 1);
-  const left = plan.left_out.find(one => one.target === target);
-  return left ? [{ ...common, beginNs: null, reason: left.reason, begun: false }] : [];
+  const { visits, leftOut } = entriesOf(plan, target);
+  if (visits.length === 0)
+    return leftOut === null ? [] : [{ ...common, beginNs: null, reason: leftOut, begun: false }];
+  return (begun ? visits : visits.slice(0, 1)).map(index => ({
+    ...common,
+    beginNs: plan.visits[index]?.begin_ns ?? null,
+    reason: '',
+    begun: (begun?.[index] ?? null) !== null,
+  }));
 }
 
 function isLeftOut(plan: PlanInForce, target: string): boolean {
-  return plan.left_out.some(one => one.target === target);
+  return entriesOf(plan, target).leftOut !== null;
 }
 
 /** `not in plan 2 of 0:16:56`: the plan neither visits the target nor states why. */

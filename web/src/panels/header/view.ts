@@ -74,6 +74,11 @@ export function headerView(
   };
 }
 
+/** How many digits the number of observed targets has less than the number of targets. */
+export function missingDigits(mission: Mission | null): number {
+  return mission ? String(mission.targets).length - String(mission.observed).length : 0;
+}
+
 function statusOf(
   mission: Mission,
   atNs: number,

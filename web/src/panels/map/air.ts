@@ -98,6 +98,14 @@ export interface SeenPatch {
   valid: boolean;
 }
 
+/** The number of scan lines and pictures by an instant. */
+export function seenBy(footprints: Footprints | null, atNs: number): number {
+  if (!footprints) return 0;
+  const lines = footprints.swaths.map(swath => swath.lines.filter(line => line.t_ns <= atNs).length);
+  const pictures = footprints.pictures.filter(picture => picture.t_ns <= atNs).length;
+  return lines.reduce((sum, count) => sum + count, pictures);
+}
+
 /** The ground seen by an instant, as outlines to fill. */
 export function seenPatches(footprints: Footprints | null, atNs: number): SeenPatch[] {
   if (!footprints) return [];

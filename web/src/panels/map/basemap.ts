@@ -45,6 +45,8 @@ export function makeMap(container: HTMLElement): maplibre.Map {
     pitchWithRotate: false,
     touchPitch: false,
     keyboard: false,
+    // The panel watches its size: a second watcher would draw the map twice.
+    trackResize: false,
     fadeDuration: 0,
     // A flight across the 180th meridian needs the ground on both sides of it.
     renderWorldCopies: true,

@@ -2,16 +2,15 @@
 
 import type { Pen } from '../../files/vector';
 import type { LandingPlace } from '../../record/types';
-import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
+import { COLOURS, MONO, stateColour } from '../../theme/colours';
 import { drawAbove, drawBelow, drawDraft, type Layers } from './layers';
+import { drawLabels, drawSymbols, LABEL_FONT, type Placed, placed } from './targets';
 import {
   type Aircraft,
-  type Box,
   degreesText,
   graticuleStep,
   type Path,
   type Position,
-  placeLabel,
   type TargetView,
   type ZoneView,
 } from './view';
@@ -50,23 +49,53 @@ export interface Frame {
   ground: Project;
 }
 
-const PLACE_FONT = `11px ${SANS}`;
-const LABEL_FONT = `600 11.5px ${SANS}`;
 /** Space at the lower right for the scale bar and the credit. */
 const CORNER_PX = 290;
 const GRID_FONT = `11px ${MONO}`;
 
-export function draw(context: Pen, scene: Scene, frame: Frame, project: Project): void {
+/** The parts of the drawing that do not move with the aircraft. */
+export type StillPart = 'ground' | 'symbols';
+
+/** Draws parts that do not move; each is drawn again only when a value of `from` is another one. */
+export interface Still {
+  part(name: StillPart, from: readonly unknown[], paint: (pen: Pen) => void): void;
+  /** The places of targets and names, computed from the same values as the symbols. */
+  placed(from: readonly unknown[], compute: () => Placed): Placed;
+}
+
+/** Draws each part at once, for drawings that are made once. */
+export function drawnAtOnce(context: Pen): Still {
+  return { part: (_name, _from, paint) => paint(context), placed: (_from, compute) => compute() };
+}
+
+export function draw(
+  context: Pen,
+  scene: Scene,
+  frame: Frame,
+  project: Project,
+  still: Still = drawnAtOnce(context),
+): void {
   context.clearRect(0, 0, frame.width, frame.height);
-  drawGraticule(context, frame);
-  drawBelow(context, scene.layers, project);
-  drawZones(context, scene.zones, project);
-  drawLandingPlaces(context, scene.landingPlaces, project);
-  drawOutlines(context, scene, project);
+  const { layers, zones, landingPlaces, targets, selected } = scene;
+  const { width, height, west, east, south, north } = frame;
+  const view = [width, height, west, east, south, north];
+  const { reach, user, seen, ghost, other } = layers;
+  const ground = [...view, reach, user, seen, ghost, other, zones, landingPlaces, targets, scene.outlines];
+  still.part('ground', ground, pen => {
+    pen.lineJoin = pen.lineCap = 'round';
+    drawGraticule(pen, frame);
+    drawBelow(pen, layers, project);
+    drawZones(pen, zones, project);
+    drawLandingPlaces(pen, landingPlaces, project);
+    drawOutlines(pen, scene, project);
+  });
   drawTrack(context, scene, project);
-  drawAbove(context, scene.layers, project);
-  drawTargets(context, scene, frame, project);
-  drawDraft(context, scene.layers, project);
+  drawAbove(context, layers, project);
+  const symbols = [...view, targets, selected, zones, landingPlaces];
+  const places = still.placed(symbols, () => placed(context, scene, frame, project));
+  still.part('symbols', symbols, pen => drawSymbols(pen, places, selected));
+  scene.onLost(drawLabels(context, places, scene.aircraft && project(scene.aircraft.position)));
+  drawDraft(context, layers, project);
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
   if (scene.aircraft && scene.isUncertain) drawUncertain(context, scene.aircraft, project);
 }
@@ -191,94 +220,6 @@ function polyline(context: Pen, line: readonly Position[], count: number, projec
     if (index === 0) context.moveTo(x, y);
     else context.lineTo(x, y);
   }
-}
-
-function drawTargets(context: Pen, scene: Scene, frame: Frame, project: Project): void {
-  const points = scene.targets.map(target => ({ target, ...project(target.position) }));
-  const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
-  if (scene.aircraft) {
-    const { x, y } = project(scene.aircraft.position);
-    taken.push({ x: x - 13, y: y - 13, width: 26, height: 26 });
-  }
-  for (const { target, x, y } of points) drawSymbol(context, target, x, y, target.id === scene.selected);
-  // The selected target and targets in progress get labels first, then targets by value.
-  const rank = (target: TargetView) =>
-    (target.id === scene.selected ? 1e9 : 0) + (target.state === 'observing' ? 1e6 : 0) + (target.value ?? 0);
-  context.textBaseline = 'middle';
-  let lost = 0;
-  const write = (text: string, x: number, y: number, colour: string): void => {
-    // A symbol outside the picture gets no label.
-    if (x < 0 || y < 0 || x > frame.width || y > frame.height) return;
-    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken, frame);
-    if (!box) {
-      lost += 1;
-      return;
-    }
-    taken.push(box);
-    context.lineWidth = 3;
-    context.strokeStyle = COLOURS.halo;
-    context.strokeText(text, box.x + 1, box.y + 7);
-    context.fillStyle = colour;
-    context.fillText(text, box.x + 1, box.y + 7);
-  };
-  context.font = LABEL_FONT;
-  for (const { target, x, y } of points.sort((a, b) => rank(b.target) - rank(a.target)))
-    write(target.name, x, y, stateColour(target.state));
-  context.font = PLACE_FONT;
-  for (const place of scene.landingPlaces.filter(one => one.base)) {
-    const { x, y } = project([place.longitude_deg, place.latitude_deg]);
-    write(place.name, x, y, COLOURS.dim);
-  }
-  for (const zone of scene.zones.filter(one => one.label !== '')) {
-    const { x, y } = project(zone.centre);
-    write(zone.label, x, y, COLOURS.dim);
-  }
-  scene.onLost(lost);
-  context.textBaseline = 'alphabetic';
-}
-
-function drawSymbol(context: Pen, target: TargetView, x: number, y: number, selected: boolean): void {
-  const colour = stateColour(target.state);
-  if (target.state === 'skipped') {
-    // A cross with a halo, so that it stands out from outlines.
-    for (const [style, width] of [
-      [COLOURS.halo, 5],
-      [colour, 2],
-    ] as const) {
-      context.strokeStyle = style;
-      context.lineWidth = width;
-      context.beginPath();
-      context.moveTo(x - 4, y - 4);
-      context.lineTo(x + 4, y + 4);
-      context.moveTo(x + 4, y - 4);
-      context.lineTo(x - 4, y + 4);
-      context.stroke();
-    }
-  } else {
-    context.fillStyle = target.state === 'observed' ? colour : COLOURS.sea;
-    context.strokeStyle = colour;
-    context.lineWidth = 1.8;
-    circle(context, x, y, 4.5);
-    context.fill();
-    context.stroke();
-  }
-  if (target.state === 'observing') {
-    context.fillStyle = colour;
-    context.beginPath();
-    context.arc(x, y, 4.5, -Math.PI / 2, Math.PI / 2);
-    context.fill();
-  }
-  if (selected) {
-    context.strokeStyle = COLOURS.text;
-    context.lineWidth = 1.5;
-    circle(context, x, y, 9);
-    context.stroke();
-  }
-}
-
-function circle(context: Pen, x: number, y: number, radius: number): void {
-  context.beginPath();
-  context.arc(x, y, radius, 0, 2 * Math.PI);
 }
 
 function drawAircraft(context: Pen, aircraft: Aircraft, rotorcraft: boolean, project: Project): void {

@@ -2,6 +2,7 @@
 
 import { middleLongitude, wrapLongitude } from '../../record/longitude';
 import { isInside } from '../../record/passing';
+import { countUntil } from '../../record/sorted';
 import type { LandingPlace, PlanInForce, Surroundings, Target, Track } from '../../record/types';
 import { isUnmentioned, notInPlan, reasonSince, shownState } from '../../record/visits';
 import { clock, NANOSECONDS_PER_SECOND } from '../../time/format';
@@ -49,17 +50,7 @@ export function pathOf(track: Track | null): Path {
   return path;
 }
 
-/** Number of entries in the sorted `times` that are not after `at`. */
-export function countUntil(times: readonly number[], at: number): number {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((times[middle] as number) <= at) low = middle + 1;
-    else high = middle;
-  }
-  return low;
-}
+export { countUntil };
 
 /**
  * The flown way until an instant: the samples of the path, and those of `tail`, which has all samples of the last time. Samples after the

@@ -66,7 +66,9 @@ export function draw(context: Pen, picture: Picture): void {
   context.rect(0, top, picture.width, picture.height - top);
   context.clip();
   context.translate(0, top - picture.scrollPx);
-  for (const lane of picture.lanes) drawLane(context, picture, lane);
+  const bottom = picture.scrollPx + picture.height - top;
+  for (const lane of picture.lanes)
+    if (lane.y < bottom && lane.y + lane.height > picture.scrollPx) drawLane(context, picture, lane);
   context.restore();
   drawTroubles(context, picture);
   drawAxis(context, picture);
