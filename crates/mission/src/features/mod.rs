@@ -17,10 +17,9 @@ pub(crate) use geometry::area_m2;
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
 use crate::terrain;
-use apex_geo::geodesy;
 use apex_geo::terrain::Terrain;
 use apex_model::problem::{Position, TimeWindow};
-use geojson::{Feature, GeometryValue, JsonValue};
+use geojson::{Feature, JsonValue};
 use permitted::hyphenated;
 use placed::PlacedFeature;
 
