@@ -3,7 +3,6 @@
 use crate::Mission;
 use crate::descent::Descent;
 use crate::situation::Situation;
-use apex_model::problem::ThinAirLevel;
 use apex_vehicle::EnergyModel;
 
 /// Energy at the instant of a planning problem.
@@ -66,48 +65,16 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
 
 /// Returns the fuel of a climb to cruise altitude beyond that of level flight, at the rate and speed of plans.
 fn climb_kg(mission: &Mission, from_m: f64) -> f64 {
-    let height_m = (mission.cruise_altitude_m() - from_m).max(0.0);
-    let of_step =
-        |step: u32| climb_kg_per_m(mission, from_m + height_m * (f64::from(step) + 0.5) / f64::from(CLIMB_STEPS));
-    (0..CLIMB_STEPS).map(of_step).sum::<f64>() / f64::from(CLIMB_STEPS) * height_m
-}
-
-/// Returns the flight at each of these altitudes at which thin air does not carry the vehicle at its cruise speed, by rising altitude.
-pub(crate) fn thin_air(mission: &Mission, altitudes_m: impl Iterator<Item = f64>) -> Vec<ThinAirLevel> {
-    let (model, cruise_m) = (&mission.model, mission.cruise_altitude_m());
-    let mut altitudes_m: Vec<f64> = altitudes_m.chain([cruise_m]).collect();
-    altitudes_m.sort_by(f64::total_cmp);
-    altitudes_m.dedup();
-    let level = |altitude_m: f64| {
-        let there = model.at_altitude(altitude_m);
-        let true_airspeed_mps = there.true_airspeed_m_s_cruise;
-        let drain_share = there.drain_planned_per_s(altitude_m) / model.drain_planned_per_s(cruise_m);
-        let drain_share = drain_share.max(1.0);
-        let is_faster = true_airspeed_mps > model.true_airspeed_m_s_cruise;
-        is_faster.then_some(ThinAirLevel { altitude_m, true_airspeed_mps, drain_share })
-    };
-    altitudes_m.into_iter().filter_map(level).collect()
-}
-
-/// Returns the fuel of a metre of climb at an altitude beyond that of level flight, at the rate and speed of plans.
-fn climb_kg_per_m(mission: &Mission, altitude_m: f64) -> f64 {
-    let model = &mission.model;
+    let (model, to_m) = (&mission.model, mission.cruise_altitude_m());
     let rate_mps = model.climb_rate_m_s_max * model.planning.climb_share;
-    let at = |vertical_mps: f64| model.drain_per_s(model.true_airspeed_m_s_cruise, altitude_m, vertical_mps);
-    (at(rate_mps) - at(0.0)) / rate_mps
-}
-
-/// Returns the seconds of flight whose fuel a metre of climb between these altitudes takes beyond level flight; 0 for a battery. The fuel
-/// of the lowest altitude counts, where it is greatest.
-pub(crate) fn climb_energy_s_per_m(mission: &Mission, altitudes_m: impl Iterator<Item = f64>) -> f64 {
-    let model = &mission.model;
-    match &model.energy {
-        EnergyModel::Fuel(_) => {
-            let lowest_m = altitudes_m.fold(mission.cruise_altitude_m(), f64::min);
-            climb_kg_per_m(mission, lowest_m) / model.drain_planned_per_s(mission.cruise_altitude_m())
-        }
-        EnergyModel::Battery(_) => 0.0,
-    }
+    let height_m = (to_m - from_m).max(0.0);
+    let above_level = |step: u32| {
+        let altitude_m = from_m + height_m * (f64::from(step) + 0.5) / f64::from(CLIMB_STEPS);
+        let at = |vertical_mps: f64| model.drain_per_s(model.true_airspeed_m_s_cruise, altitude_m, vertical_mps);
+        at(rate_mps) - at(0.0)
+    };
+    let mean = (0..CLIMB_STEPS).map(above_level).sum::<f64>() / f64::from(CLIMB_STEPS);
+    mean * height_m / rate_mps
 }
 
 /// Steps of altitude over which the drain of a climb is averaged.
@@ -142,18 +109,6 @@ mod tests {
         let mut situation = Situation::default();
         situation.vehicle.altitude_m = mission.cruise_altitude_m();
         assert_eq!(energy(&mission, &situation).climb_fuel_kg, 0.0);
-    }
-
-    /// The flow in level flight at cruise altitude lasts for a second; a climb at the greatest rate takes 1.2 times as much in addition.
-    #[test]
-    fn a_metre_of_climb_takes_the_energy_of_its_penalty() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
-        let mut mission = Mission::load(&folder).unwrap();
-        let EnergyModel::Fuel(fuel) = &mut mission.model.energy else { panic!("no tank") };
-        (fuel.low_altitude_penalty, fuel.climb_penalty) = (0.0, 1.2);
-        let expected_s = 1.2 / mission.model.climb_rate_m_s_max;
-        let found_s = climb_energy_s_per_m(&mission, [9_000.0, 2_000.0].into_iter());
-        assert!((found_s / expected_s - 1.0).abs() < 1e-9, "{found_s} instead of {expected_s} s/m");
     }
 
     #[test]

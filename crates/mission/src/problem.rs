@@ -8,7 +8,7 @@ pub(crate) use timing::{GroundArrival, interval_windows, is_bound_to_seen};
 use super::situation::Situation;
 use super::{Fire, Mission, Site, TargetKind};
 use crate::descent::{Descent, descent_rate_mps};
-use crate::energy::{climb_energy_s_per_m, energy, thin_air};
+use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
 use crate::score::{FlownScore, is_complete};
 use crate::site_pictures::{self, Daylight};
@@ -96,9 +96,6 @@ pub(crate) fn single_visits(
     let climb_s = if flow > 0.0 { energy.climb_fuel_kg / flow } else { 0.0 };
     let start = here(mission, situation);
     let (targets, precedence) = wanted(mission, known, asked)?;
-    let altitudes_m = || targets.iter().flat_map(|target| &target.manoeuvres).map(|manoeuvre| manoeuvre.altitude_m);
-    let climb_energy_s_per_m = climb_energy_s_per_m(mission, altitudes_m());
-    let thin_air = thin_air(mission, altitudes_m());
     let mut problem = SingleVisitProblem {
         targets,
         vehicle: SingleVisitVehicle {
@@ -109,8 +106,6 @@ pub(crate) fn single_visits(
             fuel_kg: energy.fuel_kg,
             fuel_reserve_kg: energy.fuel_reserve_kg + energy.landing_fuel_kg + energy.climb_fuel_kg,
             fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,
-            climb_energy_s_per_m,
-            thin_air,
             endurance_s: energy.endurance_s,
             endurance_reserve_s: energy.reserve_s + energy.landing_s + climb_s,
             endurance_limit: None,

@@ -14,7 +14,7 @@ pub use left_out::{LeftOut, Obstacle, TimeLimit};
 pub use place::{AirspaceZone, Area, FOREVER_S, LandingPlace, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 pub use single_visit::{
     CrewMember, FailureTerm, Light, Manoeuvre, MustVisit, NamedLimit, PictureWork, PlannedVisit, QualityFactor,
-    QualityFactors, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, ThinAirLevel,
+    QualityFactors, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
 };
 pub use surveillance::{
     CostFunction, EventRate, SurveillancePlan, SurveillanceProblem, SurveillanceTarget, SurveillanceVisit,

@@ -5,7 +5,6 @@
 //! instead of the wind triangle), so that it does not repeat a planner's mistake.
 //! Bound: O(visits x targets) quadratures for surveillance; O(route length / 5 km x (zones + landing places)) else.
 
-mod energy;
 mod given_times;
 mod single_visit;
 mod surveillance;

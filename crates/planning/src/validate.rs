@@ -99,15 +99,6 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     turn_radius(vehicle.turn_radius_m)?;
     not_negative("the fuel flow", vehicle.fuel_flow_kg_per_s)?;
     not_negative("the fuel reserve", vehicle.fuel_reserve_kg)?;
-    for level in &vehicle.thin_air {
-        finite("the altitude of thin air", level.altitude_m)?;
-        positive("the true airspeed in thin air", level.true_airspeed_mps - vehicle.true_airspeed_mps)?;
-        not_negative("the drain in thin air beyond that in cruise", level.drain_share - 1.0)?;
-    }
-    if vehicle.thin_air.windows(2).any(|pair| matches!(pair, [low, high] if low.altitude_m >= high.altitude_m)) {
-        return Err("the altitudes of thin air do not rise".to_string());
-    }
-    not_negative("the energy of climbs", vehicle.climb_energy_s_per_m)?;
     not_negative("the margin of zones", problem.zone_margin_m)?;
     finite("the cruise altitude", vehicle.cruise_altitude_m)?;
     finite("the start altitude", problem.start_altitude_m)?;

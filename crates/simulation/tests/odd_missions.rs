@@ -6,8 +6,6 @@
 
 #[path = "odd/changed_altitude.rs"]
 mod changed_altitude;
-#[path = "odd/climbs.rs"]
-mod climbs;
 #[path = "odd/closed_base.rs"]
 mod closed_base;
 #[path = "odd/descent.rs"]

@@ -182,24 +182,3 @@ fn reasons_of_a_plan_without_visits_name_no_others() {
     let reasons: Vec<&str> = plan.left_out.iter().map(|left_out| left_out.reason.as_str()).collect();
     assert!(!reasons.is_empty() && reasons.iter().all(|reason| !reason.contains("others")), "{reasons:?}");
 }
-
-/// `a` by its long manoeuvre is worth most. With `b` before it, the long one ends 10 s too late, the short one as early as possible.
-#[test]
-fn the_time_that_a_visit_lacks_is_the_least_over_orders_and_manoeuvres() {
-    let mut a = target("a", 10.0, None, 20.0);
-    let mut short = a.manoeuvres[0].clone();
-    (short.duration_s, short.quality.coverage.factor) = (8.0, 0.5);
-    a.manoeuvres.push(short);
-    let targets = vec![a, target("b", 4.0, None, 10.0)];
-    let between_s: [&[f64]; 2] = [&[0.0, 50.0], &[10.0, 0.0]];
-    let reason = |endurance_s: f64| {
-        let travel = times(&[10.0, 10.0], &between_s, &[0.0, 0.0]);
-        let plan = visited(&SingleVisit, &problem(targets.clone(), endurance_s, travel));
-        plan.left_out.iter().find(|left_out| left_out.target == "b").map(|left_out| left_out.reason.clone())
-    };
-    // 10 s to `b`, 10 s there, 10 s to `a`, 8 s there.
-    assert_eq!(reason(35.0).as_deref(), Some("needs 3 s more than endurance leaves"));
-    let lower = "would lower the score by 1.00: the time it takes costs more than it is worth";
-    assert_eq!(reason(40.0).as_deref(), Some(lower), "the short manoeuvre loses 5 points, `b` is worth 4");
-    assert_eq!(reason(50.0), None);
-}

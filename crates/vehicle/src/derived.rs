@@ -5,7 +5,6 @@ use crate::energy::{EnergyModel, density_ratio};
 use crate::model::{Airframe, VehicleModel};
 use crate::sensor::{CarriedSensor, Optics, ScannerMode};
 use libm::{cos, tan};
-use std::borrow::Cow;
 
 /// Standard acceleration of gravity.
 const GRAVITY_M_S2: f64 = 9.806_65;
@@ -66,16 +65,6 @@ impl VehicleModel {
             lost_s(self.speed_change(cruise_m_s, true_airspeed_m_s)),
             lost_s(self.speed_change(true_airspeed_m_s, cruise_m_s)),
         )
-    }
-
-    /// Returns the vehicle with the cruise speed that it can have at an altitude: thin air carries it only at a higher true airspeed, which
-    /// its greatest speed limits.
-    pub fn at_altitude(&self, altitude_m: f64) -> Cow<'_, VehicleModel> {
-        let slowest_m_s = self.true_airspeed_m_s_min(altitude_m).min(self.true_airspeed_m_s_max);
-        if self.airframe == Airframe::Rotorcraft || slowest_m_s <= self.true_airspeed_m_s_cruise {
-            return Cow::Borrowed(self);
-        }
-        Cow::Owned(VehicleModel { true_airspeed_m_s_cruise: slowest_m_s, ..self.clone() })
     }
 
     /// Returns the slowest true airspeed at an altitude in the standard atmosphere, m/s.

@@ -125,12 +125,7 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan, air_changes: boo
         )?;
     }
     writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
-    writeln!(
-        out,
-        "  back at {}, fuel used {:.0} kg, the first climb as level flight",
-        clock(plan.end_s),
-        plan.fuel_used_kg
-    )?;
+    writeln!(out, "  back at {}, fuel used in level flight {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
     match plan.benefits_bound.zip(plan.gap()) {
         Some((bound, gap)) if gap < OPTIMAL && air_changes => {
             writeln!(out, "  no plan can have benefits above {bound:.2}, and this plan has them, {EARLIEST_AIR}")

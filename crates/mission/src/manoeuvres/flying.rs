@@ -41,7 +41,6 @@ pub(super) fn fly(
     model: &VehicleModel,
     field: &WindField,
 ) -> Result<FlownLines, String> {
-    let model = &*model.at_altitude(altitude_m);
     let airspeed_mps = line_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
     let mut flown = FlownLines { lines: Vec::new(), entry: None, duration_s: 0.0, length_m: 0.0 };
     if let Some((from, to)) = lines.first().filter(|_| model.airframe == Airframe::FixedWing) {

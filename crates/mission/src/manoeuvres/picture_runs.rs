@@ -157,7 +157,7 @@ fn along(places: &[Position], approach: Position) -> Vec<(Position, Position)> {
 fn sweep(wish: &Wish<'_>, camera: &CameraSetting, altitude_m: f64) -> Result<Vec<(Position, Position)>, String> {
     let (across_m, along_m) = camera.footprint_m(altitude_m - wish.fire.wanted.elevation_m);
     let wind = wind_at(wish, altitude_m);
-    let airspeed_mps = wish.mission.model.at_altitude(altitude_m).true_airspeed_m_s_cruise;
+    let airspeed_mps = wish.mission.model.true_airspeed_m_s_cruise;
     // Pictures are turned by the crab angle: the strip that they all see is narrower.
     let crab_sine = (libm::hypot(wind.east_mps, wind.north_mps) / airspeed_mps).min(0.7);
     let swath_m = across_m * libm::sqrt(1.0 - crab_sine * crab_sine) - along_m * crab_sine * wish.fire.pictures.overlap;
@@ -244,10 +244,10 @@ fn airspeed(
         Some(range)
     };
     let slowest_mps = match model.airframe {
-        Airframe::FixedWing => (1.15 * model.indicated_airspeed_m_s_min).max(model.true_airspeed_m_s_min(altitude_m)),
+        Airframe::FixedWing => 1.15 * model.indicated_airspeed_m_s_min,
         Airframe::Rotorcraft => GROUND_SPEED_M_S_MIN,
     };
-    let mut airspeed_mps = model.at_altitude(altitude_m).true_airspeed_m_s_cruise;
+    let mut airspeed_mps = model.true_airspeed_m_s_cruise;
     for _ in 0..8 {
         let Some((_, fastest_mps)) = speeds(airspeed_mps) else { break };
         if fastest_mps <= limit_mps {

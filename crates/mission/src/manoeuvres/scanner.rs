@@ -124,12 +124,11 @@ fn draft(
     let Wish { mission, target, fire, .. } = wish;
     let height_m = altitude_m - target.elevation_m;
     let wind = wind::at(&mission.forecast, target.position, altitude_m, wish.from_s);
-    let model = mission.model.at_altitude(altitude_m);
     // The strip wanders by as much as the wings may roll on a valid line.
     let roll_rad = scanner.setting.roll.map_or(0.0, |roll| roll.valid_deg) * RAD_PER_DEG;
     let overlap = (2.0 * height_m * libm::tan(roll_rad) / swath_m).min(0.5);
     // Scan lines of a crabbing vehicle are skewed: they begin and end later by this distance on one side.
-    let crab = (libm::hypot(wind.east_mps, wind.north_mps) / model.true_airspeed_m_s_cruise).min(1.0);
+    let crab = (libm::hypot(wind.east_mps, wind.north_mps) / mission.model.true_airspeed_m_s_cruise).min(1.0);
     let settings = SweepSettings { swath_m, overlap, track_deg: None, run_in_m: 0.5 * swath_m * crab };
     let flown =
         |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
@@ -156,8 +155,8 @@ fn draft(
     if lines.is_empty() {
         return Err("no scan line covers enough of the grown area".to_string());
     }
-    let ahead_m = height_m * libm::tan(model.cruise_pitch_rad(altitude_m).max(0.0));
-    let start_m = START_S * (model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));
+    let ahead_m = height_m * libm::tan(mission.model.cruise_pitch_rad(altitude_m).max(0.0));
+    let start_m = START_S * (mission.model.true_airspeed_m_s_cruise + libm::hypot(wind.east_mps, wind.north_mps));
     let lines: Vec<(Position, Position)> = lines.into_iter().map(|line| earlier(line, (ahead_m, start_m))).collect();
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { ground.name });
     drafted(wish, scanner, (name, altitude_m), OpenLines { lines, share })
@@ -176,7 +175,7 @@ fn drafted(
     let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
     let height_m = altitude_m - target.elevation_m;
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
-    let clarity = clarity(scanner, edr, (height_m, mission.model.at_altitude(altitude_m).true_airspeed_m_s_cruise));
+    let clarity = clarity(scanner, edr, (height_m, mission.model.true_airspeed_m_s_cruise));
     let promise = share * clear_share * clarity * look.resolution.factor(pixel_m, pixel_m);
     Ok(SweepDraft { name, altitude_m, lines, flown, promise, shut_by: None })
 }

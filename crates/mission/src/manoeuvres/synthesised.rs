@@ -207,9 +207,9 @@ fn lead_in(
     speed_mps: f64,
 ) -> Option<(f64, Position)> {
     let (from, to) = lines.first().filter(|(from, to)| from != to)?;
-    let (model, field) = (mission.model.at_altitude(altitude_m), &mission.forecast);
+    let (model, field) = (&mission.model, &mission.forecast);
     let track_deg = geodesy::azimuth_deg(*from, *to);
-    let length_m = lead_in_m(&model, field);
+    let length_m = lead_in_m(model, field);
     let wind = wind::at(field, *from, altitude_m, at_s);
     let cruise_mps = wind::triangle(track_deg, model.true_airspeed_m_s_cruise, wind)?.ground_speed_mps;
     let lasts_s = length_m / cruise_mps + model.speed_change_losses_s(speed_mps, cruise_mps).0;

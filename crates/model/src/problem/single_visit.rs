@@ -44,8 +44,8 @@ pub struct SingleVisitProblem {
     /// Cost of a failure.
     pub failure: FailureTerm,
     /// Given travel times: from the start, between targets (from the end of an observation to the beginning of the next), to the base.
-    /// Airspace and wind are then ignored, altitudes count only for the energy of climbs, and positions are for display. `None`: the
-    /// vehicle flies, and times follow from speed, wind and airspace.
+    /// Airspace, wind and altitudes are then ignored, and positions are for display. `None`: the vehicle flies, and times follow from
+    /// speed, wind and airspace.
     pub travel: Option<TravelTimes>,
 }
 
@@ -243,14 +243,6 @@ pub struct SingleVisitVehicle {
     pub fuel_reserve_kg: f64,
     /// Fuel burnt per second of flight; 0 for no limit by fuel.
     pub fuel_flow_kg_per_s: f64,
-    /// Seconds of flight whose energy a metre of climb takes beyond level flight. The reserves contain the first climb to cruise altitude;
-    /// other ways count it if they end higher than they begin.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub climb_energy_s_per_m: f64,
-    /// Altitudes from each of which on the vehicle flies faster than in cruise, by rising altitude: an indicated airspeed that carries it
-    /// takes a higher true airspeed in thin air.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub thin_air: Vec<ThinAirLevel>,
     /// Flight time from the plan's beginning to empty.
     pub endurance_s: f64,
     /// Flight time that must be left at the end.
@@ -262,41 +254,6 @@ pub struct SingleVisitVehicle {
     /// targets are left and reached in the directions of their lines.
     #[serde(default)]
     pub turn_radius_m: f64,
-}
-
-fn is_zero(figure: &f64) -> bool {
-    *figure == 0.0
-}
-
-/// Flight at and above an altitude at which the air does not carry the vehicle at its cruise speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ThinAirLevel {
-    /// The altitude above mean sea level.
-    pub altitude_m: f64,
-    /// Speed through the air. The radius of turns grows with its square.
-    pub true_airspeed_mps: f64,
-    /// Fuel or power of level flight there as a multiple of that in cruise, at least 1.
-    pub drain_share: f64,
-}
-
-impl SingleVisitVehicle {
-    /// Returns speed and drain of level flight at an altitude.
-    pub fn level_at(&self, altitude_m: f64) -> ThinAirLevel {
-        let cruise = ThinAirLevel { altitude_m, true_airspeed_mps: self.true_airspeed_mps, drain_share: 1.0 };
-        self.thin_air.iter().rfind(|level| level.altitude_m <= altitude_m).copied().unwrap_or(cruise)
-    }
-
-    /// Returns the least radius of a turn at a true airspeed.
-    pub fn turn_radius_m_at(&self, true_airspeed_mps: f64) -> f64 {
-        let faster = true_airspeed_mps / self.true_airspeed_mps;
-        self.turn_radius_m * faster * faster
-    }
-
-    /// Returns the seconds of flight whose energy a climb between two altitudes takes beyond level flight; 0 for a descent.
-    pub fn climb_energy_s(&self, from_m: f64, to_m: f64) -> f64 {
-        self.climb_energy_s_per_m * (to_m - from_m).max(0.0)
-    }
 }
 
 /// Member of the crew whose hours cost.
@@ -386,7 +343,7 @@ pub struct SingleVisitPlan {
     pub return_depart_s: f64,
     /// End of the flight: at the base, or at the last exit if there is no base.
     pub end_s: f64,
-    /// Fuel burnt; the first climb to cruise altitude counts as level flight.
+    /// Fuel burnt.
     pub fuel_used_kg: f64,
     /// Sum of the visits' worths.
     pub benefits: f64,

@@ -1,6 +1,5 @@
 //! Independent check of a single-visit plan: flies it in short steps, with separate arithmetic for wind, polygons, fuel and value.
 
-use super::energy::{at_altitude, climbed_m, thin_air_s};
 use super::{given_times, turns};
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
 use apex_geo::{sun, wind};
@@ -48,10 +47,9 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
             }
             ends_meet(&visit.route, here, entry, &visit.target, &mut found);
             let flown = turns::flown(problem, &visit.route, &visit.path);
-            let there = at_altitude(problem, manoeuvre.altitude_m);
-            fly(&there, flown, &leg, (visit.depart_s, visit.arrive_s), &mut found);
+            fly(problem, flown, &leg, (visit.depart_s, visit.arrive_s), &mut found);
             let ends = (exit, turns::track_rad(manoeuvre.lines.first(), false));
-            turns::check(&there, flown, visit.depart_s, ends, &visit.target, &mut found);
+            turns::check(problem, flown, visit.depart_s, ends, &visit.target, &mut found);
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
@@ -76,9 +74,8 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
         let depart_s = plan.return_depart_s.max(time_s);
         let flown = turns::flown(problem, &plan.return_route, &plan.return_path);
-        let there = at_altitude(problem, problem.vehicle.cruise_altitude_m);
-        fly(&there, flown, &leg, (depart_s, plan.end_s), &mut found);
-        turns::check(&there, flown, depart_s, (exit, None), "the base", &mut found);
+        fly(problem, flown, &leg, (depart_s, plan.end_s), &mut found);
+        turns::check(problem, flown, depart_s, (exit, None), "the base", &mut found);
     } else if (plan.end_s - time_s).abs() > 1e-6 {
         found.push("does not end with its last visit".to_string());
     }
@@ -367,12 +364,11 @@ fn order(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<S
 fn limits(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<String>) {
     let vehicle = &problem.vehicle;
     let flight_s = plan.end_s - problem.start_s;
-    let extra_s = vehicle.climb_energy_s_per_m * climbed_m(problem, plan) + thin_air_s(problem, plan);
-    let spare_s = vehicle.endurance_s - vehicle.endurance_reserve_s - flight_s - extra_s;
+    let spare_s = vehicle.endurance_s - vehicle.endurance_reserve_s - flight_s;
     if spare_s.is_nan() || spare_s < -1e-6 {
         found.push(format!("uses {:.0} s of the endurance reserve", -spare_s));
     }
-    let burnt_kg = vehicle.fuel_flow_kg_per_s * (flight_s + extra_s);
+    let burnt_kg = vehicle.fuel_flow_kg_per_s * flight_s;
     if vehicle.fuel_flow_kg_per_s > 0.0 && vehicle.fuel_kg - burnt_kg < vehicle.fuel_reserve_kg - 1e-6 {
         found.push(format!("burns {burnt_kg:.0} kg and thereby uses fuel of the reserve"));
     }

@@ -80,8 +80,6 @@ pub fn western_states(endurance_s: f64) -> SingleVisitProblem {
             fuel_kg: 1700.0,
             fuel_reserve_kg: 150.0,
             fuel_flow_kg_per_s: 0.02,
-            climb_energy_s_per_m: 0.0,
-            thin_air: Vec::new(),
             endurance_s,
             endurance_reserve_s: 1800.0,
             endurance_limit: None,

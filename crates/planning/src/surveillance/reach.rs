@@ -3,8 +3,7 @@
 //! Given times need not obey the triangle inequality, so a target that cannot be reached or left directly may be reachable through
 //! another one. Bound: O(targets), or O(targets^2) if a target cannot be the first.
 
-use crate::obstacle::LeftOutReason;
-use apex_model::problem::{Obstacle, SurveillanceProblem, TimeLimit, UNREACHABLE_S};
+use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 
 /// Returns the indices of the targets, of `count`, that some flight can observe, and the work of this search in nanoseconds. `end_s(from,
 /// time_s, to)` is the end of the observation of `to` after a departure from `from` (`None`: the start) at `time_s`; infinite if it is
@@ -44,54 +43,6 @@ pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
     let mut least_s = direct_s.clone();
     settle(&mut least_s, over_s);
     least_s
-}
-
-/// Returns the reason against a target that no flight until `limit_s` can observe: the least time that is missing, over ways by other
-/// targets.
-pub(super) fn unusable_reason(problem: &SurveillanceProblem, limit_s: f64, target: usize) -> LeftOutReason {
-    let end_s = least_end_s(problem, target);
-    if !end_s.is_finite() {
-        let text = match problem.return_to_base && problem.travel.start_to(target) < UNREACHABLE_S {
-            true => "leaves no way back to the base",
-            false => "cannot be reached from the start, nor in time via other targets",
-        };
-        return text.into();
-    }
-    let over_s = end_s - limit_s;
-    let (limit, allowed) = match limit_s < problem.horizon_s {
-        true => {
-            let endurance = TimeLimit::Flight { name: "endurance".to_string(), cause: None, is_energy: true };
-            (endurance, "endurance leaves")
-        }
-        false => (TimeLimit::Horizon, "the horizon allows"),
-    };
-    let text = format!("needs {:.0} s more than {allowed}", libm::ceil(over_s));
-    LeftOutReason { text, obstacle: Some(Obstacle::Late { over_s, limit, alone: true }) }
-}
-
-/// Returns the least end of a flight that observes `target`, over all ways by other targets, without limits on its time; infinite if no
-/// way leads there and, if it must return, to the base. A later departure never arrives earlier.
-fn least_end_s(problem: &SurveillanceProblem, target: usize) -> f64 {
-    let (travel, count) = (&problem.travel, problem.targets.len());
-    let seen_s = |arrive_s: f64, to: usize| {
-        let dwell_s = problem.targets.get(to).map_or(0.0, |target| target.dwell_s);
-        if arrive_s < UNREACHABLE_S { arrive_s + dwell_s } else { f64::INFINITY }
-    };
-    let over = |from: usize, ready_s: f64, to: usize| seen_s(ready_s + travel.between_at(from, to, ready_s), to);
-    let mut ends_s: Vec<f64> = (0..count).map(|to| seen_s(travel.start_to(to), to)).collect();
-    settle(&mut ends_s, over);
-    let end_s = ends_s.get(target).copied().unwrap_or(f64::INFINITY);
-    if !problem.return_to_base || !end_s.is_finite() {
-        return end_s;
-    }
-    let mut after_s = vec![f64::INFINITY; count];
-    if let Some(own) = after_s.get_mut(target) {
-        *own = end_s;
-    }
-    settle(&mut after_s, over);
-    let home_s = |(here, ready_s): (usize, &f64)| ready_s + travel.to_base_at(here, *ready_s);
-    let homes_s = after_s.iter().enumerate().filter(|(_, ready_s)| ready_s.is_finite()).map(home_s);
-    homes_s.filter(|home_s| *home_s < UNREACHABLE_S).fold(f64::INFINITY, f64::min)
 }
 
 /// Times that differ by no more are equal.

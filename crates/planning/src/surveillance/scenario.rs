@@ -9,7 +9,7 @@ use crate::obstacle::LeftOutReason;
 use crate::solver::{Budget, WORK_UNIT};
 use apex_metrics::eci;
 use apex_model::problem::{
-    LeftOut, Obstacle, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TravelTimes, UNREACHABLE_S,
+    LeftOut, Obstacle, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TimeLimit, TravelTimes, UNREACHABLE_S,
 };
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
@@ -321,7 +321,7 @@ impl<'a> Scenario<'a> {
                 let reason = if usable.get(index) == Some(&true) {
                     self.unwanted_reason(&word, index, cost, places_max)
                 } else {
-                    reach::unusable_reason(self.problem, self.limit_s, index)
+                    self.unusable_reason(index)
                 };
                 Some(reason.of(self.name(index)?))
             })
@@ -375,6 +375,26 @@ impl<'a> Scenario<'a> {
         let longer = before.iter().copied().chain([index]).chain(after.iter().copied());
         let (with, ns, seen) = self.price(longer);
         (seen.contains(&index).then_some(with), ns)
+    }
+
+    fn unusable_reason(&self, index: usize) -> LeftOutReason {
+        let travel = &self.problem.travel;
+        let there_s = travel.start_to(index);
+        if there_s >= UNREACHABLE_S {
+            return "cannot be reached from the start, nor in time via other targets".into();
+        }
+        let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
+        let home_s = if self.problem.return_to_base { travel.to_base_at(index, there_s + dwell_s) } else { 0.0 };
+        if home_s >= UNREACHABLE_S {
+            return "leaves no way back to the base".into();
+        }
+        let over_s = there_s + dwell_s + home_s - self.limit_s;
+        if self.limit_s < self.problem.horizon_s {
+            let text = format!("needs {:.0} s more than endurance leaves", libm::ceil(over_s));
+            let limit = TimeLimit::Flight { name: "endurance".to_string(), cause: None, is_energy: true };
+            return LeftOutReason { text, obstacle: Some(Obstacle::Late { over_s, limit, alone: false }) };
+        }
+        Obstacle::Late { over_s, limit: TimeLimit::Horizon, alone: false }.into()
     }
 }
 

@@ -70,20 +70,3 @@ fn the_stated_cost_is_that_of_the_cheapest_visit_on_the_way() {
     }
     assert!(compared > 20, "{compared}");
 }
-
-/// The direct way to the first target takes too long by far; by way of the second one it takes less.
-#[test]
-fn the_time_that_a_target_lacks_is_the_least_over_ways_by_others() {
-    let mut problem = examples::random(3, 1);
-    problem.travel.from_start_s = vec![9_000.0, 3_000.0, 9_000.0];
-    problem.travel.between_s.iter_mut().for_each(|row| row.fill(9_000.0));
-    problem.travel.between_s[1][0] = 1_000.0;
-    let dwells_s = problem.targets[0].dwell_s + problem.targets[1].dwell_s;
-    let expected_s = 4_000.0 + dwells_s - problem.horizon_s;
-    assert!(expected_s > 0.0, "{} s", problem.horizon_s);
-    let plan = Scenario::new(&problem).unwrap().plan("test", []);
-    let left_out = plan.left_out.iter().find(|left_out| left_out.target == problem.targets[0].name).unwrap();
-    assert_eq!(left_out.reason, format!("needs {:.0} s more than the horizon allows", expected_s.ceil()));
-    let Some(Obstacle::Late { over_s, alone, .. }) = &left_out.obstacle else { panic!("{left_out:?}") };
-    assert!((over_s - expected_s).abs() < 1e-9 && *alone, "{left_out:?}");
-}

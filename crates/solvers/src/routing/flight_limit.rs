@@ -20,18 +20,8 @@ impl<'a> FlightLimit<'a> {
         }
     }
 
-    /// Returns the latest end of a flight without climbs after the first, and the limit that causes it.
+    /// Returns the latest end of the flight, and the limit that causes it.
     pub(crate) fn earliest(problem: &'a SingleVisitProblem) -> (f64, FlightLimit<'a>) {
-        let end = || FlightLimit::of(problem.end_limit.as_ref(), "the end of the mission", false);
-        let energy = FlightLimit::of_energy(problem);
-        match problem.end_s {
-            Some(end_s) if end_s < energy.0 => (end_s, end()),
-            _ => energy,
-        }
-    }
-
-    /// Returns the time for which the energy lasts in level flight, and the limit that causes it.
-    pub(crate) fn of_energy(problem: &'a SingleVisitProblem) -> (f64, FlightLimit<'a>) {
         let vehicle = &problem.vehicle;
         let endurance = || FlightLimit::of(vehicle.endurance_limit.as_ref(), "endurance", true);
         let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, endurance())];
@@ -39,6 +29,8 @@ impl<'a> FlightLimit<'a> {
             let burn_s = (vehicle.fuel_kg - vehicle.fuel_reserve_kg) / vehicle.fuel_flow_kg_per_s;
             limits.push((problem.start_s + burn_s, FlightLimit::of(None, "fuel", true)));
         }
+        let end = || FlightLimit::of(problem.end_limit.as_ref(), "the end of the mission", false);
+        limits.extend(problem.end_s.map(|end_s| (end_s, end())));
         limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or_else(|| (problem.start_s, endurance()))
     }
 

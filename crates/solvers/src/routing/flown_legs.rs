@@ -86,38 +86,6 @@ pub(crate) fn legs(
     Some(legs)
 }
 
-/// Returns the table of legs with their energy beyond that of cruise as time. `legs` include the visit at their beginning, but its energy
-/// belongs to the way to it.
-pub(super) fn with_energy(schedule: &Schedule<'_>, nodes: &[Node], mut legs: Vec<i32>, tick_s: f64) -> Vec<i32> {
-    let problem = schedule.problem;
-    let ends = |(number, node): (usize, &Node)| match number as u32 {
-        START => (PointKey::Start, PointKey::Start, 0.0),
-        END => (PointKey::Base, PointKey::Base, 0.0),
-        _ => {
-            let (target, manoeuvre) = (node.target as usize, node.manoeuvre as usize);
-            let data = problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
-            let duration_s = data.map_or(0.0, |data| data.duration_s);
-            (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre), duration_s)
-        }
-    };
-    let ends: Vec<(PointKey, PointKey, f64)> = nodes.iter().enumerate().map(ends).collect();
-    for ((_, from, stay_s), row) in ends.iter().zip(legs.chunks_exact_mut(nodes.len())) {
-        for ((to, _, next_stay_s), ticks) in ends.iter().zip(row) {
-            // A flight without visits stays at its start.
-            let is_flown = match to {
-                PointKey::Base => problem.base.is_some() && *from != PointKey::Start,
-                _ => true,
-            };
-            if *ticks < NO_WAY && is_flown && *from != PointKey::Base {
-                let flown_s = f64::from(*ticks) * tick_s - stay_s + next_stay_s;
-                let extra_s = schedule.extra_s((*from, *to), flown_s);
-                *ticks = ticks.saturating_add(ceil_ticks(extra_s, tick_s)).min(NO_WAY);
-            }
-        }
-    }
-    legs
-}
-
 fn duration_s(schedule: &Schedule<'_>, node: &Node) -> f64 {
     let target = schedule.problem.targets.get(node.target as usize);
     let manoeuvre = target.and_then(|target| target.manoeuvres.get(node.manoeuvre as usize));

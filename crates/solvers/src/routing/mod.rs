@@ -4,7 +4,6 @@
 
 pub(crate) mod flight_limit;
 mod flown_legs;
-mod layer;
 pub(crate) mod network;
 mod places;
 pub(crate) mod reach;

@@ -97,11 +97,6 @@ impl Network {
                 flown_legs::legs(schedule, &nodes, tick_s, flown_legs::Times::Now, budget)?
             }
         };
-        let legs = if schedule.counts_energy_as_time() {
-            flown_legs::with_energy(schedule, &nodes, legs, tick_s)
-        } else {
-            legs
-        };
         let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
         Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, cost_per_tick)))
     }
@@ -164,11 +159,7 @@ impl Network {
         if let Some(start) = nodes.get_mut(START as usize) {
             start.close = 0;
         }
-        // The ticks of the energy are rounded up, too, those of time in thin air twice.
-        let vehicle = &problem.vehicle;
-        let is_level = vehicle.climb_energy_s_per_m == 0.0 && vehicle.thin_air.is_empty();
-        let lower_leg = |ticks: &i32| if is_level { lower(ticks) } else { lower(&lower(&lower(ticks))) };
-        let legs = self.legs.iter().map(lower_leg).collect();
+        let legs = self.legs.iter().map(lower).collect();
         Some(Network::tightened(nodes, legs, self.targets, (self.tick_s, self.cost_per_tick)))
     }
 
@@ -312,9 +303,9 @@ pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
 fn span_s(schedule: &Schedule<'_>) -> f64 {
     let problem = schedule.problem;
     let span_s = schedule.limit_s - problem.start_s;
-    let is_long = |travel: &&TravelTimes| span_s > FINE_SPAN_S && travel.is_constant();
-    let travel = problem.travel.as_ref().filter(is_long).filter(|_| !schedule.counts_energy_as_time());
-    let Some(travel) = travel else { return span_s };
+    let Some(travel) = problem.travel.as_ref().filter(|travel| span_s > FINE_SPAN_S && travel.is_constant()) else {
+        return span_s;
+    };
     let longest_s = |times: &mut dyn Iterator<Item = f64>| times.filter(|it| *it < UNREACHABLE_S).fold(0.0, f64::max);
     let stay_s = |target: usize| {
         let manoeuvres = problem.targets.get(target).map_or(&[][..], |target| &target.manoeuvres);
@@ -333,8 +324,7 @@ fn span_s(schedule: &Schedule<'_>) -> f64 {
 
 /// Returns true if all given times are whole ticks. Those of computed paths never are.
 fn is_whole(problem: &SingleVisitProblem, limit_s: f64, tick_s: f64) -> bool {
-    let is_level = problem.vehicle.climb_energy_s_per_m == 0.0;
-    let Some(travel) = problem.travel.as_ref().filter(|_| is_level) else { return false };
+    let Some(travel) = &problem.travel else { return false };
     let is_whole = |time_s: f64| {
         let ticks = time_s / tick_s;
         ticks.abs() >= TICKS_MAX || (ticks - libm::round(ticks)).abs() <= SAME_TICKS

@@ -1,11 +1,10 @@
 //! Evaluates an order of visits: times, feasibility and score.
 
 use super::flight_limit::FlightLimit;
-use super::places::place;
 use super::travel::{PointKey, Times, Travel};
 use apex_geo::{geodesy, sun};
 use apex_metrics::mission_score;
-use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, SingleVisitTarget, TimeWindow};
+use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_planning::solver::Budget;
 
 /// Work units charged for one leg. The preparation of a path is charged separately.
@@ -35,8 +34,6 @@ pub(crate) struct Timed {
     pub(crate) begin_s: f64,
     /// End of the observation.
     pub(crate) end_s: f64,
-    /// Seconds of flight whose energy the way takes beyond level flight.
-    pub(crate) extra_s: f64,
     /// Value of the target times the factors of quality and timing.
     pub(crate) worth: f64,
 }
@@ -48,18 +45,15 @@ pub(crate) struct Judged {
     pub(crate) visits: Vec<Timed>,
     /// End of the flight.
     pub(crate) end_s: f64,
-    /// Seconds of flight whose energy the flight takes beyond level flight.
-    pub(crate) extra_s: f64,
     /// Benefits minus costs.
     pub(crate) score: f64,
 }
 
 impl Judged {
-    /// Returns true if this evaluation is better than `other`: a higher score, or the same score with less energy.
+    /// Returns true if this evaluation is better than `other`: a higher score, or the same score in less time.
     pub(crate) fn beats(&self, other: &Judged) -> bool {
         let close = 1e-9 * (1.0 + self.score.abs());
-        let (own_s, other_s) = (self.end_s + self.extra_s, other.end_s + other.extra_s);
-        self.score > other.score + close || (self.score > other.score - close && own_s < other_s - 1e-6)
+        self.score > other.score + close || (self.score > other.score - close && self.end_s < other.end_s - 1e-6)
     }
 }
 
@@ -77,8 +71,6 @@ pub(crate) enum Infeasibility {
     TooLate {
         /// Time by which it would exceed its limit.
         over_s: f64,
-        /// True if the limit is that of the energy.
-        is_energy: bool,
     },
     /// A target that must precede another one comes later, or is missing.
     Order,
@@ -93,12 +85,9 @@ pub(crate) struct Schedule<'a> {
     /// For each target the targets that must precede it.
     earlier: Vec<Vec<usize>>,
     costs: Costs,
-    /// Latest end of a flight without climbs after the first, and the limit that causes it.
+    /// Latest end of the flight, and the limit that causes it.
     pub(crate) limit_s: f64,
     pub(crate) limit: FlightLimit<'a>,
-    /// Time for which the energy lasts in level flight, and the limit that causes it.
-    pub(crate) energy_s: f64,
-    energy: FlightLimit<'a>,
 }
 
 impl<'a> Schedule<'a> {
@@ -110,7 +99,6 @@ impl<'a> Schedule<'a> {
         apex_planning::validate::single_visit(problem)?;
         let mut travel = Travel::new(problem)?;
         let (limit_s, limit) = FlightLimit::earliest(problem);
-        let (energy_s, energy) = FlightLimit::of_energy(problem);
         if limit_s <= problem.start_s {
             return Err(format!("there is no time to fly: {limit} allows no flight after the beginning of the plan"));
         }
@@ -136,8 +124,7 @@ impl<'a> Schedule<'a> {
             }
         }
         let windows = begin_windows(problem, limit_s);
-        let costs = Costs::new(problem);
-        Ok(Schedule { problem, travel, windows, earlier, costs, limit_s, limit, energy_s, energy })
+        Ok(Schedule { problem, travel, windows, earlier, costs: Costs::new(problem), limit_s, limit })
     }
 
     /// Judges `order` from its beginning.
@@ -197,16 +184,17 @@ impl<'a> Schedule<'a> {
             visits.push(visit);
         }
         budget.charge(UNITS_PER_LEG + self.travel.take_work());
-        let there_s: f64 = visits.iter().map(|visit| visit.extra_s).sum();
-        let (end_s, extra_s) = match self.home(node, time_s) {
-            Err(Infeasibility::Impossible(_)) if is_part => (time_s, there_s),
-            Ok((home_s, extra_s)) if is_part && self.late(home_s, there_s + extra_s).is_some() => (time_s, there_s),
-            home => home.map(|(home_s, extra_s)| (home_s, there_s + extra_s))?,
+        let end_s = match self.home_at_s(node, time_s) {
+            Err(Infeasibility::Impossible(_)) if is_part => time_s,
+            Ok(home_s) if is_part && self.is_late(home_s) => time_s,
+            home => home?,
         };
-        self.late(end_s, extra_s).map_or(Ok(()), Err)?;
+        if end_s > self.limit_s + SAME_S {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
         let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
         let score = benefits - self.costs.of_flight(end_s - self.problem.start_s);
-        Ok(Judged { visits, end_s, extra_s, score })
+        Ok(Judged { visits, end_s, score })
     }
 
     /// Returns a flight without visits: home, if the vehicle is elsewhere. If travel times are given, or the vehicle is at the base, there
@@ -217,20 +205,22 @@ impl<'a> Schedule<'a> {
     pub(crate) fn idle(&mut self) -> Result<Judged, Infeasibility> {
         let start_s = self.problem.start_s;
         let is_at_base = self.problem.base.is_none_or(|base| geodesy::distance_m(self.problem.start, base) <= 1.0);
-        let (end_s, extra_s) = match self.problem.travel.is_some() || is_at_base {
-            true => (start_s, 0.0),
-            false => self.home(PointKey::Start, start_s)?,
+        let end_s = match self.problem.travel.is_some() || is_at_base {
+            true => start_s,
+            false => self.home_at_s(PointKey::Start, start_s)?,
         };
-        self.late(end_s, extra_s).map_or(Ok(()), Err)?;
-        Ok(Judged { visits: Vec::new(), end_s, extra_s, score: -self.costs.of_flight(end_s - start_s) })
+        if end_s > self.limit_s + SAME_S {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
+        Ok(Judged { visits: Vec::new(), end_s, score: -self.costs.of_flight(end_s - start_s) })
     }
 
     /// Returns a message that states why the problem has no plan, from the result of [`Schedule::idle`].
     pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
         match idle {
-            Infeasibility::TooLate { over_s, is_energy } => format!(
+            Infeasibility::TooLate { over_s } => format!(
                 "there is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows",
-                self.limit_of(*is_energy)
+                self.limit
             ),
             Infeasibility::Impossible(why) => format!("there is no plan: {why}"),
             Infeasibility::Closed { target } => format!("there is no plan: {}", self.closed_window(*target)),
@@ -251,11 +241,12 @@ impl<'a> Schedule<'a> {
             return Err(Infeasibility::Impossible("there is no such manoeuvre".to_string()));
         };
         let end_s = begin_s + manoeuvre.duration_s;
-        let extra_s = self.extra_s((node, entry), arrive_s - depart_s + manoeuvre.duration_s);
-        self.late(end_s, extra_s).map_or(Ok(()), Err)?;
+        if end_s > self.limit_s + SAME_S {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
         self.check_lines(choice, begin_s, end_s)?;
         let worth = target.gain(manoeuvre.quality.product() * target.timing_at(begin_s));
-        Ok(Timed { depart_s, arrive_s, begin_s, end_s, extra_s, worth })
+        Ok(Timed { depart_s, arrive_s, begin_s, end_s, worth })
     }
 
     /// Returns the first time from `ready_s` on at which the observation may begin.
@@ -275,7 +266,7 @@ impl<'a> Schedule<'a> {
         let opens_s = later.map(|window| window.from_s.max(ready_s)).reduce(f64::min);
         let begin_s = if target.windows.is_empty() { Some(ready_s) } else { opens_s };
         match begin_s.map(|begin_s| begin_s + duration_s - self.limit_s).filter(|over_s| *over_s > 0.0) {
-            Some(over_s) => Infeasibility::TooLate { over_s, is_energy: false },
+            Some(over_s) => Infeasibility::TooLate { over_s },
             None => Infeasibility::Closed { target: choice.target },
         }
     }
@@ -295,14 +286,13 @@ impl<'a> Schedule<'a> {
         trouble.map_or(Ok(()), |trouble| Err(Infeasibility::Impossible(trouble)))
     }
 
-    /// Returns the arrival at the base of a vehicle that can leave `node` at `ready_s`, and the energy that the way takes beyond level
-    /// flight; `ready_s` and 0 if there is no base.
-    pub(crate) fn home(&mut self, node: PointKey, ready_s: f64) -> Result<(f64, f64), Infeasibility> {
+    /// Returns the arrival at the base of a vehicle that can leave `node` at `ready_s`; `ready_s` if there is no base.
+    pub(crate) fn home_at_s(&mut self, node: PointKey, ready_s: f64) -> Result<f64, Infeasibility> {
         if self.problem.base.is_none() {
-            return Ok((ready_s, 0.0));
+            return Ok(ready_s);
         }
         let home = self.travel.times(node, PointKey::Base, ready_s);
-        home.map(|Times { depart_s, arrive_s }| (arrive_s, self.extra_s((node, PointKey::Base), arrive_s - depart_s)))
+        home.map(|times| times.arrive_s)
             .map_err(|_| Infeasibility::Impossible("no way leads back to the base".to_string()))
     }
 
@@ -321,45 +311,9 @@ impl<'a> Schedule<'a> {
         Ok(())
     }
 
-    /// Returns the fault of a flight that ends at `end_s` and takes `extra_s` seconds of flight in energy beyond level flight; `None` if
-    /// it ends in time.
-    pub(crate) fn late(&self, end_s: f64, extra_s: f64) -> Option<Infeasibility> {
-        let (over_s, over_energy_s) = (end_s - self.limit_s, end_s + extra_s - self.energy_s);
-        let is_energy = extra_s > 0.0 && over_energy_s > over_s;
-        let over_s = if is_energy { over_energy_s } else { over_s };
-        (over_s > SAME_S).then_some(Infeasibility::TooLate { over_s, is_energy })
-    }
-
-    /// Returns the limit of a flight that would end too late.
-    pub(crate) fn limit_of(&self, is_energy: bool) -> &FlightLimit<'a> {
-        if is_energy { &self.energy } else { &self.limit }
-    }
-
-    /// Returns the seconds of flight whose energy the way between two places takes beyond cruise, for a climb and for `flown_s` at the
-    /// altitude of its end, which is possibly in thin air. The first climb to cruise altitude is part of the reserves.
-    pub(crate) fn extra_s(&self, (from, to): (PointKey, PointKey), flown_s: f64) -> f64 {
-        if !self.counts_energy() {
-            return 0.0;
-        }
-        let vehicle = &self.problem.vehicle;
-        let (from_m, to_m) = (place(self.problem, from).1, place(self.problem, to).1);
-        let from_m = if from == PointKey::Start { from_m.max(vehicle.cruise_altitude_m) } else { from_m };
-        let flown_s = if self.problem.travel.is_none() { flown_s } else { 0.0 };
-        vehicle.climb_energy_s(from_m, to_m) + (vehicle.level_at(to_m).drain_share - 1.0) * flown_s
-    }
-
-    /// Returns true if ways take energy that is not proportional to their time.
-    pub(crate) fn counts_energy(&self) -> bool {
-        let vehicle = &self.problem.vehicle;
-        vehicle.climb_energy_s_per_m > 0.0 || !vehicle.thin_air.is_empty()
-    }
-
-    /// Returns true if this energy counts as time: if the energy is the only limit on the time of all visits and of the flight, and time
-    /// has no costs.
-    pub(crate) fn counts_energy_as_time(&self) -> bool {
-        let is_free = |target: &SingleVisitTarget| target.windows.is_empty() && target.light == Light::Any;
-        let is_unpaid = self.costs.per_hour == 0.0 && self.costs.failure.probability_per_hour == 0.0;
-        self.counts_energy() && self.energy_s <= self.limit_s && is_unpaid && self.problem.targets.iter().all(is_free)
+    /// Returns true if a flight that ends at `end_s` ends too late.
+    pub(crate) fn is_late(&self, end_s: f64) -> bool {
+        end_s > self.limit_s + SAME_S
     }
 
     /// Returns the cost of a flight that ends at `end_s`.
@@ -413,7 +367,7 @@ impl Costs {
 /// Returns the intervals in which each observation may begin, both ends included: the target's windows, restricted to the light that must
 /// last to its end.
 fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
-    let of_target = |target: &SingleVisitTarget| {
+    let of_target = |target: &apex_model::problem::SingleVisitTarget| {
         let light =
             sun::light_windows(target.light, target.position, problem.zero_unix_s, problem.start_s, limit_s + 1.0);
         let mut wanted = target.windows.clone();

@@ -5,15 +5,14 @@
 //! (`apex_geo::travel`), made when it is first needed. Times are exact for every departure, and a later departure never arrives earlier.
 //! The examined parts of a network are charged as work.
 
-use super::layer::Layer;
 pub(crate) use super::places::PointKey;
 use super::places::{given_s, given_s_min, place, track_rad};
 use super::turns_between::{CIRCLES_RADII, TurnBetween};
-use super::zones::{ZoneSet, distance_m, holds};
+use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::landing;
-use apex_geo::travel::{Air, Network, Setting, TravelError, Trip};
+use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
 use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, ZoneKind};
 use std::collections::BTreeMap;
 
@@ -46,6 +45,16 @@ pub(crate) struct Times {
 
 /// Number of zones that are distinguished by altitude; further ones apply to every leg.
 const ZONES_TOLD_APART: usize = 128;
+
+/// A set of zones, by their numbers.
+type ZoneSet = u128;
+
+/// A network, with the numbers of the nodes in it.
+struct Layer {
+    zones: ZoneSet,
+    network: Network,
+    places: Vec<Option<Result<EndpointId, TravelError>>>,
+}
 
 /// Position of a node.
 #[derive(Clone, Copy)]
@@ -107,7 +116,7 @@ impl<'a> Travel<'a> {
             Travel { problem, offsets, spots, around, air, zones_m, layers: Vec::new(), lines: BTreeMap::new() };
         if problem.travel.is_none() {
             // Invalid zones are reported before any planning.
-            travel.layer(travel.zones_at(vehicle.cruise_altitude_m), vehicle.true_airspeed_mps)?;
+            travel.layer(travel.zones_at(vehicle.cruise_altitude_m))?;
         }
         Ok(travel)
     }
@@ -174,7 +183,7 @@ impl<'a> Travel<'a> {
         let (Some(start), Some(end)) = (self.spots.get(self.number(from)), self.spots.get(self.number(to))) else {
             return 0.0;
         };
-        start.direction.distance_m_min(end.direction) / self.ground_speed_mps_max()
+        start.direction.distance_m_min(end.direction) / self.air.ground_speed_mps_max()
     }
 
     /// Returns the path from `from` to `to` of a vehicle that can leave at `ready_s`.
@@ -258,8 +267,7 @@ impl<'a> Travel<'a> {
         (from, to): (usize, usize),
         ready_s: f64,
     ) -> Result<(usize, Trip), String> {
-        let to_m = self.spots.get(to).map_or(0.0, |spot| spot.altitude_m);
-        let number = self.layer(zones, self.problem.vehicle.level_at(to_m).true_airspeed_mps)?;
+        let number = self.layer(zones)?;
         let (start, end) = (self.spots.get(from).copied(), self.spots.get(to).copied());
         let layer = self.layers.get_mut(number).ok_or("no way was found")?;
         let (start, end) = start.zip(end).ok_or("no way was found")?;
@@ -281,7 +289,7 @@ impl<'a> Travel<'a> {
         let reach_m = |zone: &AirspaceZone| {
             let within_m = if to_m > from_m { zone.altitude_m_max - from_m } else { from_m - zone.altitude_m_min };
             let share = if high_m > low_m { (within_m / (high_m - low_m)).clamp(0.0, 1.0) } else { 1.0 };
-            share * climb_s * self.ground_speed_mps_max() + self.problem.zone_margin_m
+            share * climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m
         };
         let distances = self.zones_m.get(from).map_or(&[][..], Vec::as_slice);
         self.zones_where(|zone, number| {
@@ -298,31 +306,21 @@ impl<'a> Travel<'a> {
         told_apart.fold(0, |set, (number, zone)| if counts(zone, number) { set | 1 << number } else { set })
     }
 
-    /// Returns the number of the network for legs to which these zones apply, at a speed.
-    fn layer(&mut self, zones: ZoneSet, true_airspeed_mps: f64) -> Result<usize, String> {
-        let known =
-            |zones: ZoneSet| move |layer: &Layer| layer.zones == zones && layer.true_airspeed_mps == true_airspeed_mps;
-        if let Some(known) = self.layers.iter().position(known(zones)) {
+    /// Returns the number of the network for legs to which these zones apply.
+    fn layer(&mut self, zones: ZoneSet) -> Result<usize, String> {
+        if let Some(known) = self.layers.iter().position(|layer| layer.zones == zones) {
             return Ok(known);
         }
         if self.layers.len() >= NETWORKS_MAX {
-            return match self.layers.iter().position(known(ZoneSet::MAX)) {
+            return match self.layers.iter().position(|layer| layer.zones == ZoneSet::MAX) {
                 Some(known) => Ok(known),
-                None => self.made(ZoneSet::MAX, true_airspeed_mps),
+                None => self.made(ZoneSet::MAX),
             };
         }
-        self.made(zones, true_airspeed_mps)
+        self.made(zones)
     }
 
-    /// Returns an upper bound on the speed over ground.
-    fn ground_speed_mps_max(&self) -> f64 {
-        let vehicle = &self.problem.vehicle;
-        let fastest_mps =
-            vehicle.thin_air.iter().map(|level| level.true_airspeed_mps).fold(vehicle.true_airspeed_mps, f64::max);
-        self.air.ground_speed_mps_max() + (fastest_mps - vehicle.true_airspeed_mps)
-    }
-
-    fn made(&mut self, set: ZoneSet, true_airspeed_mps: f64) -> Result<usize, String> {
+    fn made(&mut self, set: ZoneSet) -> Result<usize, String> {
         let problem = self.problem;
         let counts = |number: usize| number >= ZONES_TOLD_APART || set & (1 << number) != 0;
         // The set determines the zones: those in it reach to every altitude, the others to none.
@@ -334,7 +332,7 @@ impl<'a> Travel<'a> {
         let setting = Setting {
             zones: &zones,
             margin_m: problem.zone_margin_m,
-            turn_radius_m: problem.vehicle.turn_radius_m_at(true_airspeed_mps),
+            turn_radius_m: problem.vehicle.turn_radius_m,
             circling: false,
             landing_places: &problem.landing_places,
             landing_distance_m_max: problem.landing_distance_m_max,
@@ -342,17 +340,9 @@ impl<'a> Travel<'a> {
             altitudes_m: (0.0, 0.0),
             time_s: time_s(problem),
         };
-        let vehicle = &problem.vehicle;
-        let air = match true_airspeed_mps == vehicle.true_airspeed_mps {
-            true => self.air.clone(),
-            false => {
-                let (begin_s, end_s) = time_s(problem);
-                Air::new(&problem.wind, vehicle.cruise_altitude_m, true_airspeed_mps, begin_s, end_s)
-            }
-        };
-        let network = Network::new(&setting, air)?;
+        let network = Network::new(&setting, self.air.clone())?;
         let places = vec![None; self.spots.len()];
-        self.layers.push(Layer { zones: set, true_airspeed_mps, network, places });
+        self.layers.push(Layer { zones: set, network, places });
         Ok(self.layers.len() - 1)
     }
 
@@ -366,7 +356,7 @@ impl<'a> Travel<'a> {
         (position, altitude_m): (Position, f64),
         until_s: f64,
     ) -> Result<Option<TravelError>, String> {
-        let number = self.layer(self.zones_at(altitude_m), self.problem.vehicle.true_airspeed_mps)?;
+        let number = self.layer(self.zones_at(altitude_m))?;
         let time_s = (self.problem.start_s, until_s);
         let Some(layer) = self.layers.get_mut(number) else { return Ok(None) };
         Ok(match layer.network.add(position) {
@@ -385,7 +375,7 @@ impl<'a> Travel<'a> {
         end_s: f64,
     ) -> Option<String> {
         let (entry, altitude_m) = place(self.problem, PointKey::Entry(target, manoeuvre));
-        let number = match self.layer(self.zones_at(altitude_m), self.problem.vehicle.true_airspeed_mps) {
+        let number = match self.layer(self.zones_at(altitude_m)) {
             Ok(number) => number,
             Err(trouble) => return Some(trouble),
         };
@@ -424,6 +414,23 @@ impl<'a> Travel<'a> {
         let vehicle = &self.problem.vehicle;
         let rate_mps = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
         if rate_mps > 0.0 { (to_m - from_m).abs() / rate_mps } else { 0.0 }
+    }
+}
+
+impl Layer {
+    /// Returns the number of a node in the network; adds the node when it is first needed.
+    fn place(&mut self, node: usize, position: Position, track_rad: Option<f64>) -> Result<EndpointId, TravelError> {
+        if let Some(Some(known)) = self.places.get(node) {
+            return known.clone();
+        }
+        let place = self.network.add(position);
+        if let Ok(place) = &place {
+            self.network.head(*place, track_rad);
+        }
+        if let Some(slot) = self.places.get_mut(node) {
+            *slot = Some(place.clone());
+        }
+        place
     }
 }
 

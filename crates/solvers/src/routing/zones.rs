@@ -3,9 +3,6 @@
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position};
 
-/// A set of zones, by their numbers.
-pub(super) type ZoneSet = u128;
-
 /// Returns true if the altitude is between the faces of the zone.
 pub(super) fn holds(zone: &AirspaceZone, altitude_m: f64) -> bool {
     zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max

@@ -3,7 +3,7 @@
 //! It shares only the problem's data types with planners and checkers: legs, windows, order, limits and values are computed here, as
 //! `docs/reference/planning-problems.md` defines them.
 
-use apex_model::problem::{Manoeuvre, SingleVisitProblem, SingleVisitTarget, TravelTimes, UNREACHABLE_S};
+use apex_model::problem::{SingleVisitProblem, SingleVisitTarget, TravelTimes, UNREACHABLE_S};
 
 /// Returns the greatest sum of values of any plan, less the costs of missed targets that must be observed. Times must be kept with a reserve of `margin_s`; a negative margin is a tolerance.
 pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> f64 {
@@ -19,11 +19,8 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
         .collect();
     let earlier = (0..problem.targets.len()).map(|later| earlier_of(problem, later)).collect();
     let idle = -all_missed(problem);
-    let energy_s = energy_s(problem);
-    let limit_s = energy_s.min(problem.end_s.unwrap_or(f64::INFINITY));
-    let mut orders = Orders { problem, margin_s, limit_s, energy_s, worth_max, earlier, best: idle };
-    let altitude_m = problem.start_altitude_m.max(problem.vehicle.cruise_altitude_m);
-    orders.extend(None, (problem.start_s, altitude_m, 0.0), 0, idle);
+    let mut orders = Orders { problem, margin_s, limit_s: limit_s(problem), worth_max, earlier, best: idle };
+    orders.extend(None, problem.start_s, 0, idle);
     orders.best
 }
 
@@ -69,7 +66,7 @@ pub(crate) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>
     before.1 + (next.1 - before.1) * ((depart_s - before.0) / (next.0 - before.0))
 }
 
-fn quality(manoeuvre: &Manoeuvre) -> f64 {
+fn quality(manoeuvre: &apex_model::problem::Manoeuvre) -> f64 {
     let quality = &manoeuvre.quality;
     quality.coverage.factor * quality.resolution.factor * quality.clarity.factor
 }
@@ -92,50 +89,33 @@ fn earlier_of(problem: &SingleVisitProblem, later: usize) -> Vec<usize> {
     problem.precedence.iter().filter(|(_, after)| after == name).map(|(before, _)| index(before)).collect()
 }
 
-/// Returns the instant until which the energy lasts in level flight.
-fn energy_s(problem: &SingleVisitProblem) -> f64 {
+fn limit_s(problem: &SingleVisitProblem) -> f64 {
     let vehicle = &problem.vehicle;
     let mut limit_s = problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s;
     if vehicle.fuel_flow_kg_per_s > 0.0 {
         let burn_s = (vehicle.fuel_kg - vehicle.fuel_reserve_kg) / vehicle.fuel_flow_kg_per_s;
         limit_s = limit_s.min(problem.start_s + burn_s);
     }
-    limit_s
+    limit_s.min(problem.end_s.unwrap_or(f64::INFINITY))
 }
 
 struct Orders<'a> {
     problem: &'a SingleVisitProblem,
     margin_s: f64,
     limit_s: f64,
-    energy_s: f64,
     worth_max: Vec<f64>,
     earlier: Vec<Vec<usize>>,
     best: f64,
 }
 
 impl Orders<'_> {
-    /// Adds visits after one that ends at `ready_s` and `altitude_m`; climbs have taken the energy of `climbs_s` seconds of flight.
-    fn extend(
-        &mut self,
-        here: Option<usize>,
-        (ready_s, altitude_m, climbs_s): (f64, f64, f64),
-        seen: usize,
-        gained: f64,
-    ) {
+    fn extend(&mut self, here: Option<usize>, ready_s: f64, seen: usize, gained: f64) {
         let travel = self.problem.travel.as_ref().expect("given times");
         let home_s = match (here, self.problem.base) {
             (Some(_), Some(_)) => leg_s(travel, here, None, ready_s),
             _ => 0.0,
         };
-        let vehicle = &self.problem.vehicle;
-        let climb_s =
-            |from_m: f64, to_m: f64| vehicle.climb_energy_s_per_m * if to_m > from_m { to_m - from_m } else { 0.0 };
-        let home_climb_s = match (here, self.problem.base) {
-            (Some(_), Some(_)) => climb_s(altitude_m, vehicle.cruise_altitude_m),
-            _ => 0.0,
-        };
-        let is_powered = ready_s + home_s + climbs_s + home_climb_s <= self.energy_s - self.margin_s;
-        if home_s < UNREACHABLE_S && ready_s + home_s <= self.limit_s - self.margin_s && is_powered {
+        if home_s < UNREACHABLE_S && ready_s + home_s <= self.limit_s - self.margin_s {
             self.best = self.best.max(gained);
         }
         let open: Vec<usize> = (0..self.worth_max.len()).filter(|target| seen & (1 << target) == 0).collect();
@@ -153,13 +133,11 @@ impl Orders<'_> {
             }
             let data = &self.problem.targets[target];
             for manoeuvre in &data.manoeuvres {
-                let climbs_s = climbs_s + climb_s(altitude_m, manoeuvre.altitude_m);
-                for begin_s in self.begins_s(target, (ready_s + travel_s, climbs_s), manoeuvre) {
+                for begin_s in self.begins_s(target, ready_s + travel_s, manoeuvre.duration_s) {
                     let end_s = begin_s + manoeuvre.duration_s;
                     if end_s <= self.limit_s - self.margin_s {
                         let worth = gained_by(data, quality(manoeuvre) * timing(&data.timing, begin_s));
-                        let there = (end_s, manoeuvre.altitude_m, climbs_s);
-                        self.extend(Some(target), there, seen | 1 << target, gained + worth);
+                        self.extend(Some(target), end_s, seen | 1 << target, gained + worth);
                     }
                 }
             }
@@ -168,8 +146,8 @@ impl Orders<'_> {
 
     /// Returns the instants at which an observation may begin after an arrival: as early as possible, because a later departure never
     /// arrives earlier; for values that change with time also the corners of the timing, the ends of windows, and the latest beginning of an
-    /// observation that leaves time and energy for the way home.
-    fn begins_s(&self, target: usize, (arrive_s, climbs_s): (f64, f64), manoeuvre: &Manoeuvre) -> Vec<f64> {
+    /// observation of `duration_s` that leaves time for the way home.
+    fn begins_s(&self, target: usize, arrive_s: f64, duration_s: f64) -> Vec<f64> {
         let data = &self.problem.targets[target];
         let always = [(f64::NEG_INFINITY, f64::INFINITY)];
         let given: Vec<(f64, f64)> =
@@ -182,7 +160,7 @@ impl Orders<'_> {
             return firsts.into_iter().reduce(f64::min).into_iter().collect();
         }
         let corners = data.timing.iter().map(|(time_s, _)| *time_s).chain(windows.iter().map(|(_, until_s)| *until_s));
-        let corners = corners.chain([self.latest_begin_s(target, (arrive_s, climbs_s), manoeuvre)]);
+        let corners = corners.chain([self.latest_begin_s(target, arrive_s, duration_s)]);
         let inside = |time_s: &f64| {
             *time_s >= arrive_s && windows.iter().any(|(from_s, until_s)| from_s <= time_s && time_s <= until_s)
         };
@@ -192,15 +170,12 @@ impl Orders<'_> {
 
     /// Returns the latest beginning from `from_s` on after which the flight still ends in time, by bisection: a vehicle that leaves later
     /// is not at home earlier.
-    fn latest_begin_s(&self, target: usize, (from_s, climbs_s): (f64, f64), manoeuvre: &Manoeuvre) -> f64 {
-        let vehicle = &self.problem.vehicle;
-        let climb_m = if self.problem.base.is_some() { vehicle.cruise_altitude_m - manoeuvre.altitude_m } else { 0.0 };
-        let climbs_s = climbs_s + vehicle.climb_energy_s_per_m * climb_m.max(0.0);
+    fn latest_begin_s(&self, target: usize, from_s: f64, duration_s: f64) -> f64 {
         let travel = self.problem.travel.as_ref().expect("given times");
         let is_in_time = |begin_s: f64| {
-            let end_s = begin_s + manoeuvre.duration_s;
+            let end_s = begin_s + duration_s;
             let home_s = if self.problem.base.is_some() { leg_s(travel, Some(target), None, end_s) } else { 0.0 };
-            end_s + home_s <= (self.energy_s - climbs_s).min(self.limit_s) - self.margin_s
+            end_s + home_s <= self.limit_s - self.margin_s
         };
         let (mut early_s, mut late_s) = (from_s, self.limit_s.max(from_s) + 1.0);
         for _ in 0..80 {

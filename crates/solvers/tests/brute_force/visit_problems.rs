@@ -41,7 +41,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
         fuel_flow_kg_per_s: if fuelled { 0.5 } else { 0.0 },
         ..SingleVisitVehicle::default()
     };
-    let mut problem = SingleVisitProblem {
+    SingleVisitProblem {
         precedence: precedence(chance, count),
         targets,
         vehicle,
@@ -51,21 +51,6 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
         crew: crew(chance),
         travel: Some(travel),
         ..SingleVisitProblem::default()
-    };
-    if chance.percent(20) {
-        add_climbs(chance, &mut problem, span_s);
-    }
-    problem
-}
-
-/// Gives manoeuvres, start and cruise altitudes, and the climbs between them an energy.
-fn add_climbs(chance: &mut Chance, problem: &mut SingleVisitProblem, span_s: f64) {
-    let levels = [0.0, 64.0, 128.0, 512.0];
-    problem.vehicle.climb_energy_s_per_m = chance.of(&[1.0, 8.0, 64.0]) * (span_s / 8.0).ceil() / 8_192.0;
-    problem.vehicle.cruise_altitude_m = chance.of(&levels);
-    problem.start_altitude_m = chance.of(&levels);
-    for manoeuvre in problem.targets.iter_mut().flat_map(|target| &mut target.manoeuvres) {
-        manoeuvre.altitude_m = chance.of(&levels);
     }
 }
 

@@ -1,8 +1,8 @@
 //! All orders of few targets, by labels: a plan of up to seven targets is the best one, also where a detour is shorter than a direct way.
 //!
 //! A label is the end of a sequence of visits: the visited targets, the last visit, its end, and the value so far. Labels with
-//! the same targets and the same last visit compete: a label is dropped if another one is as early or earlier, has at least its value, and
-//! has taken no more energy for climbs. This is valid because a vehicle that departs later does not arrive earlier, and costs grow with time. A sequence counts as a plan where its end permits the way to the
+//! the same targets and the same last visit compete: a label is dropped if another one is as early or earlier and has at least its value. This is valid
+//! because a vehicle that departs later does not arrive earlier, and costs grow with time. A sequence counts as a plan where its end permits the way to the
 //! base; where it does not, it may still lead to targets from which there is a way.
 //! Bound: [`EXHAUSTED_TARGETS_MAX`] targets, the given number of labels, and the budget.
 
@@ -43,8 +43,6 @@ struct VisitSequence {
     visited: u32,
     last: Choice,
     end_s: f64,
-    /// Seconds of flight whose energy its ways have taken beyond level flight.
-    extra_s: f64,
     worth: f64,
     before: Option<usize>,
 }
@@ -113,52 +111,6 @@ pub(super) fn exhaust(
     Some(Exhausted { is_complete, best: best.map(|(_, _, last)| order_to(&labels, last)), benefits_max })
 }
 
-/// Ends of the flights that visit all `usable` targets in any order: the score, the end, and the energy taken beyond level flight.
-pub(super) type FlightEnd = (f64, f64, f64);
-
-/// Returns the ends of flights that visit all `usable` targets: of each last visit, those that others do not beat in score, end and energy.
-/// `None` if the budget does not suffice.
-pub(super) fn visiting_all(
-    schedule: &mut Schedule<'_>,
-    usable: &[usize],
-    choices: &dyn Fn(usize) -> Vec<Choice>,
-    budget: &mut dyn Budget,
-) -> Option<Vec<FlightEnd>> {
-    let ways: Vec<Vec<Choice>> = usable.iter().map(|target| choices(*target)).collect();
-    let mut labels: Vec<VisitSequence> = Vec::new();
-    let mut open: Vec<Option<usize>> = vec![None];
-    for _ in usable {
-        let mut next: BTreeMap<(u32, usize, usize), Vec<usize>> = BTreeMap::new();
-        for before in open {
-            let visited = before.and_then(|at| labels.get(at)).map_or(0, |label| label.visited);
-            for (place, ways) in ways.iter().enumerate() {
-                if visited & (1 << place) != 0 || !is_led(schedule, usable, place, visited) {
-                    continue;
-                }
-                for choice in ways {
-                    budget.charge(UNITS_PER_LEG + schedule.travel.take_work());
-                    if budget.exhausted() {
-                        return None;
-                    }
-                    let label = after(schedule, before.map(|at| (at, labels.as_slice())), *choice, place);
-                    if let Some(label) = label {
-                        let same = next.entry((label.visited, choice.target, choice.manoeuvre)).or_default();
-                        keep(&mut labels, same, label);
-                    }
-                }
-            }
-        }
-        open = next.into_values().flatten().map(Some).collect();
-    }
-    let mut end = |at: Option<usize>| {
-        let label = at.and_then(|at| labels.get(at))?;
-        let exit = PointKey::Exit(label.last.target, label.last.manoeuvre);
-        let (end_s, extra_s) = schedule.home(exit, label.end_s).ok()?;
-        Some((label.worth - schedule.flight_cost(end_s), end_s, label.extra_s + extra_s))
-    };
-    Some(open.into_iter().filter_map(&mut end).collect())
-}
-
 /// Returns the most that a target can be worth.
 pub(super) fn worth_max(problem: &SingleVisitProblem, target: usize) -> f64 {
     let Some(target) = problem.targets.get(target) else { return 0.0 };
@@ -186,12 +138,11 @@ fn after(
         (PointKey::Exit(label.last.target, label.last.manoeuvre), label.end_s)
     });
     let timed = schedule.visit(node, ready_s, choice).ok()?;
-    let (visited, worth, extra_s) = here.map_or((0, 0.0, 0.0), |label| (label.visited, label.worth, label.extra_s));
+    let (visited, worth) = here.map_or((0, 0.0), |label| (label.visited, label.worth));
     Some(VisitSequence {
         visited: visited | (1 << place),
         last: choice,
         end_s: timed.end_s,
-        extra_s: extra_s + timed.extra_s,
         worth: worth + timed.worth,
         before: before.map(|(at, _)| at),
     })
@@ -201,13 +152,10 @@ fn after(
 /// replaces.
 fn keep(labels: &mut Vec<VisitSequence>, same: &mut Vec<usize>, label: VisitSequence) -> bool {
     let at = |index: &usize| labels.get(*index).copied();
-    let is_beaten = |one: &VisitSequence, other: &VisitSequence| {
-        other.end_s <= one.end_s && other.worth >= one.worth && other.extra_s <= one.extra_s
-    };
-    if same.iter().filter_map(at).any(|other| is_beaten(&label, &other)) {
+    if same.iter().filter_map(at).any(|other| other.end_s <= label.end_s && other.worth >= label.worth) {
         return false;
     }
-    same.retain(|index| at(index).is_some_and(|other| !is_beaten(&other, &label)));
+    same.retain(|index| at(index).is_some_and(|other| other.end_s < label.end_s || other.worth > label.worth));
     same.push(labels.len());
     labels.push(label);
     true
@@ -215,9 +163,8 @@ fn keep(labels: &mut Vec<VisitSequence>, same: &mut Vec<usize>, label: VisitSequ
 
 /// Returns score and end of the flight that goes home after a label; `None` if there is no way in time.
 fn as_plan(schedule: &mut Schedule<'_>, label: &VisitSequence) -> Option<(f64, f64)> {
-    let exit = PointKey::Exit(label.last.target, label.last.manoeuvre);
-    let (end_s, extra_s) = schedule.home(exit, label.end_s).ok()?;
-    schedule.late(end_s, label.extra_s + extra_s).is_none().then(|| (label.worth - schedule.flight_cost(end_s), end_s))
+    let end_s = schedule.home_at_s(PointKey::Exit(label.last.target, label.last.manoeuvre), label.end_s).ok()?;
+    (!schedule.is_late(end_s)).then(|| (label.worth - schedule.flight_cost(end_s), end_s))
 }
 
 /// Returns the visits up to a label.

@@ -1,6 +1,5 @@
 //! Reasons for which a target is not visited, as text for operators.
 
-use super::explain_orders::{self, Over, in_planned_order, late_text, over, reason_in_any_order};
 use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
 use crate::routing::travel::PointKey;
@@ -34,17 +33,17 @@ impl Troubles {
         let mut late: Vec<usize> = Vec::new();
         for target in 0..count {
             alone.push(match trouble_alone(schedule, target) {
-                Some(AloneTrouble::Late(over)) => {
+                Some(AloneTrouble::Late(over_s)) => {
                     late.push(target);
-                    Some(late_text(schedule, over, true))
+                    Some(late_text(schedule, over_s, true))
                 }
                 Some(AloneTrouble::Other(trouble)) => Some(trouble),
                 None => None,
             });
         }
-        for (target, over) in over_alone(schedule, &late) {
+        for (target, over_s) in over_alone(schedule, &late) {
             if let Some(slot) = alone.get_mut(target) {
-                *slot = Some(late_text(schedule, over, true));
+                *slot = Some(late_text(schedule, over_s, true));
             }
         }
         let suspects: Vec<usize> =
@@ -123,15 +122,15 @@ fn best_timing(target: &SingleVisitTarget) -> f64 {
 
 /// Reason for which a target cannot be the only visit.
 enum AloneTrouble {
-    /// The flight would end too late, at least by this.
-    Late(Over),
+    /// The flight would end this many seconds too late, at least.
+    Late(f64),
     /// Another reason.
     Other(LeftOutReason),
 }
 
 /// Returns, for those of the `late` targets that can be visited alone in a longer flight, the time by which it exceeds the limit of this
 /// one: with the wait for windows and the way home.
-fn over_alone(schedule: &Schedule<'_>, late: &[usize]) -> Vec<(usize, Over)> {
+fn over_alone(schedule: &Schedule<'_>, late: &[usize]) -> Vec<(usize, f64)> {
     if late.is_empty() {
         return Vec::new();
     }
@@ -142,9 +141,10 @@ fn over_alone(schedule: &Schedule<'_>, late: &[usize]) -> Vec<(usize, Over)> {
         let manoeuvres = problem.targets.get(*target).map_or(0, |data| data.manoeuvres.len());
         let ends = (0..manoeuvres).filter_map(|manoeuvre| {
             let choice = Choice { target: *target, manoeuvre, not_before_s: f64::NEG_INFINITY };
-            endless.judge(&[choice], &mut free).ok().and_then(|judged| over(schedule, judged.end_s, judged.extra_s))
+            endless.judge(&[choice], &mut free).ok().map(|judged| judged.end_s)
         });
-        ends.min_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s)).map(|over| (*target, over))
+        let over_s = ends.fold(f64::INFINITY, f64::min) - schedule.limit_s;
+        (over_s.is_finite() && over_s > 0.0).then_some((*target, over_s))
     };
     late.iter().filter_map(over_s).collect()
 }
@@ -160,7 +160,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
         .filter(|time_s| *time_s > schedule.problem.start_s && *time_s < schedule.limit_s)
         .collect();
     let mut first_trouble: Option<LeftOutReason> = None;
-    let mut least_over = (f64::INFINITY, false);
+    let mut least_over_s = f64::INFINITY;
     for manoeuvre in 0..data.manoeuvres.len() {
         let choice = Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
         let outcome = flown_alone(schedule, choice, schedule.problem.start_s);
@@ -169,8 +169,7 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
         }
         match outcome {
             Ok(()) => {}
-            Err(Infeasibility::TooLate { over_s, .. }) if over_s >= least_over.0 => {}
-            Err(Infeasibility::TooLate { over_s, is_energy }) => least_over = (over_s, is_energy),
+            Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
             Err(Infeasibility::Impossible(trouble)) => {
                 first_trouble.get_or_insert_with(|| trouble.into());
             }
@@ -180,10 +179,15 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<AloneTrou
             Err(Infeasibility::Order) => {}
         }
     }
-    if least_over.0.is_finite() {
-        return Some(AloneTrouble::Late(least_over));
+    if least_over_s.is_finite() {
+        return Some(AloneTrouble::Late(least_over_s));
     }
     first_trouble.map(AloneTrouble::Other)
+}
+
+/// Returns the reason for a visit after which the flight ends `over_s` seconds later than its limit allows.
+fn late_text(schedule: &Schedule<'_>, over_s: f64, alone: bool) -> LeftOutReason {
+    Obstacle::Late { over_s, limit: schedule.limit.of_visit(), alone }.into()
 }
 
 /// Returns the reason for a target that cannot be visited because the windows of `closed` are over, with the light that it needs.
@@ -215,30 +219,23 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     let there = schedule.travel.times(PointKey::Start, entry, start_s).map_err(Infeasibility::Impossible)?;
     let manoeuvre =
         schedule.problem.targets.get(choice.target).and_then(|target| target.manoeuvres.get(choice.manoeuvre));
-    let duration_s = manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
-    let mut end_s = there.arrive_s + duration_s;
-    let mut extra_s = schedule.extra_s((PointKey::Start, entry), there.arrive_s - there.depart_s + duration_s);
+    let mut end_s = there.arrive_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
     if schedule.problem.base.is_some() {
         let home = schedule.travel.times(exit, PointKey::Base, end_s);
-        let home = home.map_err(|trouble| Infeasibility::Impossible(format!("on the way home {trouble}")))?;
-        extra_s += schedule.extra_s((exit, PointKey::Base), home.arrive_s - home.depart_s);
-        end_s = home.arrive_s;
+        end_s = home.map_err(|trouble| Infeasibility::Impossible(format!("on the way home {trouble}")))?.arrive_s;
     }
-    if let Some((over_s, is_energy)) = over(schedule, end_s, extra_s) {
+    let over_s = end_s - schedule.limit_s;
+    if over_s > 0.0 {
         // Without a limit on the time, the visit may still be impossible, or have to wait.
         return Err(match schedule.visit(PointKey::Start, start_s, choice) {
             Err(trouble @ (Infeasibility::Impossible(_) | Infeasibility::Closed { .. })) => trouble,
-            Err(Infeasibility::TooLate { over_s: waited_s, is_energy: is_wait }) if waited_s > over_s => {
-                Infeasibility::TooLate { over_s: waited_s, is_energy: is_wait }
-            }
-            Ok(_) | Err(Infeasibility::TooLate { .. } | Infeasibility::Order) => {
-                Infeasibility::TooLate { over_s, is_energy }
-            }
+            Err(Infeasibility::TooLate { over_s: waited_s }) => Infeasibility::TooLate { over_s: over_s.max(waited_s) },
+            Ok(_) | Err(Infeasibility::Order) => Infeasibility::TooLate { over_s },
         });
     }
     let visit = schedule.visit(PointKey::Start, start_s, choice)?;
-    let (end_s, home_extra_s) = schedule.home(exit, visit.end_s)?;
-    schedule.late(end_s, visit.extra_s + home_extra_s).map_or(Ok(()), Err)
+    let end_s = schedule.home_at_s(exit, visit.end_s)?;
+    if end_s > schedule.limit_s { Err(Infeasibility::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 
 /// Returns the summary of a plan without visits: the most frequent reason first.
@@ -278,12 +275,8 @@ pub(super) fn left_out(
     }
     let endless = without_limits(schedule);
     let mut endless = Schedule::new(&endless).ok();
-    let mut budget = explain_orders::budget();
     for (target, left_out) in unknown {
-        let ends = endless.as_mut().and_then(|endless| explain_orders::ends_with(endless, order, target, &mut budget));
-        let reason = ends.and_then(|ends| reason_in_any_order(schedule, order, judged, (target, &ends)));
-        let reason = reason.unwrap_or_else(|| reason_beside((schedule, endless.as_mut()), order, judged, target));
-        reason.replace_in(left_out);
+        reason_beside((schedule, endless.as_mut()), order, judged, target).replace_in(left_out);
     }
     all
 }
@@ -338,19 +331,16 @@ fn reason_beside(
     if let Some((score, _)) = within.best {
         let loss = judged.score - score;
         return match loss {
-            _ if loss > 0.0 => in_planned_order(Obstacle::Score { loss }.into(), order),
+            _ if loss > 0.0 => Obstacle::Score { loss }.into(),
             _ if loss < 0.0 => "was not reached within the planning budget".into(),
             _ => "would not raise the score".into(),
         };
     }
-    let longer = endless.and_then(|endless| inserted_somewhere(endless, order, target).best);
-    let late = longer.and_then(|(_, (end_s, extra_s))| over(schedule, end_s, extra_s));
-    match (longer, late) {
+    let limit_s = schedule.limit_s;
+    match endless.and_then(|endless| inserted_somewhere(endless, order, target).best) {
         // More time would not make the visit pay.
-        (Some((score, _)), _) if score < judged.score => {
-            in_planned_order(Obstacle::Score { loss: judged.score - score }.into(), order)
-        }
-        (_, Some(over)) => in_planned_order(late_text(schedule, over, false), order),
+        Some((score, _)) if score < judged.score => Obstacle::Score { loss: judged.score - score }.into(),
+        Some((_, end_s)) if end_s > limit_s => late_text(schedule, end_s - limit_s, false),
         _ => within.trouble.unwrap_or_else(|| match order.is_empty() {
             true => "no way leads there and back".into(),
             false => "does not fit between the others".into(),
@@ -360,8 +350,8 @@ fn reason_beside(
 
 /// Result of inserting a target at the positions of an order.
 struct Inserted {
-    /// Highest score, and the end of that flight with its energy beyond level flight; `None` if no insertion can be flown.
-    best: Option<(f64, (f64, f64))>,
+    /// Highest score, and the end of that flight; `None` if no insertion can be flown.
+    best: Option<(f64, f64)>,
     /// Reason of an insertion that cannot be flown at all.
     trouble: Option<LeftOutReason>,
 }
@@ -377,8 +367,8 @@ fn inserted_somewhere(schedule: &mut Schedule<'_>, order: &[Choice], target: usi
             let mut with = order.to_vec();
             with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
             match schedule.judge(&with, budget) {
-                Ok(Judged { score, end_s, extra_s, .. }) if inserted.best.is_none_or(|(best, _)| score > best) => {
-                    inserted.best = Some((score, (end_s, extra_s)));
+                Ok(Judged { score, end_s, .. }) if inserted.best.is_none_or(|(best, _)| score > best) => {
+                    inserted.best = Some((score, end_s));
                 }
                 Err(Infeasibility::Impossible(why)) => {
                     inserted.trouble = Some(LeftOutReason::from(why).after(between));

@@ -101,9 +101,8 @@ fn added(
                     first = Some(found);
                 }
             }
-            Err(Infeasibility::TooLate { over_s, is_energy }) => {
-                let limit = schedule.limit_of(is_energy);
-                trouble = format!("the flight would end {over_s:.0} s after what {limit} allows");
+            Err(Infeasibility::TooLate { over_s }) => {
+                trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit);
             }
             Err(Infeasibility::Impossible(why)) => trouble = why,
             Err(Infeasibility::Closed { target }) => trouble = schedule.closed_window(target),

@@ -7,12 +7,10 @@
 //! endurance.
 //! Bound: the budget. Evaluating a leg takes two units of work, preparing a path some hundreds.
 
-mod choices;
 mod companions;
 mod construct;
 mod exhaust;
 mod explain;
-mod explain_orders;
 mod in_order;
 mod moves;
 mod order_value;
@@ -29,7 +27,7 @@ use crate::routing::{schedule, travel};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_planning::meter::Meter;
 use apex_planning::obstacle::LeftOutReason;
-use apex_planning::solver::{Environment, Solver, WorkBudget};
+use apex_planning::solver::{Environment, Solver};
 use explain::Troubles;
 use std::collections::BTreeMap;
 
@@ -111,20 +109,12 @@ fn solve(
         let best = search::or_idle(&mut schedule, best)?;
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
-    // The network counts the energy of climbs as time only if nothing but the energy limits visits.
-    let is_flown = !schedule.counts_energy() || schedule.judge(&found.order, &mut WorkBudget::new(u64::MAX)).is_ok();
-    let mut best = search::longest_flown(&mut schedule, found.order);
-    if !is_flown {
-        let other = search::run(&mut schedule, &troubles, previous, environment);
-        if other.judged.beats(&best.judged) {
-            best = other;
-        }
-    }
+    let best = search::longest_flown(&mut schedule, found.order);
     let best = search::or_idle(&mut schedule, best)?;
     // With given travel times (benchmarks of a thousand targets) the search itself finds the reasons at low cost. For a flight, the
     // operator needs to know which limit excludes a target.
     let given = problem.travel.is_some();
-    let reasons = if given && is_flown { explain::left_out_quickly } else { explain::left_out };
+    let reasons = if given { explain::left_out_quickly } else { explain::left_out };
     let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;
     if let Some(bound) = found.bound.map(|bound| bound - problem.miss_costs()) {
         plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
@@ -133,7 +123,7 @@ fn solve(
     let name = |target: usize| problem.targets.get(target).map(|target| target.name.as_str());
     let mut reasons: BTreeMap<&str, LeftOutReason> =
         found.reasons.into_iter().filter_map(|(target, reason)| Some((name(target)?, reason))).collect();
-    for left_out in plan.left_out.iter_mut().filter(|_| given && is_flown) {
+    for left_out in plan.left_out.iter_mut().filter(|_| given) {
         if let Some(reason) = reasons.remove(left_out.target.as_str()) {
             reason.replace_in(left_out);
         }

@@ -99,42 +99,12 @@ fn assembled(
 /// Returns the plan with all figures derived from its visits and its end: fuel, benefits, costs, score and the summary for operators.
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
-    plan.fuel_used_kg =
-        problem.vehicle.fuel_flow_kg_per_s * (flight_s + climbs_s(problem, &plan) + thin_air_s(problem, &plan));
+    plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;
     plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum::<f64>() - missed_points(problem, &plan);
     plan.costs = mission_score::flight_cost(problem, flight_s);
     plan.score = plan.benefits - plan.costs;
     plan.summary = summary(problem, &plan);
     plan
-}
-
-/// Returns the seconds of flight whose energy the plan's climbs after the first take beyond level flight.
-fn climbs_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> f64 {
-    let vehicle = &problem.vehicle;
-    let of_visit = |visit: &PlannedVisit| {
-        let target = problem.targets.iter().find(|target| target.name == visit.target)?;
-        target.manoeuvres.get(visit.manoeuvre).map(|manoeuvre| manoeuvre.altitude_m)
-    };
-    let altitudes = plan.visits.iter().filter_map(of_visit).chain(problem.base.map(|_| vehicle.cruise_altitude_m));
-    let first_m = problem.start_altitude_m.max(vehicle.cruise_altitude_m);
-    let climb = |from_m: &mut f64, to_m: f64| Some(vehicle.climb_energy_s(std::mem::replace(from_m, to_m), to_m));
-    altitudes.scan(first_m, climb).sum()
-}
-
-/// Returns the seconds of flight whose energy the plan's flight in thin air takes beyond that in cruise.
-fn thin_air_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> f64 {
-    let vehicle = &problem.vehicle;
-    if vehicle.thin_air.is_empty() || problem.travel.is_some() {
-        return 0.0;
-    }
-    let excess_s = |altitude_m: f64, flown_s: f64| (vehicle.level_at(altitude_m).drain_share - 1.0) * flown_s;
-    let of_visit = |visit: &PlannedVisit| {
-        let target = problem.targets.iter().find(|target| target.name == visit.target)?;
-        let manoeuvre = target.manoeuvres.get(visit.manoeuvre)?;
-        Some(excess_s(manoeuvre.altitude_m, visit.arrive_s - visit.depart_s + manoeuvre.duration_s))
-    };
-    let home_s = if plan.return_route.is_empty() { 0.0 } else { plan.end_s - plan.return_depart_s };
-    plan.visits.iter().filter_map(of_visit).sum::<f64>() + excess_s(vehicle.cruise_altitude_m, home_s)
 }
 
 /// Returns the points that the plan loses because it misses targets that must be observed.

@@ -1,11 +1,11 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions are solved exactly.
 
-use super::choices::choices;
 use super::companions;
 use super::exhaust::{self, EXHAUSTED_TARGETS_MAX, Effort, worth_max};
 use super::explain::Troubles;
+use crate::routing::flight_limit::FlightLimit;
 use crate::routing::schedule::{Choice, Judged, Schedule, UNITS_PER_LEG};
-use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
+use apex_model::problem::{Manoeuvre, Plan, PlannedVisit, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget};
 use apex_planning::random::Generator;
 use apex_planning::solver::{Budget, Environment, WorkBudget};
 
@@ -65,8 +65,7 @@ pub(super) fn run(
     let (usable, random, budget) = (troubles.possible(), Generator::new(seed), &mut *environment.budget);
     let companions = companions::companions(schedule, troubles);
     let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
-    let idle =
-        Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, extra_s: 0.0, score: f64::NEG_INFINITY };
+    let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     let empty = best.clone();
     search.construct(&mut best, InsertionTimes::Estimated);
@@ -127,7 +126,7 @@ pub(super) fn enumerated(
     }
     let effort = Effort { visits_max: half_of(environment.budget), budget: &mut *environment.budget, score_min: None };
     let end_s = problem.start_s;
-    let idle = Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY };
+    let idle = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     let bound = improve(schedule, usable, &|target| choices(problem, target), effort, &mut best)?;
     Some((best, bound))
@@ -166,7 +165,7 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
             Ok(judged) => return Candidate { order, judged },
             Err(_) if order.is_empty() => {
                 let end_s = schedule.problem.start_s;
-                let judged = Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY };
+                let judged = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
                 return Candidate { order, judged };
             }
             Err(_) => {
@@ -329,13 +328,50 @@ impl LocalSearch<'_, '_, '_> {
             Ok(judged) if !order.is_empty() => Candidate { order, judged },
             _ => {
                 let end_s = self.schedule.problem.start_s;
-                Candidate {
-                    order: Vec::new(),
-                    judged: Judged { visits: Vec::new(), end_s, extra_s: 0.0, score: f64::NEG_INFINITY },
-                }
+                Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } }
             }
         }
     }
+}
+
+/// Returns all ways to observe a target: each manoeuvre at once, from each corner of its timing on, or at the latest instant before which
+/// its timing still rises.
+pub(super) fn choices(problem: &SingleVisitProblem, target: usize) -> Vec<Choice> {
+    let Some(data) = problem.targets.get(target) else { return Vec::new() };
+    let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+    let starts: Vec<f64> = starts.collect();
+    let of_manoeuvre = |(manoeuvre, way): (usize, &Manoeuvre)| {
+        let latest_s = latest_rising_s(problem, (target, data), way);
+        let starts = starts.iter().copied().chain(latest_s);
+        starts.map(|not_before_s| Choice { target, manoeuvre, not_before_s }).collect::<Vec<_>>()
+    };
+    data.manoeuvres.iter().enumerate().flat_map(of_manoeuvre).collect()
+}
+
+/// Returns the instants within a rise of a target's timing at which the observation must begin at the latest: at the end of a window, and
+/// with given times, where the way to the base leaves no more time.
+fn latest_rising_s(
+    problem: &SingleVisitProblem,
+    (number, target): (usize, &SingleVisitTarget),
+    way: &Manoeuvre,
+) -> Vec<f64> {
+    if target.timing.is_empty() {
+        return Vec::new();
+    }
+    let mut latest_s: Vec<f64> = target.windows.iter().map(|window| window.until_s).collect();
+    if let Some(travel) = &problem.travel {
+        let limit_s = FlightLimit::earliest(problem).0 - way.duration_s;
+        let home_s = |to_base_s: &[f64]| match problem.base {
+            Some(_) => to_base_s.get(number).copied().unwrap_or(0.0),
+            None => 0.0,
+        };
+        latest_s.push(limit_s - home_s(&travel.to_base_s));
+        latest_s.extend(travel.later.iter().map(|later| limit_s - home_s(&later.to_base_s)));
+    }
+    let corners = || target.timing.iter().zip(target.timing.iter().skip(1));
+    let rises = |at_s: &f64| corners().any(|(one, next)| one.0 < *at_s && *at_s < next.0 && one.1 < next.1);
+    latest_s.retain(rises);
+    latest_s
 }
 
 pub(super) fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
