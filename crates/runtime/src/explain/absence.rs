@@ -37,6 +37,14 @@ impl ProgramStep {
         own.into_iter().chain(handler)
     }
 
+    /// Returns the goal that the step pursues after a failure, if the phrase names it and not the step's own activity.
+    pub(super) fn handler(&self, phrase: &Phrase) -> Option<String> {
+        let step = self.get()?;
+        let is_named = |activity: Phrase| activity.is_telling() && activity.fits(phrase);
+        let handler = step.on_failure.as_deref().filter(|_| !is_named(Phrase::of_activity(&step.activity)))?;
+        is_named(Phrase::of_activity(handler)).then(|| Brief.activity(handler))
+    }
+
     /// Returns the step and its file and line.
     pub(super) fn text(&self, agent: &Agent) -> String {
         let place = self.get().map(|step| (step.tag.to_string(), place_text(agent, step.place)));

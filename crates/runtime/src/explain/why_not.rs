@@ -11,7 +11,7 @@ use crate::method_detail::MethodDetail;
 use crate::record::TaskRow;
 use apex_executive::Agent;
 use apex_forms::print::Style::Brief;
-use apex_model::task::{TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Time;
 
 /// Answers `why-not` about `asked`.
@@ -115,6 +115,9 @@ fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Opt
     }
     let mut answer = draft(snapshot, "step", asked, String::new());
     let task = follow(snapshot, agent, &all, &wanted, &mut answer)?;
+    if let Some(handler) = wanted.iter().map(|site| site.handler(&phrase)).reduce(Option::and).flatten() {
+        return Ok(Some(of_handler(snapshot, agent, (answer, task), handler)));
+    }
     let goal = answer.missing.first().map(|missing| missing.activity.clone()).unwrap_or_default();
     let state = task.and_then(|task| agent.task(task)).map(|task| task.state);
     let reason = match (task, state) {
@@ -127,6 +130,41 @@ fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Opt
     };
     answer.answer = format!("No task pursues {goal} at {}: {reason}.", snapshot.at);
     Ok(Some(Draft { answer, task }))
+}
+
+/// Explains why no task pursues the goal `handler` of a step that has failed: the step has not failed.
+fn of_handler(
+    snapshot: &RecordSnapshot<'_>,
+    agent: &Agent,
+    (mut answer, task): (WhyNot, Option<TaskId>),
+    handler: String,
+) -> Draft {
+    let of_task = |task: TaskId| Some((task, agent.task(task)?));
+    let (is_begun, named) = (answer.missing.len() <= 1, task.and_then(of_task));
+    let own = answer.missing.first().map(|missing| missing.activity.clone()).unwrap_or_default();
+    let reason = match named {
+        Some((task, data)) if is_begun && data.state == TaskState::Terminated => {
+            let is_success = matches!(data.outcome, Some(Outcome::Success(_)));
+            let outcome = if is_success { " with success" } else { "" };
+            format!("{task} {} has ended{outcome}, and only its failure leads to it", snapshot.goal(task))
+        }
+        Some((task, data)) if is_begun => {
+            format!("{task} {} is {}, and leads to it only if it fails", snapshot.goal(task), data.state)
+        }
+        Some((task, data)) => {
+            let goal = snapshot.goal(task);
+            format!(
+                "only a failure of {own} leads to it, which no task pursues; {task} {goal}, which leads to that, is {}",
+                data.state
+            )
+        }
+        None => format!("only a failure of {own} leads to it, and nothing in the program leads to that"),
+    };
+    answer.answer = format!("No task pursues {handler} at {}: {reason}.", snapshot.at);
+    if let Some(missing) = answer.missing.first_mut() {
+        missing.activity = handler;
+    }
+    Draft { answer, task }
 }
 
 /// Follows the missing steps upwards; adds the missing steps and other possible readings of the question.

@@ -1,8 +1,9 @@
 //! Explanations: the reasons for which a task waits, is interrupted, or ended.
 
-use crate::support::{camera, load};
+use crate::support::{camera, load, record};
 use apex_model::time::Time;
 use apex_runtime::explain::{Answer, Explainer, Question, Why};
+use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::RecordReader;
 
 fn why(reader: &RecordReader, name: &str, seconds: f64) -> Why {
@@ -53,4 +54,28 @@ fn why_a_task_ended_and_what_an_ongoing_one_works_through() {
     assert!(root.subtasks.iter().any(|task| task.goal == "(patrol)" && task.state == "ongoing"), "{root}");
     let json = serde_json::to_value(&root).unwrap();
     assert_eq!(json["state"], "ongoing");
+}
+
+/// The goal after a failure exists only once the step has failed.
+#[test]
+fn why_not_states_that_a_goal_is_pursued_only_after_a_failure() {
+    let program = r#"
+(procedure
+  (index (do-domain))
+  (step d (fails soon) (on-failure (repair it)))
+  (step done (end-application "repaired") (waitfor (end ?d))))
+(procedure :sequential (index (fails soon)) (step one (idle)) (step two (terminate failure)))
+(primitive (index (idle)) (duration 12s))
+(primitive (index (repair it)) (duration 5s))
+"#;
+    let reader = record(program, Vec::new(), &mut NoDeliberator, &mut []).reader_kept();
+    let why_not = |seconds: f64| {
+        let question = Question::new("(repair ?x)", Time::from_seconds(seconds));
+        Explainer::new(&reader.0, &load).why_not(&question).unwrap().to_string()
+    };
+    let before = why_not(5.0);
+    assert!(before.starts_with("No task pursues (repair it) at 5s: T"), "{before}");
+    assert!(before.contains("(fails soon) is ongoing, and leads to it only if it fails."), "{before}");
+    let meanwhile = why_not(14.0);
+    assert!(meanwhile.contains("(repair it) has started: it is ongoing since"), "{meanwhile}");
 }
