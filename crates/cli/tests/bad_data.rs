@@ -400,7 +400,7 @@ fn an_acquisition_goal_without_a_unit_is_refused_by_the_check() {
 #[test]
 fn a_forecast_wind_against_which_the_vehicle_does_not_advance_is_doubted() {
     let desk = Desk::with_mission("western-states");
-    let winds = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,4000,270,5\n5000,20000,270,120\n";
+    let winds = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,1000,270,5\n1000,8000,270,120\n";
     std::fs::write(desk.path("m/strong.csv"), winds).unwrap();
     let program = desk.read("m/mission.pdl");
     let line = program.lines().find(|line| line.trim_start().starts_with(":forecast")).unwrap();
