@@ -277,5 +277,7 @@ def plan(
     """
     text = problem if isinstance(problem, str) else json.dumps(problem)
     name, own = chosen(planner, planners)
-    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, whole("seed", seed, 0, SEED_MAX), means(own, table=table)))
+    answer: dict[str, Any] = json.loads(
+        plan_json(text, name, budget_s, whole("seed", seed, 0, SEED_MAX), means(own, table=table))
+    )
     return answer
