@@ -96,6 +96,7 @@ class Monitor:
         created_ns = None if created is None else instant_ns(created)
         self._session = Session(condition, library=source, folder=folder, created_ns=created_ns, gaps=gaps)
         self._condition = condition
+        self._variables = self._session.variables
         #: Calls of several threads follow each other.
         self._lock = threading.Lock()
         #: Variables of samples so far: a variable that the condition does not read is reported once.
@@ -117,12 +118,13 @@ class Monitor:
         >>> Monitor("(:and (a x > 1) (b x > 2))").variables
         [Variable("(a x)"), Variable("(b x)")]
         """
-        return self._session.variables
+        return list(self._variables)
 
     @property
     def now_ns(self) -> int | None:
         """The newest instant, in nanoseconds; None before the first."""
-        return self._session.now_ns
+        with self._lock:
+            return self._session.now_ns
 
     def push(self, t: Instant, value: Any, *, variable: str | Variable | None = None) -> Results:
         """Pass one sample, the last of its instant.
@@ -376,10 +378,12 @@ class Monitor:
             named = variable if isinstance(variable, Variable) else Variable(variable)
             if named not in self._named:
                 self._named.add(named)
-                if unread := self._session.unread(named):
+                with self._lock:
+                    unread = self._session.unread(named)
+                if unread:
                     warnings.warn(unread, UserWarning, stacklevel=3)
             return named
-        known = self._session.variables
+        known = self._variables
         if len(known) == 1:
             return known[0]
         names = " ".join(str(each) for each in known) or "none with its object"

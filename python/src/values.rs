@@ -33,6 +33,8 @@ impl Symbol {
     #[new]
     fn new(name: &str) -> PyResult<Symbol> {
         match apex_pdl::read_value(name) {
+            // As a value it is the empty list.
+            _ if name.eq_ignore_ascii_case("nil") => Ok(Symbol(symbol::Symbol::new(name))),
             Ok(Value::Symbol(symbol)) if symbol.to_string() == name => Ok(Symbol(symbol)),
             _ => Err(input(format!(
                 "{name:?} is not a name of PDL: write letters, digits and hyphens, without spaces, quotes or parentheses"

@@ -8,10 +8,12 @@ import pytest
 
 from apex_autonomy import InputError, Monitor, Quantity, Symbol
 
+UNITS = "(state-variable (age ?fix) :unit s) (state-variable (height ?uav) :unit m)"
+
 
 def found(condition, t, values):
     """Return the first instants of the results, and the monitor."""
-    monitor = Monitor(condition)
+    monitor = Monitor(condition, library=UNITS)
     results = [*monitor.extend(t, values), *monitor.finish()]
     return [result.start_s for result in results], monitor
 
@@ -59,7 +61,7 @@ def test_text_dates_and_records_are_refused(values):
 def test_an_array_gives_the_same_as_its_items_one_by_one(condition, values):
     t = [0.0, 1.0, 2.0, 3.0]
     starts, whole = found(condition, t, values)
-    single, pushed = Monitor(condition), []
+    single, pushed = Monitor(condition, library=UNITS), []
     for at, value in zip(t, values, strict=True):
         is_missing = value is None or (isinstance(value, np.timedelta64) and np.isnat(value))
         pushed += single.push(at, None if is_missing else value)
@@ -88,9 +90,9 @@ def test_instants_that_are_no_instants_are_refused(instants, words):
 def test_durations_need_a_unit_of_fixed_length():
     for duration in [np.timedelta64(2), np.timedelta64(2, "M"), np.timedelta64(2, "Y")]:
         with pytest.raises(InputError, match="a duration needs a unit of fixed length"):
-            Monitor("(age fix > 1s)").push(1, duration)
+            Monitor("(age fix > 1s)", library=UNITS).push(1, duration)
         with pytest.raises(InputError, match="a value is not a duration"):
-            Monitor("(age fix > 1s)").extend([1], np.array([duration]))
+            Monitor("(age fix > 1s)", library=UNITS).extend([1], np.array([duration]))
 
 
 def test_single_values_that_are_no_values_are_input_errors():
