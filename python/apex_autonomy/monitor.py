@@ -179,8 +179,8 @@ class Monitor:
             Instants: seconds as numbers, or ``timedelta64`` / ``datetime64``.
         values : array_like, shape (n,)
             Numbers, in the declared unit if one is declared; not-a-number and masked values are missing measurements.
-            Booleans, ``timedelta64``, objects, and whole numbers beyond ``2**53`` are passed one at a time, as
-            :meth:`push` does, which takes longer.
+            Booleans, ``timedelta64``, objects, and whole numbers beyond ``2**53`` are values as in :meth:`push`, and
+            take longer.
         variable : str or Variable, optional
             As in :meth:`push`.
 
@@ -193,7 +193,7 @@ class Monitor:
         ------
         InputError
             The arrays differ in length or have more than one dimension; an instant is masked or not a time; values
-            are text, dates or complex numbers, or an object is not a value of PDL.
+            are text, dates or complex numbers, or an object is not a value of PDL. No sample is recorded then.
 
         Examples
         --------
@@ -210,13 +210,13 @@ class Monitor:
         if len(instants) != len(given):
             raise InputError(f"there are {len(instants)} instants for {len(given)} values")
         real = numbers(given)
+        objects = items(given) if real is None else []
         known = self._variable(variable)
         with self._lock:
             if real is not None:
                 self._session.samples(known, instants, real)
             else:
-                for at, value in zip(instants.astype("timedelta64[ns]"), items(given), strict=True):
-                    self._session.sample(known, value, at)
+                self._session.items(known, instants, objects)
             return self._session.take_results()
 
     def event(self, t: Instant, form: str | Sequence[Any]) -> Results:

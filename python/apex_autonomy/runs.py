@@ -30,8 +30,8 @@ class Runs:
         One for each flight in the order of the seeds: ``seed``, ``outcome`` (``"completed"``, ``"lost"``, ``"error"``),
         ``reason``, ``end_s``, ``score`` and ``benefits`` (points) or ``expected_cost`` (of ignorance), ``fires``,
         ``fires_seen``, ``realised_cost`` and ``expected_cost_stated`` where a world file has ignitions,
-        ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements:
-        ``positions``,
+        ``observed`` (visits that ended, and targets observed without a visit), ``left_out``, ``reflies``, ``plans``,
+        and positions checked and violating requirements: ``positions``,
         ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``;
         ``not_landed``, what is known of a vehicle that is not on the ground at the end; and ``ended_early``, true if
         the program ended the flight before its initial task was done (1 or 0 in a table).

@@ -84,6 +84,20 @@ impl Session {
         Ok(())
     }
 
+    /// Records values that are not all numbers. All of them are converted before the first is recorded.
+    fn items(
+        &mut self,
+        variable: &Variable,
+        instants_ns: PyReadonlyArray1<'_, i64>,
+        values: Vec<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let values = values.iter().map(from_python).collect::<PyResult<Vec<Value>>>()?;
+        for (at, value) in instants_ns.as_array().iter().zip(values) {
+            self.session.sample(&variable.0, value, Time(*at));
+        }
+        Ok(())
+    }
+
     /// Returns a warning if the condition does not read a variable's attribute.
     fn unread(&self, variable: &Variable) -> Option<String> {
         let read = self.read.as_ref().filter(|read| !read.contains(&variable.0.attribute))?;

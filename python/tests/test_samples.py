@@ -87,6 +87,14 @@ def test_instants_that_are_no_instants_are_refused(instants, words):
         Monitor("(rssi modem < 20)").extend(instants, [1.0, 2.0])
 
 
+def test_a_wrong_object_leaves_out_all_samples_of_the_call():
+    monitor = Monitor("(rssi modem < 20)")
+    with pytest.raises(InputError, match="PDL has no value like"):
+        monitor.extend([0.0, 1.0, 2.0], np.array([30, 10, object()], dtype=object))
+    assert monitor.now_ns is None
+    assert monitor.counts()["kept"] == 0
+
+
 def test_durations_need_a_unit_of_fixed_length():
     for duration in [np.timedelta64(2), np.timedelta64(2, "M"), np.timedelta64(2, "Y")]:
         with pytest.raises(InputError, match="a duration needs a unit of fixed length"):

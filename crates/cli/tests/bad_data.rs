@@ -358,18 +358,40 @@ fn properties_and_messages_without_effect_that_resemble_others_are_doubted() {
     let desk = Desk::with_mission("western-states");
     desk.change("m/fires.geojson", "\"resolution_m\"", "\"resolution\"");
     desk.change("m/airspace.geojson", "\"altitude_m_max\"", "\"altitude_max_m\"");
-    let events = "{\"t\": 10800, \"event\": \"(target-gone domke)\"}\n{\"t\": 10801, \"event\": \"(target-gon domke-lake)\"}\n\
-                  {\"t\": 10802, \"event\": \"(new-target domke-lake)\"}\n{\"t\": 600000, \"event\": \"(go)\"}\n";
-    std::fs::write(desk.path("m/scenario.jsonl"), events).unwrap();
-    desk.apex(&["check", "m"]).well().told(&[
+    let events = [
+        (10_800, "(target-gone domke)"),
+        (10_801, "(target-gone domke)"),
+        (10_802, "(target-gon domke-lake)"),
+        (10_803, "(new-target domke-lakes)"),
+        (10_804, "(new-value domke-lake)"),
+        (600_001, "(stop)"),
+        (600_000, "(go)"),
+    ];
+    let line = |(t, event): &(u32, &str)| format!("{{\"t\": {t}, \"event\": \"{event}\"}}\n");
+    std::fs::write(desk.path("m/scenario.jsonl"), events.iter().map(line).collect::<String>()).unwrap();
+    let said = desk.apex(&["check", "m"]).well().told(&[
         "fires.geojson: the property `resolution` of ",
         "has no effect: did you mean `resolution_m`?",
         "airspace.geojson: the property `altitude_max_m` of ",
         "did you mean `altitude_m_max`?",
-        "scenario.jsonl: `(target-gone domke)` at 3:00:00 changes nothing: no target is called `domke`",
-        "scenario.jsonl: `(target-gon domke-lake)` at 3:00:01: did you mean `target-gone`?",
-        "scenario.jsonl: an input at 166:40:00 comes after the end of the mission, at ",
+        "scenario.jsonl: `(target-gone domke)` at 3:00:00: domke is not a target of this mission\n",
+        "scenario.jsonl: `(target-gon domke-lake)` at 3:00:02: did you mean `target-gone`?",
+        "`(new-target domke-lakes)` at 3:00:03: domke-lakes is not a target of this mission; did you mean `domke-lake`?",
+        "`(new-value domke-lake)` at 3:00:04: (new-value domke-lake ..) has no number from 0 to",
+        "scenario.jsonl: 2 inputs come after the end of the mission, at ",
+        "; the first of them at 166:40:00",
     ]);
+    assert_eq!(said.out.matches("(target-gone domke)").count(), 1, "a repeated message is reported once");
+    // The names of looks are names of targets, and a property without a value is none.
+    let looks = Desk::with_mission("day-and-night");
+    let fires: serde_json::Value = serde_json::from_str(&looks.read("m/fires.geojson")).unwrap();
+    let with_looks = fires["features"].as_array().unwrap().iter().find(|fire| fire["properties"]["looks"].is_array());
+    let properties = &with_looks.expect("a fire with looks")["properties"];
+    let name = format!("{}/{}", properties["id"].as_str().unwrap(), properties["looks"][0]["id"].as_str().unwrap());
+    std::fs::write(looks.path("m/more.jsonl"), line(&(60, &format!("(new-value {name} 5)")))).unwrap();
+    looks.change("m/mission.pdl", ":duration 21h", ":duration 21h\n  :scenario \"more.jsonl\"");
+    looks.change("m/fires.geojson", "\"properties\": {", "\"properties\": {\"resolution\": null, ");
+    assert!(!looks.apex(&["check", "m"]).well().out.contains("warning: "));
     let unchanged = Desk::with_mission("western-states");
     let checked = unchanged.apex(&["check", "m"]).well();
     assert!(!checked.out.contains("did you mean") && !checked.err.contains("did you mean"), "{checked:?}");

@@ -2,12 +2,14 @@
 
 use crate::Mission;
 use crate::features;
+use crate::situation::{MissionUpdate, MissionUpdates};
 use crate::sources::DataFile;
 use crate::targets::LOOK_PROPERTIES;
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;
+use apex_model::time::Time;
 use apex_model::value::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Properties of targets that have an effect, except those of looks (docs/reference/mission-data.md).
 const TARGET_PROPERTIES: &[&str] = &[
@@ -50,11 +52,17 @@ const FIELD_PROPERTIES: &[&str] = &["id", "name", "elevation_m", "runway_m"];
 /// Parts of property names that state units.
 const UNITS: &[&str] = &["m", "ft", "km", "nm", "h", "hours", "min", "s", "deg", "rad", "mps", "kt", "msl"];
 
-/// Messages that change targets; their first argument is a target.
-const TARGET_MESSAGES: &[&str] = &["new-target", "target-gone", "new-value", "new-perimeter", "new-likelihood"];
-
-/// Further messages to planners.
-const OTHER_MESSAGES: &[&str] = &["new-forecast", "planned-by-people", "plan-imposed"];
+/// Messages that planners understand, see [`MissionUpdate::read`].
+const MESSAGES: &[&str] = &[
+    "new-target",
+    "target-gone",
+    "new-value",
+    "new-perimeter",
+    "new-likelihood",
+    "new-forecast",
+    "planned-by-people",
+    "plan-imposed",
+];
 
 /// Least length of a word that is compared with others letter by letter.
 const COMPARED_LENGTH_MIN: usize = 5;
@@ -98,44 +106,54 @@ impl Mission {
         unknown.into_iter().filter_map(sentence).collect()
     }
 
+    /// Returns a doubt for each message of the scenario that changes nothing, and one for all inputs after the end.
     fn scenario_doubts(&self) -> Vec<String> {
         let file = self.settings.scenario.as_deref().unwrap_or_default();
-        let duration = self.settings.duration;
-        let mut found = Vec::new();
-        for input in &self.scenario {
-            let at = input.at;
-            if at.seconds() > duration.seconds() {
-                found.push(format!("{file}: an input at {at} comes after the end of the mission, at {duration}"));
-                continue;
-            }
+        let (duration, end) = (self.settings.duration, Time::ZERO + self.settings.duration);
+        let mut found: Vec<String> = Vec::new();
+        // A message that is repeated is reported once.
+        let mut reported: BTreeSet<String> = BTreeSet::new();
+        for input in self.scenario.iter().filter(|input| input.at <= end) {
             let EventKind::Occurrence(Value::List(form)) = &input.kind else { continue };
-            let Some(head) = form.first().and_then(Value::as_symbol) else { continue };
-            if TARGET_MESSAGES.iter().any(|message| head.is(message)) {
-                let target = form.get(1).and_then(Value::as_symbol);
-                found.extend(
-                    target.and_then(|target| self.unknown_target(target)).map(|doubt| {
-                        format!("{file}: `{}` at {at} changes nothing: {doubt}", Value::List(form.clone()))
-                    }),
-                );
-            } else if let Some(meant) = resembled_message(head) {
-                found.push(format!("{file}: `{}` at {at}: did you mean `{meant}`?", Value::List(form.clone())));
+            let [Value::Symbol(head), items @ ..] = &**form else { continue };
+            let Some(doubt) = self.message_doubt(head, items) else { continue };
+            let subject = items.first().map_or_else(String::new, |item| format!(" {item}"));
+            let message = format!("({head}{subject}{})", if items.len() > 1 { " .." } else { "" });
+            if reported.insert(message.clone()) {
+                found.push(format!("{file}: `{message}` at {}: {doubt}", input.at));
             }
         }
+        let late = || self.scenario.iter().filter(|input| input.at > end);
+        let first = late().map(|input| input.at).min();
+        found.extend(first.map(|at| match late().count() {
+            1 => format!("{file}: an input at {at} comes after the end of the mission, at {duration}"),
+            count => format!(
+                "{file}: {count} inputs come after the end of the mission, at {duration}; the first of them at {at}"
+            ),
+        }));
         found
     }
 
-    /// Returns the reason for which no target has this name; `None` if one has it.
-    fn unknown_target(&self, name: &Symbol) -> Option<String> {
-        if self.targets.iter().any(|target| name.is(&target.id)) {
-            return None;
+    /// Returns the reason for which a message changes nothing, if it is known: the reason that the flight would report, or the resemblance
+    /// to a message that planners understand.
+    fn message_doubt(&self, head: &Symbol, items: &[Value]) -> Option<String> {
+        match MissionUpdate::read(head.folded(), items) {
+            Some(MissionUpdate::Invalid(why)) => Some(why),
+            Some(update) => {
+                let why = MissionUpdates::without_subject(&update, self)?;
+                let near =
+                    items.first().and_then(Value::as_symbol).and_then(|name| self.resembled_target(name.folded()));
+                Some(near.map_or_else(|| why.clone(), |near| format!("{why}; did you mean `{near}`?")))
+            }
+            None => resembled_message(head).map(|meant| format!("did you mean `{meant}`?")),
         }
-        let ids = || self.targets.iter().map(|target| target.id.as_str());
-        let near = ids().min_by_key(|id| strsim::damerau_levenshtein(id, name.folded()));
-        let near = near.filter(|id| strsim::damerau_levenshtein(id, name.folded()) <= 2);
-        Some(match near {
-            Some(near) => format!("no target is called `{}`; did you mean `{near}`?", name.folded()),
-            None => format!("no target is called `{}`", name.folded()),
-        })
+    }
+
+    /// Returns the target whose id differs least from `name`, by two letters at most.
+    fn resembled_target(&self, name: &str) -> Option<&str> {
+        let ids = self.targets.iter().map(|target| target.id.as_str());
+        let far = |id: &str| strsim::damerau_levenshtein(id, name);
+        ids.min_by_key(|id| far(id)).filter(|id| far(id) <= 2)
     }
 }
 
@@ -155,8 +173,7 @@ fn resembled<'k>(property: &str, known: &[&'k str]) -> Option<&'k str> {
 }
 
 fn resembled_message(head: &Symbol) -> Option<&'static str> {
-    let mut known = TARGET_MESSAGES.iter().chain(OTHER_MESSAGES);
-    known.find(|message| !head.is(message) && differs_by_a_letter(head.folded(), message)).copied()
+    MESSAGES.iter().find(|message| differs_by_a_letter(head.folded(), message)).copied()
 }
 
 fn differs_by_a_letter(word: &str, known: &str) -> bool {
@@ -188,6 +205,20 @@ mod tests {
         assert_eq!(resembled_message(&Symbol::new("target-gon")), Some("target-gone"));
         assert_eq!(resembled_message(&Symbol::new("target-gone")), None);
         assert_eq!(resembled_message(&Symbol::new("start")), None);
+    }
+
+    /// Each name is that of a message that is read, and no message of the page is missing.
+    #[test]
+    fn the_messages_are_those_that_are_read() {
+        let page = include_str!("../../../docs/reference/mission-data.md");
+        let rows = page.lines().filter_map(|line| line.strip_prefix("| `("));
+        let documented: BTreeSet<&str> = rows.filter_map(|row| row.split([' ', ')']).next()).collect();
+        for message in MESSAGES {
+            assert!(MissionUpdate::read(message, &[Value::symbol("a")]).is_some(), "{message}");
+            assert!(documented.contains(message), "{message} is not documented");
+        }
+        let is_read = |word: &&&str| MissionUpdate::read(word, &[Value::symbol("a")]).is_some();
+        assert_eq!(documented.iter().filter(is_read).count(), MESSAGES.len());
     }
 
     /// The tables of the documentation name each property.

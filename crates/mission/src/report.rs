@@ -10,6 +10,7 @@ use apex_model::problem::SurveillanceVisit;
 use apex_model::time::Time;
 use apex_observation::result::LookResult;
 use apex_runtime::target_state::{TargetChange, TargetState};
+use std::collections::BTreeSet;
 
 /// The report of one flight.
 pub struct Report {
@@ -25,7 +26,7 @@ pub struct Report {
     pub landed_away: Option<String>,
     /// Observations in order.
     pub visits: Vec<Visit>,
-    /// Number of observations that ended, pictures of targets outside of planned visits included.
+    /// Number of visits that ended, and of targets that were observed without a visit, by pictures alone.
     pub observed: usize,
     /// Targets never observed, with the last reason given.
     pub left_out: Vec<(String, String)>,
@@ -112,12 +113,20 @@ pub fn report(
         not_landed,
         landed_away: ending.landed_away(mission, situation.vehicle.position),
         visits: situation.visits.clone(),
-        observed: situation.target_changes.iter().filter(|change| change.state == TargetState::Observed).count(),
+        observed: observed(situation),
         left_out,
         notes: notes(situation),
         plans: situation.adopted,
         names: mission.targets.iter().map(|target| (target.id.clone(), target.name.clone())).collect(),
     }
+}
+
+/// Returns the number of visits that ended, and of targets that were observed without one: several messages may state the same picture.
+fn observed(situation: &Situation) -> usize {
+    let ended = || situation.visits.iter().filter(|visit| visit.end.is_some());
+    let changes = situation.target_changes.iter().filter(|change| change.state == TargetState::Observed);
+    let without_visit = changes.filter(|change| ended().all(|visit| visit.target != change.target));
+    ended().count() + without_visit.map(|change| change.target.as_str()).collect::<BTreeSet<_>>().len()
 }
 
 /// Returns the notes of the flight, with one about a plan that no task flew.

@@ -87,7 +87,7 @@ pub struct RunRow {
     /// Expected cost of ignorance for the same visits at the rates stated in the mission: over many seeds the mean of `realised_cost`
     /// approaches it.
     pub expected_cost_stated: Option<f64>,
-    /// Observations that ended, pictures of targets outside of planned visits included.
+    /// Visits that ended, and targets that were observed without a visit, by pictures alone.
     pub observed: u64,
     /// Targets that were never observed.
     pub left_out: u64,

@@ -41,8 +41,16 @@ fn rows_do_not_depend_on_threads_and_equal_single_flights() {
     };
     assert_eq!(alone[2].score, score);
     assert!(alone.iter().all(|row| row.outcome == RunOutcome::Completed && row.positions > 0));
-    // Pictures outside of planned visits are observations: the mission takes one of each of its two targets.
-    assert!(alone.iter().all(|row| row.observed == 2), "{alone:?}");
+}
+
+/// Targets whose pictures are no planned visits count once, however many messages state the picture: `observed` was 0.
+#[test]
+fn pictures_without_planned_visits_are_observations() {
+    for (name, targets) in [("first-picture", 2), ("diagnosis", 4)] {
+        let terms = RunTerms { first_seed: None, runs: 1, jobs: 1, until: None };
+        let rows = fly_runs(&mission(name), &means(), &terms, || true).unwrap();
+        assert_eq!(rows[0].observed, targets, "{name}");
+    }
 }
 
 #[test]

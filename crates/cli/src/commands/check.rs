@@ -67,9 +67,9 @@ fn check_data(file: &Path, checked: &mut Checked) -> MissionResult<Vec<String>> 
     apex_simulation::world(&mission, None)?;
     requirements::check_wind_at_start(&mission)?;
     ways::check_take_offs(&mission)?;
-    acquisition::check_goals(&mission)?;
     checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped()));
     checked.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
+    acquisition::check_goals(&mission)?;
     Ok(mission.doubts())
 }
 

@@ -74,6 +74,12 @@ struct Mark {
     polygons: Vec<Vec<Ring>>,
 }
 
+impl Mark {
+    fn has_other_than_lines(&self) -> bool {
+        !self.points.is_empty() || self.polygons.iter().any(|rings| !rings.is_empty())
+    }
+}
+
 struct Document<'a> {
     place: &'a str,
     source: &'a str,
@@ -211,6 +217,12 @@ impl Document<'_> {
                     .wrong(offset, format!("a {name} cannot be used"))
                     .help("draw a Point, a LineString or a Polygon; remove other placemarks from the file"));
             }
+            ("Placemark", _) if mark.lines.len() > 1 || !mark.lines.is_empty() && mark.has_other_than_lines() => {
+                return Err(self
+                    .wrong(offset, "a placemark mixes a LineString with another geometry".to_string())
+                    .because("a target or zone has one geometry, and the others would be left out")
+                    .help("make a placemark of each"));
+            }
             ("Placemark", _) => {
                 self.finish(mark);
                 return Ok(());
@@ -238,10 +250,9 @@ impl Document<'_> {
     fn finish(&mut self, mut mark: Mark) {
         mark.polygons.retain(|rings| !rings.is_empty());
         let geometry = match (mark.polygons.len(), mark.points.into_iter().next()) {
-            (0, _) if mark.lines.len() == 1 => {
+            (0, None) if !mark.lines.is_empty() => {
                 GeometryValue::LineString { coordinates: mark.lines.pop().unwrap_or_default() }
             }
-            (0, _) if !mark.lines.is_empty() => GeometryValue::MultiLineString { coordinates: mark.lines },
             (0, Some(coordinates)) => GeometryValue::Point { coordinates },
             (0, None) => {
                 return self.found.push((
@@ -336,6 +347,10 @@ mod tests {
         assert_eq!(link.place.as_deref(), Some("a.kml:2"));
         assert!(link.message.contains("NetworkLink"));
         assert!(wrong("<kml><Placemark><Track/></Placemark></kml>").message.contains("a Track cannot be used"));
+        let mixed = "<kml><Placemark><MultiGeometry><Point><coordinates>1,2</coordinates></Point>\n\
+                     <LineString><coordinates>1,2 1,3</coordinates></LineString></MultiGeometry></Placemark></kml>";
+        assert_eq!(wrong(mixed).place.as_deref(), Some("a.kml:2"));
+        assert!(wrong(mixed).message.contains("mixes a LineString"));
         let twice = "<kml><Placemark><ExtendedData>\n<Data name='acres'><value>400</value></Data>\n\
                      <Data name='acres'><value>4000</value></Data></ExtendedData></Placemark></kml>";
         assert_eq!(wrong(twice).place.as_deref(), Some("a.kml:3"));

@@ -123,9 +123,10 @@ impl NamedFeature {
         self.property(key).is_some()
     }
 
-    /// Returns the names of its properties.
+    /// Returns the names of its properties that have a value.
     pub(crate) fn properties(&self) -> impl Iterator<Item = &str> {
-        self.feature.properties.iter().flat_map(|properties| properties.keys().map(String::as_str))
+        let all = self.feature.properties.iter().flat_map(|properties| properties.iter());
+        all.filter(|(_, value)| !value.is_null()).map(|(name, _)| name.as_str())
     }
 
     fn property(&self, key: &str) -> Option<&JsonValue> {
