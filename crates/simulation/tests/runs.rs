@@ -43,7 +43,7 @@ fn rows_do_not_depend_on_threads_and_equal_single_flights() {
     assert!(alone.iter().all(|row| row.outcome == RunOutcome::Completed && row.positions > 0));
 }
 
-/// Targets whose pictures are no planned visits count once, however many messages state the picture: `observed` was 0.
+/// Targets with pictures outside of planned visits count once, however many messages state the picture: `observed` was 0.
 #[test]
 fn pictures_without_planned_visits_are_observations() {
     for (name, targets) in [("first-picture", 2), ("diagnosis", 4)] {
